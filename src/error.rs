@@ -1,0 +1,66 @@
+//! The one error of the crate.
+
+use std::path::{Path, PathBuf};
+
+/// What went wrong, where, and what to do next.
+///
+/// Every message names the file, the view or the argument, what was expected and what was found.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be read, written or understood.
+    #[error("{}: {problem}", path.display())]
+    File {
+        /// The file, as it was given.
+        path: PathBuf,
+        /// Expected, found, next step.
+        problem: String,
+    },
+    /// A camera's calibration cannot be used.
+    #[error("camera \"{camera}\": {problem}")]
+    Camera {
+        /// The camera's name.
+        camera: String,
+        /// Expected, found, next step.
+        problem: String,
+    },
+    /// One view of a rig cannot be used with what it was given.
+    #[error("view \"{view}\": {problem}")]
+    View {
+        /// The view's name.
+        view: String,
+        /// Expected, found, next step.
+        problem: String,
+    },
+    /// An argument is out of its range.
+    #[error("{0}")]
+    Argument(String),
+    /// ODE is missing, closed, or refused.
+    #[error("ODE: {0}")]
+    Ode(String),
+}
+
+/// A result with the crate's [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// An [`Error::File`].
+    pub fn file(path: impl AsRef<Path>, problem: impl ToString) -> Self {
+        Self::File { path: path.as_ref().to_owned(), problem: problem.to_string() }
+    }
+
+    /// An [`Error::Camera`].
+    pub fn camera(camera: impl ToString, problem: impl ToString) -> Self {
+        Self::Camera { camera: camera.to_string(), problem: problem.to_string() }
+    }
+
+    /// An [`Error::View`].
+    pub fn view(view: impl ToString, problem: impl ToString) -> Self {
+        Self::View { view: view.to_string(), problem: problem.to_string() }
+    }
+
+    /// An [`Error::Argument`].
+    pub fn argument(problem: impl ToString) -> Self {
+        Self::Argument(problem.to_string())
+    }
+}

@@ -4,5 +4,7 @@
 
 pub mod camera;
 mod error;
+pub mod hull;
+pub mod silhouette;
 
 pub use error::{Error, Result};

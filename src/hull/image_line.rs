@@ -1,0 +1,108 @@
+//! The image of a half-line in one view.
+
+use crate::silhouette::Rect;
+use nalgebra::Vector3;
+
+/// A half-line `origin + t direction` in homogeneous image coordinates, `x(t) = x0 + t x1`.
+///
+/// Its image is a line and `u(t)`, `v(t)` are monotonic, so that the `t` at which it crosses a column or row
+/// boundary has a closed form.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ImageLine {
+    x0: Vector3<f64>,
+    x1: Vector3<f64>,
+    rightwards: bool,
+    downwards: bool,
+}
+
+/// Where a line leaves a rectangle of cells, and the cell it enters.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Leave {
+    pub(super) t: f64,
+    side: Side,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Side {
+    Column(i32),
+    Row(i32),
+}
+
+impl ImageLine {
+    pub(super) fn new(x0: Vector3<f64>, x1: Vector3<f64>) -> Self {
+        // The signs of du/dt and dv/dt: the depth squared that divides both is positive.
+        let rightwards = x1.x * x0.z - x0.x * x1.z > 0.0;
+        let downwards = x1.y * x0.z - x0.y * x1.z > 0.0;
+        Self { x0, x1, rightwards, downwards }
+    }
+
+    /// The image position at `t`.
+    pub(super) fn at(&self, t: f64) -> (f64, f64) {
+        let x = self.x0 + self.x1 * t;
+        (x.x / x.z, x.y / x.z)
+    }
+
+    /// The one interval of `t >= 0` in which the line is at least `min_depth` before the camera and its image
+    /// inside `[low, high]`; `None` where there is none.
+    pub(super) fn interval(&self, min_depth: f64, low: (f64, f64), high: (f64, f64)) -> Option<(f64, f64)> {
+        // Each condition times the depth is linear in t: constant + slope t >= 0.
+        let conditions = [
+            (self.x0.z - min_depth, self.x1.z),
+            (self.x0.x - low.0 * self.x0.z, self.x1.x - low.0 * self.x1.z),
+            (high.0 * self.x0.z - self.x0.x, high.0 * self.x1.z - self.x1.x),
+            (self.x0.y - low.1 * self.x0.z, self.x1.y - low.1 * self.x1.z),
+            (high.1 * self.x0.z - self.x0.y, high.1 * self.x1.z - self.x1.y),
+        ];
+        let (mut first, mut last) = (0.0_f64, f64::INFINITY);
+        for (constant, slope) in conditions {
+            if slope > 0.0 {
+                first = first.max(-constant / slope);
+            } else if slope < 0.0 {
+                last = last.min(-constant / slope);
+            } else if constant < 0.0 {
+                return None;
+            }
+        }
+        (first < last).then_some((first, last))
+    }
+
+    /// The `t` at which the image crosses column position `u`.
+    pub(super) fn at_column(&self, u: f64) -> f64 {
+        (u * self.x0.z - self.x0.x) / (self.x1.x - u * self.x1.z)
+    }
+
+    /// The `t` at which the image crosses row position `v`.
+    pub(super) fn at_row(&self, v: f64) -> f64 {
+        (v * self.x0.z - self.x0.y) / (self.x1.y - v * self.x1.z)
+    }
+
+    /// Where the image leaves `cells`, whose corners lie at whole numbers plus `shift`, not before `t`.
+    pub(super) fn leave(&self, cells: &Rect, shift: f64, t: f64) -> Leave {
+        let column = if self.rightwards { cells.x1 } else { cells.x0 };
+        let row = if self.downwards { cells.y1 } else { cells.y0 };
+        let valid = |crossing: f64| if crossing.is_nan() { f64::INFINITY } else { crossing };
+        let by_column = valid(self.at_column(f64::from(column) + shift));
+        let by_row = valid(self.at_row(f64::from(row) + shift));
+        // A line that stands still in one coordinate meets its crossing behind itself or never.
+        let moves = |speed: f64, crossing: f64| if speed == 0.0 { f64::INFINITY } else { crossing };
+        let by_column = moves(self.x1.x * self.x0.z - self.x0.x * self.x1.z, by_column);
+        let by_row = moves(self.x1.y * self.x0.z - self.x0.y * self.x1.z, by_row);
+        if by_column <= by_row {
+            let entered = if self.rightwards { column } else { column - 1 };
+            Leave { t: by_column.max(t), side: Side::Column(entered) }
+        } else {
+            let entered = if self.downwards { row } else { row - 1 };
+            Leave { t: by_row.max(t), side: Side::Row(entered) }
+        }
+    }
+
+    /// The cell that the line enters as it leaves `cells`. The side fixes one coordinate and `cells` bounds the
+    /// other, so that rounding can neither hold a walk up nor throw it off its line.
+    pub(super) fn entered(&self, leave: &Leave, cells: &Rect, shift: f64) -> (i32, i32) {
+        let (u, v) = self.at(leave.t);
+        match leave.side {
+            Side::Column(i) => (i, ((v - shift).floor() as i32).clamp(cells.y0, cells.y1 - 1)),
+            Side::Row(j) => (((u - shift).floor() as i32).clamp(cells.x0, cells.x1 - 1), j),
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! A half-line walked through one view's mask: where along it the view's verdict changes.
+//!
+//! ```text
+//!      :   ....########....   :     one row of a mask; the line crosses it from left to right
+//!   U  : O         I      O   : U   unseen, outside, inside
+//! ```
+//!
+//! Inside the silhouette a step jumps the largest square of subject pixels, which the distance table gives.
+
+use super::image_line::{ImageLine, Leave};
+use super::view::{Verdict, View};
+use crate::camera::MIN_DEPTH;
+use crate::silhouette::{HALF_COVERAGE, Rect, SUBJECT};
+use nalgebra::{Point3, Vector3};
+
+/// Where a silhouette's edge is taken to lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EdgeModel {
+    /// At the sides of its pixels, as the inside test has it.
+    Pixel,
+    /// Where bilinear coverage crosses one half; for a mask without coverage the same as `Pixel`.
+    Coverage,
+}
+
+/// A view's walk along a half-line: the verdict that holds now, and until when it surely holds.
+#[derive(Debug)]
+pub(super) struct March<'a> {
+    view: &'a View,
+    line: ImageLine,
+    /// Cells are pixels (0), or the squares between four pixel centres (one half).
+    shift: f64,
+    /// When the line is in the image.
+    in_image: (f64, f64),
+    /// When it is where subject pixels may be.
+    in_region: (f64, f64),
+    walk: Option<Walk>,
+    verdict: Verdict,
+    until: f64,
+}
+
+/// The part of a walk in one square of cells that are alike, or in one cell that an edge crosses.
+#[derive(Debug)]
+struct Walk {
+    cells: Rect,
+    leave: Leave,
+    /// Crossings of one half still ahead in the cell, the last one first.
+    crossings: [Option<f64>; 2],
+}
+
+impl<'a> March<'a> {
+    pub(super) fn new(view: &'a View, origin: &Point3<f64>, direction: &Vector3<f64>, edge: EdgeModel) -> Self {
+        let silhouette = view.silhouette();
+        let by_coverage = edge == EdgeModel::Coverage && silhouette.has_coverage();
+        let shift = if by_coverage { 0.5 } else { 0.0 };
+        let line = ImageLine::new(view.homogeneous(origin), view.homogeneous_direction(direction));
+        let never = (f64::INFINITY, f64::INFINITY);
+        let image = silhouette.image();
+        let in_image = within(&line, &image, 0.0).unwrap_or(never);
+        // A lens's unseen pixels lie anywhere in the image, so that there the whole image has to be walked.
+        let region = if view.seen().is_some() { image } else { silhouette.rect() };
+        let in_region = within(&line, &region, shift).map(|(t0, t1)| (t0.max(in_image.0), t1.min(in_image.1)));
+        let in_region = in_region.filter(|(t0, t1)| t0 < t1).unwrap_or((in_image.1, in_image.1));
+        let mut march =
+            Self { view, line, shift, in_image, in_region, walk: None, verdict: Verdict::Unseen, until: 0.0 };
+        march.take_up(0.0);
+        march
+    }
+
+    pub(super) fn view(&self) -> &'a View {
+        self.view
+    }
+
+    /// What the view says from the last step on.
+    pub(super) fn verdict(&self) -> Verdict {
+        self.verdict
+    }
+
+    /// The verdict holds up to this `t`, and may change there.
+    pub(super) fn until(&self) -> f64 {
+        self.until
+    }
+
+    /// Goes on to what holds after `until`.
+    pub(super) fn step(&mut self) {
+        let t = self.until;
+        match self.walk.take() {
+            Some(walk) if walk.crossings[0].is_some() => {
+                self.verdict = if self.verdict == Verdict::Inside { Verdict::Outside } else { Verdict::Inside };
+                let walk = Walk { crossings: [walk.crossings[1], None], ..walk };
+                self.until = walk.crossings[0].unwrap_or(walk.leave.t);
+                self.walk = Some(walk);
+            }
+            Some(walk) if t < self.in_region.1 => {
+                let (i, j) = self.line.entered(&walk.leave, &walk.cells, self.shift);
+                self.enter_cell(i, j, t);
+            }
+            Some(_) => self.take_up(self.in_region.1),
+            None => self.take_up(t),
+        }
+    }
+
+    /// Takes the walk up at `t` by position alone.
+    fn take_up(&mut self, t: f64) {
+        let mut rest = |verdict, until| (self.verdict, self.until) = (verdict, until);
+        if t < self.in_image.0 {
+            rest(Verdict::Unseen, self.in_image.0);
+        } else if t < self.in_region.0 {
+            rest(Verdict::Outside, self.in_region.0);
+        } else if t < self.in_region.1 {
+            let (u, v) = self.line.at(t);
+            let image = self.view.silhouette().image();
+            let cell = |x: f64, count: i32| ((x - self.shift).floor() as i32).clamp(-1, count - 1);
+            self.enter_cell(cell(u, image.x1), cell(v, image.y1), t);
+        } else if t < self.in_image.1 {
+            rest(Verdict::Outside, self.in_image.1);
+        } else {
+            rest(Verdict::Unseen, f64::INFINITY);
+        }
+    }
+
+    fn enter_cell(&mut self, i: i32, j: i32, t: f64) {
+        let (verdict, half) = self.cell_verdict(i, j);
+        let cells = Rect::window(i, j, half);
+        let mut leave = self.line.leave(&cells, self.shift, t);
+        leave.t = leave.t.min(self.in_region.1);
+        let mut crossings = [None, None];
+        self.verdict = match verdict {
+            Some(verdict) => verdict,
+            None => {
+                let starts_inside;
+                (starts_inside, crossings) = self.crossings(i, j, t, leave.t);
+                if starts_inside { Verdict::Inside } else { Verdict::Outside }
+            }
+        };
+        self.until = crossings[0].unwrap_or(leave.t);
+        self.walk = Some(Walk { cells, leave, crossings });
+    }
+
+    /// The verdict of cell `(i, j)`, `None` where an edge crosses it, and the half-width of the square around it in
+    /// which the verdict is the same.
+    fn cell_verdict(&self, i: i32, j: i32) -> (Option<Verdict>, i32) {
+        let silhouette = self.view.silhouette();
+        if self.view.seen().is_some() && !self.view.sees(i.max(0), j.max(0)) {
+            return (Some(Verdict::Unseen), 0);
+        }
+        let distances = |i: i32, j: i32| i32::from(silhouette.distance(i, j));
+        let (nearest, farthest) = if self.shift == 0.0 {
+            (distances(i, j), distances(i, j))
+        } else {
+            let corners = [distances(i, j), distances(i + 1, j), distances(i, j + 1), distances(i + 1, j + 1)];
+            (corners.into_iter().min().unwrap_or(0), corners.into_iter().max().unwrap_or(0))
+        };
+        if nearest > 0 {
+            let seen = self.view.seen().map_or(i32::MAX, |seen| i32::from(seen.distance(i.max(0), j.max(0))));
+            (Some(Verdict::Inside), nearest.min(seen) - 1)
+        } else if farthest == 0 {
+            (Some(Verdict::Outside), 0)
+        } else {
+            (None, 0)
+        }
+    }
+
+    /// Whether the walk from `t0` to `t1` through the bilinear cell `(i, j)` starts inside, and where it then
+    /// crosses one half: along a straight line the coverage is a quadratic.
+    fn crossings(&self, i: i32, j: i32, t0: f64, t1: f64) -> (bool, [Option<f64>; 2]) {
+        let [c00, c10, c01, c11] = self.view.silhouette().cell(i, j);
+        let local = |t: f64| {
+            let (u, v) = self.line.at(t);
+            (u - self.shift - f64::from(i), v - self.shift - f64::from(j))
+        };
+        let ((xa, ya), (xb, yb)) = (local(t0), local(t1));
+        let (dx, dy) = (xb - xa, yb - ya);
+        let (right, down, twist) = (c10 - c00, c01 - c00, c00 - c10 - c01 + c11);
+        let start = c00 + right * xa + down * ya + twist * xa * ya - HALF_COVERAGE;
+        let slope = (right + twist * ya) * dx + (down + twist * xa) * dy;
+        let bend = twist * dx * dy;
+        let when = |s: f64| {
+            let t = if dx.abs() > dy.abs() {
+                self.line.at_column(f64::from(i) + self.shift + xa + s * dx)
+            } else {
+                self.line.at_row(f64::from(j) + self.shift + ya + s * dy)
+            };
+            t.clamp(t0, t1)
+        };
+        let roots = roots_within_unit(start, slope, bend);
+        // The sign before the first crossing, taken where it is largest: halfway there.
+        let s = 0.5 * roots[0].unwrap_or(1.0);
+        let starts_inside = start + s * (slope + s * bend) >= 0.0;
+        (starts_inside, roots.map(|root| root.map(when)))
+    }
+}
+
+/// When the image of `line` lies in `cells` grown by half a pixel where cells are shifted, in front of the camera.
+fn within(line: &ImageLine, cells: &Rect, shift: f64) -> Option<(f64, f64)> {
+    let low = (f64::from(cells.x0) - shift, f64::from(cells.y0) - shift);
+    let high = (f64::from(cells.x1) + shift, f64::from(cells.y1) + shift);
+    if cells.is_empty() { None } else { line.interval(MIN_DEPTH, low, high) }
+}
+
+/// The sign changes of `c + b s + a s^2` in `0 < s < 1`, in order.
+fn roots_within_unit(c: f64, b: f64, a: f64) -> [Option<f64>; 2] {
+    let discriminant = b * b - 4.0 * a * c;
+    if discriminant <= 0.0 {
+        return [None, None];
+    }
+    // The stable pair: no cancellation between b and the root.
+    let q = -0.5 * (b + b.signum() * discriminant.sqrt());
+    let inside = |s: f64| (s > 0.0 && s < 1.0).then_some(s);
+    let (r1, r2) = (inside(q / a), inside(c / q));
+    match (r1, r2) {
+        (Some(x), Some(y)) => [Some(x.min(y)), Some(x.max(y))],
+        (root, None) | (None, root) => [root, None],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::roots_within_unit;
+
+    #[test]
+    fn roots_are_the_sign_changes_in_order() {
+        assert_eq!(roots_within_unit(-1.0, 2.0, 0.0), [Some(0.5), None]);
+        assert_eq!(roots_within_unit(1.0, -2.0, 0.0), [Some(0.5), None]);
+        assert_eq!(roots_within_unit(3.0, -16.0, 16.0), [Some(0.25), Some(0.75)]);
+        assert_eq!(roots_within_unit(1.0, 0.0, 1.0), [None, None]);
+        assert_eq!(roots_within_unit(1.0, 0.0, 0.0), [None, None]);
+    }
+}

@@ -1,0 +1,222 @@
+//! The visual hull of one frame: the set of points that every view sees as subject.
+//!
+//! ```text
+//!   camera 1 >- - - - .###. - - -          inside: subject in every view
+//!                     #####   \            response: out along the silhouette's normal, to the nearest exit
+//!                    camera 2  v
+//! ```
+//!
+//! Nothing is reconstructed. Each question is answered in the images: a point is projected into the views, the
+//! nearest silhouette edge is found there, its normal is taken back to the world, and the way out along it is walked
+//! through the masks (paper, section 4). [`reference`] is the same algorithm written to be read.
+
+mod aabb;
+mod data;
+mod ray;
+mod frustum;
+mod image_line;
+mod march;
+pub mod reference;
+mod response;
+mod search;
+mod sweep;
+mod view;
+
+pub use aabb::Aabb;
+pub use data::HullData;
+pub use ray::RayHit;
+pub use march::EdgeModel;
+pub use response::{Push, Response};
+pub use search::NearestEdge;
+pub use view::{Verdict, View};
+
+use nalgebra::Point3;
+
+/// What a view that does not see a point says of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unseen {
+    /// The point is outside, as in the paper: the image's border cuts the hull off.
+    Outside,
+    /// Nothing; but at least this many views must see a point that is inside.
+    Abstain {
+        /// At least 1; two by default, since one view alone bounds nothing in depth.
+        min_views: usize,
+    },
+}
+
+impl Unseen {
+    /// Abstain, with two views needed.
+    pub const ABSTAIN: Self = Self::Abstain { min_views: 2 };
+
+    /// Whether a point is inside, seen as subject by `inside` views, as background by `outside`, by `unseen` not.
+    fn admits(self, inside: usize, outside: usize, unseen: usize) -> bool {
+        match self {
+            Self::Outside => outside == 0 && unseen == 0 && inside > 0,
+            Self::Abstain { min_views } => outside == 0 && inside >= min_views.max(1),
+        }
+    }
+}
+
+/// Which bounding volumes are tested before the masks (paper, section 4.1). All of them change speed, never a verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Culls {
+    /// Per view, the silhouette's bounding rectangle in the image.
+    pub rectangle: bool,
+    /// Per view, the frustum of that rectangle.
+    pub frustum: bool,
+    /// The intersection of the frustums' boxes.
+    pub frustum_box: bool,
+    /// A whole body's box against the hull's.
+    pub body_box: bool,
+}
+
+impl Culls {
+    /// All.
+    pub const ALL: Self = Self { rectangle: true, frustum: true, frustum_box: true, body_box: true };
+    /// None.
+    pub const NONE: Self = Self { rectangle: false, frustum: false, frustum_box: false, body_box: false };
+    /// The ones in use: four plane tests a view cost more than the projection they would save, so the frustums
+    /// themselves are left out.
+    pub const DEFAULT: Self = Self { rectangle: true, frustum: false, frustum_box: true, body_box: true };
+}
+
+/// Why a hull holds no point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Emptiness {
+    /// No view takes part.
+    NoViews,
+    /// This view's mask has no subject pixel.
+    EmptySilhouette {
+        /// Its index.
+        view: usize,
+    },
+    /// What this view sees of its silhouette has no point in common with the work volume and the views before it.
+    NothingInCommon {
+        /// Its index.
+        view: usize,
+    },
+}
+
+/// The visual hull of one frame. Immutable: any number of threads may ask it.
+#[derive(Debug, Clone)]
+pub struct Hull {
+    views: Vec<View>,
+    bounds: Aabb,
+    unseen: Unseen,
+    culls: Culls,
+    time: f64,
+    aabb: Aabb,
+    emptiness: Option<Emptiness>,
+}
+
+impl Hull {
+    /// The hull of `views` inside the work volume `bounds`, seen at `time` seconds.
+    pub fn new(views: Vec<View>, bounds: Aabb, unseen: Unseen, time: f64) -> Self {
+        let (aabb, emptiness) = bounding_box(&views, &bounds, unseen);
+        Self { views, bounds, unseen, culls: Culls::DEFAULT, time, aabb, emptiness }
+    }
+
+    /// The same hull with other culls.
+    pub fn with_culls(mut self, culls: Culls) -> Self {
+        self.culls = culls;
+        self
+    }
+
+    /// All views, the disabled ones too.
+    pub fn views(&self) -> &[View] {
+        &self.views
+    }
+
+    /// The work volume: points outside are outside the hull.
+    pub fn bounds(&self) -> &Aabb {
+        &self.bounds
+    }
+
+    /// The policy for views that do not see a point.
+    pub fn unseen(&self) -> Unseen {
+        self.unseen
+    }
+
+    /// When its silhouettes were seen, in seconds.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// A box around the hull: the intersection of the frustums' boxes with the work volume. Empty for an empty hull.
+    pub fn aabb(&self) -> &Aabb {
+        &self.aabb
+    }
+
+    /// Why the hull is empty and which view emptied it, as far as its bounding volumes tell; `None` where they
+    /// leave room for a point.
+    pub fn emptiness(&self) -> Option<Emptiness> {
+        self.emptiness
+    }
+
+    /// Whether a body whose points lie within `radius` of `centre` can touch the hull at all.
+    pub fn may_touch(&self, centre: &Point3<f64>, radius: f64) -> bool {
+        !self.culls.body_box || self.aabb.grown(radius).contains(centre)
+    }
+
+    /// Whether `p` is inside: subject in every view (paper, section 4.1), see [`Unseen`] for views that miss it.
+    pub fn inside(&self, p: &Point3<f64>) -> bool {
+        self.inside_by(p, EdgeModel::Pixel)
+    }
+
+    /// Whether `p` is inside with the silhouettes' edges taken by `edge`. Contacts begin at the coverage edge, where
+    /// their exits end.
+    pub fn inside_by(&self, p: &Point3<f64>, edge: EdgeModel) -> bool {
+        if !self.bounds.contains(p) || (self.culls.frustum_box && !self.aabb.contains(p)) {
+            return false;
+        }
+        let (mut inside, mut unseen) = (0, 0);
+        for view in self.enabled_views() {
+            match self.verdict(view, p, edge) {
+                Verdict::Inside => inside += 1,
+                Verdict::Unseen => unseen += 1,
+                Verdict::Outside => return false,
+            }
+        }
+        self.unseen.admits(inside, 0, unseen)
+    }
+
+    fn verdict(&self, view: &View, p: &Point3<f64>, edge: EdgeModel) -> Verdict {
+        // A view that may abstain has to say first whether it sees the point.
+        if self.culls.frustum && self.unseen == Unseen::Outside && view.outside_frustum(p) {
+            return Verdict::Outside;
+        }
+        view.verdict(p, edge, self.culls.rectangle)
+    }
+
+    fn enabled_views(&self) -> impl Iterator<Item = &View> {
+        self.views.iter().filter(|view| view.is_enabled())
+    }
+}
+
+/// The intersection of the views' frustum boxes inside `bounds`, and who emptied it.
+fn bounding_box(views: &[View], bounds: &Aabb, unseen: Unseen) -> (Aabb, Option<Emptiness>) {
+    if !views.iter().any(View::is_enabled) {
+        return (Aabb::EMPTY, Some(Emptiness::NoViews));
+    }
+    let mut aabb = *bounds;
+    for (index, view) in views.iter().enumerate().filter(|(_, view)| view.is_enabled()) {
+        // A view bounds nothing where it abstains.
+        if unseen != Unseen::Outside && !view.sees_all_of(bounds) {
+            continue;
+        }
+        aabb = aabb.intersection(&view.frustum_box(bounds));
+        if aabb.is_empty() {
+            let empty = view.silhouette().rect().is_empty();
+            let why = if empty {
+                Emptiness::EmptySilhouette { view: index }
+            } else {
+                Emptiness::NothingInCommon { view: index }
+            };
+            return (Aabb::EMPTY, Some(why));
+        }
+    }
+    (aabb, None)
+}
+
+#[cfg(test)]
+mod tests;

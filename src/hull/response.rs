@@ -1,0 +1,84 @@
+//! The way out for one point (paper, section 4.2).
+
+use super::march::EdgeModel;
+use super::sweep::Sweep;
+use super::{Hull, NearestEdge};
+use nalgebra::{Point2, Point3, Vector2, Vector3};
+
+/// The paper's response of a point inside: `w = c - a`, from the point to where it leaves the hull along the normal
+/// of the nearest silhouette edge.
+#[derive(Debug, Clone, Copy)]
+pub struct Response<'a> {
+    /// The edge that gave the normal.
+    pub nearest: NearestEdge<'a>,
+    /// Unit outward normal.
+    pub normal: Vector3<f64>,
+    /// Metres along the normal to the exit.
+    pub depth: f64,
+}
+
+impl Response<'_> {
+    /// The response vector, in metres.
+    pub fn w(&self) -> Vector3<f64> {
+        self.normal * self.depth
+    }
+}
+
+/// The way out that contacts use: the contact normal, and the exit at the coverage edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Push {
+    /// Unit outward direction.
+    pub direction: Vector3<f64>,
+    /// Metres along it to the exit; may be zero.
+    pub depth: f64,
+}
+
+impl Hull {
+    /// The paper's response of `p`: binary silhouettes, 5x5 normals. `None` outside, and inside a hull none of whose
+    /// views has an edge.
+    pub fn respond(&self, p: &Point3<f64>) -> Option<Response<'_>> {
+        if !self.inside(p) {
+            return None;
+        }
+        let nearest = self.nearest_edge(p)?;
+        let (i, j) = nearest.b;
+        let normal = nearest.view.silhouette().paper_normal(i, j);
+        let centre = Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
+        let normal = nearest.view.backproject_normal(&centre, &normal.unwrap_or_else(|| towards_b(&nearest)));
+        Some(Response { nearest, normal, depth: self.exit(p, &normal, EdgeModel::Pixel) })
+    }
+
+    /// The way out of `p` that contacts use; `None` where `p` is outside by the coverage edge.
+    pub fn push(&self, p: &Point3<f64>) -> Option<Push> {
+        if !self.inside_by(p, EdgeModel::Coverage) {
+            return None;
+        }
+        let nearest = self.nearest_edge(p)?;
+        let direction = self.contact_normal(&nearest);
+        Some(Push { direction, depth: self.exit(p, &direction, EdgeModel::Coverage) })
+    }
+
+    /// Metres from `p`, a point inside, along the unit `direction` to where the hull ends: the nearest exit over the
+    /// views and the work volume.
+    pub fn exit(&self, p: &Point3<f64>, direction: &Vector3<f64>, edge: EdgeModel) -> f64 {
+        Sweep::new(self, p, direction, edge).map_or(0.0, |mut sweep| sweep.exit().t)
+    }
+
+    pub(super) fn contact_normal(&self, nearest: &NearestEdge) -> Vector3<f64> {
+        let (i, j) = nearest.b;
+        match nearest.view.silhouette().edge(i, j) {
+            Some(edge) => nearest.view.backproject_edge(&edge),
+            None => {
+                let centre = Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
+                nearest.view.backproject_normal(&centre, &towards_b(nearest))
+            }
+        }
+    }
+}
+
+/// The image direction from a's pixel to b's, where the mean over a window has none.
+fn towards_b(nearest: &NearestEdge) -> Vector2<f64> {
+    let (i, j) = super::view::whole(nearest.a.u, nearest.a.v);
+    let offset = Vector2::new(f64::from(nearest.b.0 - i), f64::from(nearest.b.1 - j));
+    offset.try_normalize(0.0).unwrap_or_else(|| -Vector2::y())
+}

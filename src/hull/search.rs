@@ -1,0 +1,87 @@
+//! The window search (paper, section 4.2): which view's silhouette edge is nearest to a point inside.
+
+use super::{Hull, View};
+use crate::camera::Pixel;
+
+/// The silhouette edge nearest to a point, by the search over growing windows.
+#[derive(Debug, Clone, Copy)]
+pub struct NearestEdge<'a> {
+    /// The view that decides.
+    pub view: &'a View,
+    /// Where the point appears in it.
+    pub a: Pixel,
+    /// The background pixel that is the projection of the paper's `b`.
+    pub b: (i32, i32),
+}
+
+impl Hull {
+    /// The nearest edge to `p`, a point inside; `None` where no view knows of one.
+    ///
+    /// View i's window at iteration k has half-width `1 + floor(k d_max / d_i)` pixels, with `d_i` the metres that a
+    /// pixel covers at p; the first k at which some window holds background decides, the first view among equals.
+    /// The distance table says without a search at which k that is.
+    pub fn nearest_edge(&self, p: &nalgebra::Point3<f64>) -> Option<NearestEdge<'_>> {
+        let sightings = || self.enabled_views().filter_map(|view| Sighting::of(view, p));
+        let d_max = sightings().map(|sighting| sighting.d).fold(0.0, f64::max);
+        let mut first: Option<(i64, Sighting)> = None;
+        for sighting in sightings() {
+            let growth = d_max / sighting.d;
+            if let Some(k) = first_iteration(sighting.distance(), growth)
+                && first.as_ref().is_none_or(|(sooner, _)| k < *sooner)
+            {
+                first = Some((k, sighting));
+            }
+        }
+        let (k, found) = first?;
+        let half = window_half_width(k, d_max / found.d);
+        let (i, j) = found.pixel;
+        let b = found.view.silhouette().nearest_background(i, j, half)?;
+        Some(NearestEdge { view: found.view, a: found.a, b })
+    }
+}
+
+/// A point as one view sees it.
+struct Sighting<'a> {
+    view: &'a View,
+    a: Pixel,
+    pixel: (i32, i32),
+    d: f64,
+}
+
+impl<'a> Sighting<'a> {
+    fn of(view: &'a View, p: &nalgebra::Point3<f64>) -> Option<Self> {
+        let a = view.project(p)?;
+        let pixel = super::view::whole(a.u, a.v);
+        view.sees(pixel.0, pixel.1).then(|| Self { view, a, pixel, d: view.footprint(&a) })
+    }
+
+    fn distance(&self) -> u16 {
+        self.view.silhouette().distance(self.pixel.0, self.pixel.1)
+    }
+}
+
+/// Half-width of the window at iteration `k`, in pixels.
+pub(super) fn window_half_width(k: i64, growth: f64) -> i32 {
+    1 + (k as f64 * growth).floor() as i32
+}
+
+/// The smallest k whose window reaches a pixel `distance` away; -1 where the point's own pixel is background;
+/// `None` where there is no background.
+fn first_iteration(distance: u16, growth: f64) -> Option<i64> {
+    match distance {
+        0 => Some(-1),
+        u16::MAX => None,
+        _ => {
+            let reaches = |k: i64| window_half_width(k, growth) >= i32::from(distance);
+            // The closed form, put right where the division rounded.
+            let mut k = ((f64::from(distance) - 1.0) / growth).ceil() as i64;
+            while !reaches(k) {
+                k += 1;
+            }
+            while k > 0 && reaches(k - 1) {
+                k -= 1;
+            }
+            Some(k)
+        }
+    }
+}

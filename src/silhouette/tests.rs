@@ -1,0 +1,123 @@
+use super::*;
+use nalgebra::Vector2;
+
+/// A mask whose subject is where `inside` holds at the pixel's centre.
+fn drawn(width: u32, height: u32, inside: impl Fn(f64, f64) -> bool) -> GrayImage {
+    GrayImage::from_fn(width, height, |i, j| {
+        image::Luma([if inside(f64::from(i) + 0.5, f64::from(j) + 0.5) { 255 } else { 0 }])
+    })
+}
+
+/// The same with area coverage from 16x16 samples a pixel.
+fn covered(width: u32, height: u32, inside: impl Fn(f64, f64) -> bool) -> GrayImage {
+    GrayImage::from_fn(width, height, |i, j| {
+        let at = |k: u32| (f64::from(k % 16) + 0.5) / 16.0;
+        let hits = (0..256).filter(|&k| inside(f64::from(i) + at(k), f64::from(j) + at(k / 16))).count();
+        image::Luma([(hits as f64 / 256.0 * 255.0).round() as u8])
+    })
+}
+
+/// A ring with a bite out of it: curved, concave, touching the image's right border.
+fn blob(u: f64, v: f64) -> bool {
+    let r = (u - 40.0).hypot(v - 25.0);
+    (r < 22.0 && r > 6.0 && u + v > 40.0) || (u > 50.0 && (v - 30.0).abs() < 4.0)
+}
+
+fn brute_force_distance(s: &Silhouette, i: i32, j: i32) -> u16 {
+    (0..)
+        .find(|&half| {
+            let window = Rect::window(i, j, half);
+            let mut pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+            pixels.any(|(x, y)| !s.is_subject(x, y))
+        })
+        .unwrap() as u16
+}
+
+#[test]
+fn distance_is_the_half_width_of_the_first_window_with_background() {
+    for border in [Border::Background, Border::Open] {
+        let s = Silhouette::new(drawn(70, 50, blob), border);
+        for j in 0..50 {
+            for i in 0..70 {
+                assert_eq!(s.distance(i, j), brute_force_distance(&s, i, j), "{border:?} ({i}, {j})");
+            }
+        }
+    }
+}
+
+#[test]
+fn nearest_background_is_the_euclidean_then_row_major_first() {
+    let s = Silhouette::new(drawn(70, 50, blob), Border::Background);
+    for (i, j) in (0..50).flat_map(|j| (0..70).map(move |i| (i, j))) {
+        let half = 3 * i32::from(s.distance(i, j));
+        let window = Rect::window(i, j, half);
+        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        let brute = pixels
+            .filter(|&(x, y)| !s.is_subject(x, y))
+            .min_by_key(|&(x, y)| (squared_distance(i, j, x, y), y, x));
+        assert_eq!(s.nearest_background(i, j, half), brute, "({i}, {j})");
+    }
+}
+
+#[test]
+fn rect_is_the_tightest() {
+    let s = Silhouette::new(
+        drawn(70, 50, |u, v| u > 10.0 && u < 20.0 && v > 30.0 && v < 33.0),
+        Border::Background,
+    );
+    assert_eq!(s.rect(), Rect { x0: 10, y0: 30, x1: 20, y1: 33 });
+    assert!(Silhouette::new(GrayImage::new(8, 8), Border::Background).rect().is_empty());
+}
+
+#[test]
+fn a_full_open_image_has_no_edge_and_a_full_closed_one_has_its_border() {
+    let full = drawn(9, 9, |_, _| true);
+    assert_eq!(Silhouette::new(full.clone(), Border::Open).distance(4, 4), u16::MAX);
+    assert_eq!(Silhouette::new(full, Border::Background).distance(4, 4), 5);
+}
+
+#[test]
+fn contact_normals_of_a_straight_edge_are_right_at_every_slope() {
+    for degrees in [0.0_f64, 10.0, 20.0, 30.0, 40.0, 45.0, 77.0] {
+        let normal = Vector2::new(degrees.to_radians().sin(), -degrees.to_radians().cos());
+        let inside = |u: f64, v: f64| (u - 30.3) * normal.x + (v - 30.2) * normal.y < 0.0;
+        // Binary: half a pixel of stair over the 6 px that the window sees, atan(0.5 / 6). Coverage has no stairs.
+        for (mask, worst) in [(drawn(60, 60, inside), 4.8_f64), (covered(60, 60, inside), 1.0)] {
+            let s = Silhouette::new(mask, Border::Open);
+            for (i, j) in s.edge_pixels().filter(|&(i, j)| (12..48).contains(&i) && (12..48).contains(&j)) {
+                let edge = s.edge(i, j).unwrap();
+                let error = edge.normal.angle(&normal).to_degrees();
+                assert!(error < worst, "slope {degrees}: {error} degrees at ({i}, {j})");
+            }
+        }
+    }
+}
+
+#[test]
+fn edge_points_lie_on_a_straight_edge() {
+    let normal = Vector2::new(0.6, -0.8);
+    let offset = |u: f64, v: f64| (u - 30.3) * normal.x + (v - 30.2) * normal.y;
+    let s = Silhouette::new(covered(60, 60, |u, v| offset(u, v) < 0.0), Border::Open);
+    for (i, j) in s.edge_pixels().filter(|&(i, j)| (12..48).contains(&i) && (12..48).contains(&j)) {
+        let point = s.edge(i, j).unwrap().point;
+        // Bilinear interpolation of area coverage: within a tenth of a pixel.
+        assert!(offset(point.x, point.y).abs() < 0.1);
+    }
+}
+
+#[test]
+fn paper_normals_have_the_bias_of_their_square_window() {
+    // Edge slope and the bias of a 5x5 window, in degrees, on the staircase's average.
+    for (slope, bias) in [(0.0_f64, 0.0), (20.0, 5.8), (30.0, 6.6), (45.0, 0.0)] {
+        let normal = Vector2::new(slope.to_radians().sin(), -slope.to_radians().cos());
+        let s = Silhouette::new(
+            drawn(200, 200, |u, v| (u - 100.3) * normal.x + (v - 100.2) * normal.y < 0.0),
+            Border::Open,
+        );
+        let inner = s.edge_pixels().filter(|&(i, j)| (20..180).contains(&i) && (20..180).contains(&j));
+        let errors: Vec<f64> =
+            inner.map(|(i, j)| s.paper_normal(i, j).unwrap().angle(&normal).to_degrees()).collect();
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        assert!(mean >= bias - 2.5 && mean <= bias + 4.0, "slope {slope}: {mean} degrees");
+    }
+}

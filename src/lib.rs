@@ -4,5 +4,9 @@
 
 pub mod camera;
 mod error;
+mod image_file;
+pub mod recording;
+pub mod rig;
+pub mod silhouette;
 
 pub use error::{Error, Result};

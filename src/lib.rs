@@ -5,6 +5,8 @@
 pub mod camera;
 mod error;
 pub mod hull;
+pub mod recording;
+pub mod rig;
 pub mod silhouette;
 
 pub use error::{Error, Result};

@@ -1,0 +1,304 @@
+//! The native rig file: the TOML that anipose, Pose2Sim and caliscope write.
+//!
+//! ```toml
+//! [cam_0]
+//! name = "left"
+//! size = [640, 480]
+//! matrix = [[500.0, 0.0, 319.5], [0.0, 500.0, 239.5], [0.0, 0.0, 1.0]]
+//! distortions = [-0.1, 0.01, 0.0, 0.0, 0.0]
+//! rotation = [1.57, 0.0, 0.0]
+//! translation = [0.0, 1.0, 3.0]
+//! fisheye = false
+//! ```
+//!
+//! One table per camera, in the file's order; a table `metadata` and unknown keys are passed over. The pose is world
+//! to camera, the rotation a Rodrigues vector, lengths are taken as metres. Pixel *centres* are whole numbers in the
+//! file, pixel corners in a [`Camera`]: the principal point moves by one half on the way in and back on the way out.
+
+use super::Rig;
+use crate::camera::{Camera, Distortion};
+use crate::{Error, Result};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use std::fmt::Write;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// From a file's pixel centres at whole numbers to pixel corners at whole numbers.
+const HALF_PIXEL: f64 = 0.5;
+
+/// How far `R^T R` of a rotation given as a matrix may lie from the identity: files carry as few as four digits.
+const ROTATION_TOLERANCE: f64 = 1e-3;
+
+const SIZE: &str = "write size = [width, height] in pixels";
+const MATRIX: &str = "write matrix = [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels";
+const DISTORTIONS: &str = "write distortions = [k1, k2, p1, p2, k3], or [] for none";
+const ROTATION: &str = "write the Rodrigues vector of world to camera, rotation = [rx, ry, rz]";
+const TRANSLATION: &str = "write that of world to camera in metres, translation = [x, y, z]";
+
+impl Rig {
+    /// Reads a rig file.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not UTF-8, and all that [`Rig::from_toml`] refuses; the message starts with
+    /// the path.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| Error::file(path, format!("expected a rig file in TOML, found: {e}")))?;
+        Self::from_toml(&text).map_err(|e| Error::file(path, e))
+    }
+
+    /// Writes a rig file that [`Rig::load`] and the tools named above read.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        let path = path.as_ref();
+        std::fs::write(path, self.to_toml())
+            .map_err(|e| Error::file(path, format!("expected to write a rig file, found: {e}")))
+    }
+
+    /// The rig in the text of a rig file.
+    ///
+    /// # Errors
+    /// Text that is not TOML, a table that is no camera, a key that is missing or of another type or shape, a number
+    /// that is not finite, a fisheye lens, a rotation that is none, and all that [`Camera::new`] and [`Rig::new`]
+    /// refuse. Messages name the line, the camera, its table and the key.
+    pub fn from_toml(text: &str) -> Result<Self> {
+        let document = DeTable::parse(text).map_err(|e| {
+            let line = e.span().map_or(1, |span| line_of(text, span.start));
+            Error::argument(format!("line {line}: expected TOML, found: {}", e.message()))
+        })?;
+        let mut tables: Vec<_> = document.get_ref().iter().collect();
+        tables.sort_by_key(|(title, _)| title.span().start);
+        let cameras = tables
+            .into_iter()
+            .filter(|(title, _)| title.get_ref().as_ref() != "metadata")
+            .map(|(title, value)| CameraTable::new(text, title.get_ref(), value)?.camera())
+            .collect::<Result<Vec<_>>>()?;
+        Self::new(cameras)
+    }
+
+    /// The text of a rig file. Reading it back gives the same rig but for the last digits of rotation and principal
+    /// point.
+    pub fn to_toml(&self) -> String {
+        // Some readers sort the tables, so the numbers in their titles are equally long.
+        let digits = (self.len() - 1).to_string().len();
+        let mut text = String::new();
+        for (i, camera) in self.cameras().iter().enumerate() {
+            let _ = write!(text, "[cam_{i:0digits$}]\n{}\n", camera_to_toml(camera));
+        }
+        text + "[metadata]\nadjusted = false\nerror = 0.0\n"
+    }
+}
+
+fn camera_to_toml(camera: &Camera) -> String {
+    let name = toml::Value::from(camera.name());
+    let (width, height) = camera.size();
+    let mut k = *camera.intrinsics();
+    k[(0, 2)] -= HALF_PIXEL;
+    k[(1, 2)] -= HALF_PIXEL;
+    let row = |r: usize| [k[(r, 0)], k[(r, 1)], k[(r, 2)]];
+    let all = camera.distortion().coefficients();
+    let polynomial = all[5..].iter().all(|&c| c == 0.0);
+    let distortions = if polynomial { &all[..5] } else { &all[..] };
+    let pose = camera.cam_from_world();
+    let rotation: [f64; 3] = pose.rotation.scaled_axis().into();
+    let translation: [f64; 3] = pose.translation.vector.into();
+    // Rust's debug form of a float is the shortest that reads back to the same bits, and valid TOML.
+    format!(
+        "name = {name}\nsize = [{width}, {height}]\nmatrix = {:?}\ndistortions = {distortions:?}\n\
+         rotation = {rotation:?}\ntranslation = {translation:?}\nfisheye = false\n",
+        [row(0), row(1), row(2)]
+    )
+}
+
+fn line_of(text: &str, offset: usize) -> usize {
+    1 + text.bytes().take(offset).filter(|&b| b == b'\n').count()
+}
+
+/// One camera's table, with what an error message about it needs.
+struct CameraTable<'a> {
+    text: &'a str,
+    title: &'a str,
+    line: usize,
+    name: String,
+    entries: &'a DeTable<'a>,
+}
+
+/// The numbers of a possibly nested array, row by row.
+struct Numbers {
+    values: Vec<f64>,
+    shape: Vec<usize>,
+}
+
+impl<'a> CameraTable<'a> {
+    fn new(text: &'a str, title: &'a str, value: &'a Spanned<DeValue<'a>>) -> Result<Self> {
+        let line = line_of(text, value.span().start);
+        let DeValue::Table(entries) = value.get_ref() else {
+            return Err(Error::argument(format!(
+                "line {line}, key `{title}`: expected only tables, one per camera, found {}; move the key to [metadata]",
+                found(value.get_ref())
+            )));
+        };
+        let mut table = Self { text, title, line, name: title.to_owned(), entries };
+        if let Some(name) = table.entry("name") {
+            table.name = match name.get_ref() {
+                DeValue::String(name) => name.to_string(),
+                other => {
+                    let problem = format!("expected a string, found {}; write name = \"...\"", found(other));
+                    return Err(table.fail("name", problem));
+                }
+            };
+        }
+        Ok(table)
+    }
+
+    fn camera(&self) -> Result<Camera> {
+        self.check_lens_model()?;
+        let size = self.size()?;
+        let mut k = Matrix3::from_row_slice(&self.numbers_of_shape("matrix", &[3, 3], MATRIX)?);
+        k[(0, 2)] += HALF_PIXEL;
+        k[(1, 2)] += HALF_PIXEL;
+        let coefficients = self.numbers("distortions", DISTORTIONS)?.values;
+        let distortion = Distortion::from_opencv(&coefficients)
+            .map_err(|e| self.fail("distortions", format!("{e}; {DISTORTIONS}")))?;
+        let rotation = self.rotation()?;
+        let translation = self.numbers_of_length("translation", 3, TRANSLATION)?;
+        let translation = Translation3::new(translation[0], translation[1], translation[2]);
+        Camera::new(&self.name, size, k, distortion, Isometry3::from_parts(translation, rotation))
+    }
+
+    fn check_lens_model(&self) -> Result<()> {
+        match self.entry("fisheye").map(Spanned::get_ref) {
+            None | Some(DeValue::Boolean(false)) => Ok(()),
+            Some(DeValue::Boolean(true)) => Err(self.fail(
+                "fisheye",
+                "expected false, found true: fisheye lenses are not supported yet; undistort the images first and \
+                 calibrate them as a pinhole",
+            )),
+            Some(other) => {
+                Err(self.fail("fisheye", format!("expected true or false, found {}", found(other))))
+            }
+        }
+    }
+
+    fn size(&self) -> Result<(u32, u32)> {
+        let size = self.numbers_of_length("size", 2, SIZE)?;
+        let pixels = |x: f64| (x.fract() == 0.0 && (1.0..=65_535.0).contains(&x)).then_some(x as u32);
+        match (pixels(size[0]), pixels(size[1])) {
+            (Some(width), Some(height)) => Ok((width, height)),
+            _ => {
+                let problem = format!("expected whole numbers from 1 to 65535, found {size:?}; {SIZE}");
+                Err(self.fail("size", problem))
+            }
+        }
+    }
+
+    /// The rotation, from a Rodrigues vector or, as some files have it, from a matrix.
+    fn rotation(&self) -> Result<UnitQuaternion<f64>> {
+        let Numbers { values, shape } = self.numbers("rotation", ROTATION)?;
+        if values.len() == 3 {
+            return Ok(UnitQuaternion::from_scaled_axis(Vector3::from_column_slice(&values)));
+        }
+        if shape != [3, 3] {
+            let problem = format!("expected 3 numbers or 3 x 3, found {}; {ROTATION}", shape_text(&shape));
+            return Err(self.fail("rotation", problem));
+        }
+        let matrix = Matrix3::from_row_slice(&values);
+        let error = (matrix.transpose() * matrix - Matrix3::identity()).abs().max();
+        if error > ROTATION_TOLERANCE || matrix.determinant() < 0.0 {
+            let problem = format!(
+                "expected an orthonormal matrix of determinant 1, found determinant {:.4} and R^T R {error:.1e} off \
+                 the identity; {ROTATION}",
+                matrix.determinant()
+            );
+            return Err(self.fail("rotation", problem));
+        }
+        let nearest = Rotation3::from_matrix_eps(&matrix, 1e-15, 100, Rotation3::identity());
+        Ok(UnitQuaternion::from_rotation_matrix(&nearest))
+    }
+
+    fn numbers_of_length(&self, key: &str, length: usize, next_step: &str) -> Result<Vec<f64>> {
+        let Numbers { values, shape } = self.numbers(key, next_step)?;
+        if values.len() == length {
+            return Ok(values);
+        }
+        let problem = format!("expected {length} numbers, found {}; {next_step}", shape_text(&shape));
+        Err(self.fail(key, problem))
+    }
+
+    fn numbers_of_shape(&self, key: &str, expected: &[usize], next_step: &str) -> Result<Vec<f64>> {
+        let Numbers { values, shape } = self.numbers(key, next_step)?;
+        if shape == expected {
+            return Ok(values);
+        }
+        let (expected, shape) = (shape_text(expected), shape_text(&shape));
+        Err(self.fail(key, format!("expected {expected} numbers, found {shape}; {next_step}")))
+    }
+
+    fn numbers(&self, key: &str, next_step: &str) -> Result<Numbers> {
+        let Some(entry) = self.entry(key) else {
+            return Err(self.fail(key, format!("expected this key, found none; {next_step}")));
+        };
+        let mut values = Vec::new();
+        let shape = flatten(entry.get_ref(), &mut values)
+            .map_err(|problem| self.fail(key, format!("{problem}; {next_step}")))?;
+        if let Some(bad) = values.iter().find(|x| !x.is_finite()) {
+            return Err(self.fail(key, format!("expected finite numbers, found {bad}; calibrate again")));
+        }
+        Ok(Numbers { values, shape })
+    }
+
+    fn entry(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
+        self.entries.iter().find(|(name, _)| name.get_ref().as_ref() == key).map(|(_, value)| value)
+    }
+
+    fn fail(&self, key: &str, problem: impl std::fmt::Display) -> Error {
+        let line = self.entry(key).map_or(self.line, |value| line_of(self.text, value.span().start));
+        Error::camera(&self.name, format!("line {line}, table [{}], key `{key}`: {problem}", self.title))
+    }
+}
+
+/// Appends the numbers of `value`, row by row, and gives its shape: `[]` for a number, `[3, 3]` for three rows of three.
+fn flatten(value: &DeValue, into: &mut Vec<f64>) -> std::result::Result<Vec<usize>, String> {
+    let number = match value {
+        DeValue::Array(array) => {
+            let mut shape = None;
+            for element in array.iter() {
+                let inner = flatten(element.get_ref(), into)?;
+                if *shape.get_or_insert_with(|| inner.clone()) != inner {
+                    return Err("expected rows of equal length, found different ones".into());
+                }
+            }
+            let mut whole = vec![array.iter().count()];
+            whole.extend(shape.unwrap_or_default());
+            return Ok(whole);
+        }
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(integer) => {
+            i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|i| i as f64)
+        }
+        _ => None,
+    };
+    into.push(number.ok_or_else(|| format!("expected numbers, found {}", found(value)))?);
+    Ok(Vec::new())
+}
+
+fn found(value: &DeValue) -> String {
+    match value {
+        DeValue::Integer(integer) => format!("integer {}", integer.as_str()),
+        other => format!("a value of type {}", other.type_str()),
+    }
+}
+
+fn shape_text(shape: &[usize]) -> String {
+    if shape.is_empty() {
+        return "a single number".into();
+    }
+    shape.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ")
+}
+
+#[cfg(test)]
+mod tests;

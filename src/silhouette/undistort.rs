@@ -1,0 +1,233 @@
+//! Masks of a distorted camera, redrawn once as a pinhole camera in the same place would see them.
+//!
+//! ```text
+//!   what the lens saw           what the pinhole sees
+//!   +------------+              +----------------+
+//!   |            |              |\....unseen..../|
+//!   |            |   apply      | )            ( |
+//!   |            |  ------->    | |            | |
+//!   |            |              | )            ( |
+//!   +------------+              |/..............\|
+//!                               +----------------+
+//! ```
+//!
+//! Behind it all geometry is a projection matrix: silhouette edges are straight where the subject's are, and cones,
+//! frusta and ray exits need no lens model.
+
+use crate::camera::{Camera, Distortion};
+use crate::{Error, Result};
+use image::{GrayImage, Luma};
+use nalgebra::{Matrix3, Point2};
+
+/// The way from a distorted camera's masks to those of a pinhole camera in its place, with the same focal lengths.
+///
+/// The pinhole's image is the rectangle around all that the original sees, in whole pixels, at most twice as wide and
+/// twice as high as the original's; what exceeds that, far off the axis, is cut. Its pixels whose centre the original
+/// does not see are *unseen*.
+#[derive(Debug, Clone)]
+pub struct Undistortion {
+    pinhole: Camera,
+    original_size: (u32, u32),
+    taps: Vec<Tap>,
+    seen: GrayImage,
+}
+
+/// Where a pinhole pixel's centre lies in the original image.
+#[derive(Debug, Clone, Copy)]
+struct Tap {
+    /// Index of the upper left of the four pixels around it, or [`UNSEEN`].
+    upper_left: u32,
+    /// How far it lies right of and below that pixel's centre, in units of [`FULL`].
+    right: u16,
+    below: u16,
+}
+
+/// No pixel's index: images have at most 65,535 pixels a side.
+const UNSEEN: u32 = u32::MAX;
+
+/// The fixed-point one of the weights.
+const FULL: u32 = 256;
+
+/// Samples a pixel along the borders of what is seen; the borders curve gently, so that more change nothing.
+const BORDER_SAMPLES: u32 = 2;
+
+/// How many times wider and higher than the original the pinhole's image may be.
+const MOST_ENLARGED: i64 = 2;
+
+/// The largest image side that a camera takes.
+const MOST_PIXELS: i64 = 65_535;
+
+impl Undistortion {
+    /// The undistortion of `camera`'s masks; `None` if the camera has no distortion and so needs none.
+    pub fn new(camera: &Camera) -> Option<Self> {
+        if camera.distortion().is_none() {
+            return None;
+        }
+        let pinhole = pinhole_around(camera)?;
+        let (width, height) = pinhole.size();
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let centre = |(x, y)| Point2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let to_plane = pinhole.intrinsics().try_inverse()?;
+        let taps: Vec<Tap> = pixels
+            .map(|pixel| {
+                let on_plane = apply_affine(&to_plane, centre(pixel));
+                let distorted = camera.distortion().distort(on_plane);
+                Tap::at(distorted.map(|p| apply_affine(camera.intrinsics(), p)), camera.size())
+            })
+            .collect();
+        let seen = taps.iter().map(|tap| if tap.upper_left == UNSEEN { 0 } else { 255 }).collect();
+        let seen = GrayImage::from_raw(width, height, seen)?;
+        Some(Self { pinhole, original_size: camera.size(), taps, seen })
+    }
+
+    /// The pinhole camera: the original's name, pose and focal lengths, its principal point moved by whole pixels.
+    pub fn pinhole(&self) -> &Camera {
+        &self.pinhole
+    }
+
+    /// Which of the pinhole's pixels the original sees: 255 there, 0 elsewhere.
+    pub fn seen(&self) -> &GrayImage {
+        &self.seen
+    }
+
+    /// The pinhole's mask from the original camera's, by bilinear interpolation between pixel centres; unseen pixels
+    /// get `unseen_value`.
+    ///
+    /// # Errors
+    /// A mask of another size than the original camera's image.
+    pub fn apply(&self, mask: &GrayImage, unseen_value: u8) -> Result<GrayImage> {
+        let (width, height) = self.original_size;
+        if mask.dimensions() != self.original_size {
+            let (w, h) = mask.dimensions();
+            let problem = format!(
+                "expected a mask of {width} x {height} pixels as the camera has, found {w} x {h}; \
+                 use masks of the calibrated size"
+            );
+            return Err(Error::view(self.pinhole.name(), problem));
+        }
+        let right = usize::from(width > 1);
+        let below = if height > 1 { width as usize } else { 0 };
+        let source: &[u8] = mask;
+        let values = self.taps.iter().map(|tap| match tap.upper_left {
+            UNSEEN => unseen_value,
+            at => tap.interpolate(&source[at as usize..], right, below),
+        });
+        let (width, height) = self.pinhole.size();
+        let mut image = GrayImage::from_pixel(width, height, Luma([unseen_value]));
+        image.iter_mut().zip(values).for_each(|(pixel, value)| *pixel = value);
+        Ok(image)
+    }
+}
+
+impl Tap {
+    fn at(source: Option<Point2<f64>>, (width, height): (u32, u32)) -> Self {
+        let inside = |p: &Point2<f64>| {
+            (0.0..f64::from(width)).contains(&p.x) && (0.0..f64::from(height)).contains(&p.y)
+        };
+        let Some(source) = source.filter(inside) else {
+            return Self { upper_left: UNSEEN, right: 0, below: 0 };
+        };
+        // Between the outermost centres and the border the value is that of the outermost centre.
+        let split = |position: f64, length: u32| {
+            let from_first_centre = (position - 0.5).clamp(0.0, f64::from(length - 1));
+            let pixel = from_first_centre.floor().min(f64::from(length.saturating_sub(2)));
+            let rest = (from_first_centre - pixel) * f64::from(FULL);
+            (pixel as u32, rest.round() as u16)
+        };
+        let (x, right) = split(source.x, width);
+        let (y, below) = split(source.y, height);
+        Self { upper_left: y * width + x, right, below }
+    }
+
+    /// The value from `pixels`, which start at the upper left one; `right` and `below` are the steps to its neighbours.
+    fn interpolate(self, pixels: &[u8], right: usize, below: usize) -> u8 {
+        let value = |step: usize| u32::from(pixels[step]);
+        let (r, b) = (u32::from(self.right), u32::from(self.below));
+        let upper = value(0) * (FULL - r) + value(right) * r;
+        let lower = value(below) * (FULL - r) + value(below + right) * r;
+        ((upper * (FULL - b) + lower * b + FULL * FULL / 2) / (FULL * FULL)) as u8
+    }
+}
+
+/// The pinhole camera whose image is the rectangle around what `camera` sees.
+///
+/// `None` does not happen: the intrinsics of a camera can be inverted, and the rest is the camera's own.
+fn pinhole_around(camera: &Camera) -> Option<Camera> {
+    let (width, height) = camera.size();
+    let mut k = *camera.intrinsics();
+    let mut border = border_on_plane(camera)?.into_iter().map(|p| apply_affine(&k, p));
+    // Without a border the model sees nothing of the image, and the pinhole gets one unseen pixel.
+    let first = border.next().unwrap_or(Point2::new(k[(0, 2)], k[(1, 2)]));
+    let (low, high) = border.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
+    let (left, new_width) = side(low.x, high.x, k[(0, 2)], width);
+    let (top, new_height) = side(low.y, high.y, k[(1, 2)], height);
+    k[(0, 2)] -= left as f64;
+    k[(1, 2)] -= top as f64;
+    Camera::new(camera.name(), (new_width, new_height), k, Distortion::none(), *camera.cam_from_world()).ok()
+}
+
+/// Points on the plane at depth 1 around the border of what `camera` sees: the image's border where the lens model
+/// reaches it, the rim of the model's range where that lies inside the image.
+fn border_on_plane(camera: &Camera) -> Option<Vec<Point2<f64>>> {
+    let (width, height) = (f64::from(camera.size().0), f64::from(camera.size().1));
+    let k = camera.intrinsics();
+    let to_plane = k.try_inverse()?;
+    let lens = camera.distortion();
+    let along = |length: f64| {
+        let n = (length as u32) * BORDER_SAMPLES;
+        (0..=n).map(move |i| length * f64::from(i) / f64::from(n))
+    };
+    let rows = along(width).flat_map(|u| [Point2::new(u, 0.0), Point2::new(u, height)]);
+    let columns = along(height).flat_map(|v| [Point2::new(0.0, v), Point2::new(width, v)]);
+    let image_border = rows.chain(columns);
+    let mut border: Vec<_> =
+        image_border.filter_map(|p| lens.undistort(apply_affine(&to_plane, p))).collect();
+    if let Some(radius) = range_radius(lens) {
+        let n = 2.0 * (width + height) * f64::from(BORDER_SAMPLES);
+        let rim = (0..n as u32).map(|i| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / n).sin_cos();
+            Point2::new(radius * cos, radius * sin)
+        });
+        border.extend(rim.filter(|&q| {
+            let image = lens.distort(q).map(|p| apply_affine(k, p));
+            image.is_some_and(|p| (0.0..=width).contains(&p.x) && (0.0..=height).contains(&p.y))
+        }));
+    }
+    Some(border)
+}
+
+/// The radius up to which the lens model holds, just inside; `None` if it holds everywhere.
+fn range_radius(lens: &Distortion) -> Option<f64> {
+    let holds = |radius: f64| lens.distort(Point2::new(radius, 0.0)).is_some();
+    let (mut inside, mut outside) = (0.0, 1e6);
+    if holds(outside) {
+        return None;
+    }
+    // Halving the interval 80 times is past the last bit; the factor keeps the rim inside when it is turned around.
+    for _ in 0..80 {
+        let middle = 0.5 * (inside + outside);
+        *(if holds(middle) { &mut inside } else { &mut outside }) = middle;
+    }
+    Some(inside * (1.0 - 1e-12))
+}
+
+/// First pixel and length of the pinhole image's side that covers `low..high`; a side that would be too long is the
+/// part nearest to the optical axis.
+fn side(low: f64, high: f64, axis: f64, original: u32) -> (i64, u32) {
+    let (first, last) = (low.floor() as i64, high.ceil() as i64);
+    let longest = (MOST_ENLARGED * i64::from(original)).min(MOST_PIXELS);
+    let length = last.saturating_sub(first).clamp(1, longest);
+    if last.saturating_sub(first) <= longest {
+        return (first, length as u32);
+    }
+    let centred = (axis - length as f64 / 2.0).round() as i64;
+    (centred.clamp(first, last - length), length as u32)
+}
+
+/// `m` applied to a point of an image or of the plane at depth 1; its last row is `0 0 1`.
+fn apply_affine(m: &Matrix3<f64>, p: Point2<f64>) -> Point2<f64> {
+    Point2::from((m * p.to_homogeneous()).xy())
+}
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,7 @@
 pub mod camera;
 mod error;
 pub mod hull;
+mod image_file;
 pub mod recording;
 pub mod rig;
 pub mod silhouette;

@@ -46,7 +46,13 @@ struct Slot {
 
 impl Default for State {
     fn default() -> Self {
-        Self { views: Vec::new(), bounds: None, unseen: Unseen::Outside, frames: VecDeque::new(), published: 0 }
+        Self {
+            views: Vec::new(),
+            bounds: None,
+            unseen: Unseen::Outside,
+            frames: VecDeque::new(),
+            published: 0,
+        }
     }
 }
 
@@ -64,7 +70,10 @@ impl HullData {
         let slot = Slot::new(camera);
         let mut state = self.lock();
         if state.views.iter().any(|other| other.name() == slot.name()) {
-            return Err(Error::view(slot.name(), "expected a name of its own, found another view with the same name"));
+            return Err(Error::view(
+                slot.name(),
+                "expected a name of its own, found another view with the same name",
+            ));
         }
         state.views.push(slot);
         Ok(state.views.len() - 1)
@@ -98,7 +107,9 @@ impl HullData {
     /// `min_views` of zero.
     pub fn set_unseen(&self, unseen: Unseen) -> Result<()> {
         if unseen == (Unseen::Abstain { min_views: 0 }) {
-            return Err(Error::argument("min_views: expected at least 1, found 0; one view alone bounds no depth"));
+            return Err(Error::argument(
+                "min_views: expected at least 1, found 0; one view alone bounds no depth",
+            ));
         }
         let mut state = self.lock();
         if border_of(state.unseen) != border_of(unseen) {
@@ -186,10 +197,14 @@ impl State {
 
     fn frame(&self, time: f64) -> Result<Hull> {
         if self.views.is_empty() {
-            return Err(Error::argument("expected at least one view, found none; add views before the update"));
+            return Err(Error::argument(
+                "expected at least one view, found none; add views before the update",
+            ));
         }
         let Some(bounds) = self.bounds else {
-            return Err(Error::argument("expected a work volume, found none; set the bounds before the update"));
+            return Err(Error::argument(
+                "expected a work volume, found none; set the bounds before the update",
+            ));
         };
         if !time.is_finite() {
             return Err(Error::argument(format!("expected a finite frame time in seconds, found {time}")));
@@ -207,7 +222,8 @@ impl State {
 impl Slot {
     fn new(camera: Camera) -> Self {
         let lens = Undistortion::new(&camera).map(Arc::new);
-        let seen = lens.as_ref().map(|lens| Arc::new(Silhouette::new(lens.seen().clone(), Border::Background)));
+        let seen =
+            lens.as_ref().map(|lens| Arc::new(Silhouette::new(lens.seen().clone(), Border::Background)));
         let camera = Arc::new(camera);
         let pinhole = lens.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
         Self { camera, pinhole, lens, seen, mask: None, silhouette: None, enabled: true }
@@ -249,7 +265,8 @@ impl Slot {
             let problem = "expected a mask before the first update, found none; set one, or disable the view";
             return Err(Error::view(self.name(), problem));
         };
-        let view = View::new(self.pinhole.clone(), silhouette.clone(), self.seen.clone()).with_enabled(self.enabled);
+        let view =
+            View::new(self.pinhole.clone(), silhouette.clone(), self.seen.clone()).with_enabled(self.enabled);
         if self.enabled && !view.sees_some_of(bounds) {
             let centre = self.camera.centre();
             let forward = self.camera.forward();

@@ -36,14 +36,25 @@ pub(super) fn clipped_box(bounds: &Aabb, camera: &Camera, planes: &[Vector3<f64>
     }
     let aabb = Aabb::of_points(&corners);
     // A cull must never change a verdict: more than the rounding of a clipped corner, less than any pixel.
-    if aabb.is_empty() { aabb } else { aabb.grown(1e-9 * (bounds.max - bounds.min).norm()).intersection(bounds) }
+    if aabb.is_empty() {
+        aabb
+    } else {
+        aabb.grown(1e-9 * (bounds.max - bounds.min).norm()).intersection(bounds)
+    }
 }
 
 /// The six faces of a box as quadrilaterals.
 fn faces(aabb: &Aabb) -> [Vec<Point3<f64>>; 6] {
     let corners = aabb.corners();
     let quad = |a: usize, b: usize, c: usize, d: usize| vec![corners[a], corners[b], corners[c], corners[d]];
-    [quad(0, 2, 6, 4), quad(1, 3, 7, 5), quad(0, 1, 5, 4), quad(2, 3, 7, 6), quad(0, 1, 3, 2), quad(4, 5, 7, 6)]
+    [
+        quad(0, 2, 6, 4),
+        quad(1, 3, 7, 5),
+        quad(0, 1, 5, 4),
+        quad(2, 3, 7, 6),
+        quad(0, 1, 3, 2),
+        quad(4, 5, 7, 6),
+    ]
 }
 
 /// The part of a convex polygon behind the plane through `on` with normal `outward`.

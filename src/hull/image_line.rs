@@ -80,13 +80,8 @@ impl ImageLine {
     pub(super) fn leave(&self, cells: &Rect, shift: f64, t: f64) -> Leave {
         let column = if self.rightwards { cells.x1 } else { cells.x0 };
         let row = if self.downwards { cells.y1 } else { cells.y0 };
-        let valid = |crossing: f64| if crossing.is_nan() { f64::INFINITY } else { crossing };
-        let by_column = valid(self.at_column(f64::from(column) + shift));
-        let by_row = valid(self.at_row(f64::from(row) + shift));
-        // A line that stands still in one coordinate meets its crossing behind itself or never.
-        let moves = |speed: f64, crossing: f64| if speed == 0.0 { f64::INFINITY } else { crossing };
-        let by_column = moves(self.x1.x * self.x0.z - self.x0.x * self.x1.z, by_column);
-        let by_row = moves(self.x1.y * self.x0.z - self.x0.y * self.x1.z, by_row);
+        let by_column = self.ahead(self.at_column(f64::from(column) + shift));
+        let by_row = self.ahead(self.at_row(f64::from(row) + shift));
         if by_column <= by_row {
             let entered = if self.rightwards { column } else { column - 1 };
             Leave { t: by_column.max(t), side: Side::Column(entered) }
@@ -94,6 +89,12 @@ impl ImageLine {
             let entered = if self.downwards { row } else { row - 1 };
             Leave { t: by_row.max(t), side: Side::Row(entered) }
         }
+    }
+
+    /// A line that nears its vanishing point never reaches some borders: there the formula gives a crossing behind
+    /// the camera, and for a coordinate that stands still none at all.
+    fn ahead(&self, crossing: f64) -> f64 {
+        if crossing.is_finite() && self.x0.z + crossing * self.x1.z > 0.0 { crossing } else { f64::INFINITY }
     }
 
     /// The cell that the line enters as it leaves `cells`. The side fixes one coordinate and `cells` bounds the

@@ -10,7 +10,7 @@
 use super::image_line::{ImageLine, Leave};
 use super::view::{Verdict, View};
 use crate::camera::MIN_DEPTH;
-use crate::silhouette::{HALF_COVERAGE, Rect, SUBJECT};
+use crate::silhouette::{HALF_COVERAGE, Rect};
 use nalgebra::{Point3, Vector3};
 
 /// Where a silhouette's edge is taken to lie.
@@ -48,7 +48,12 @@ struct Walk {
 }
 
 impl<'a> March<'a> {
-    pub(super) fn new(view: &'a View, origin: &Point3<f64>, direction: &Vector3<f64>, edge: EdgeModel) -> Self {
+    pub(super) fn new(
+        view: &'a View,
+        origin: &Point3<f64>,
+        direction: &Vector3<f64>,
+        edge: EdgeModel,
+    ) -> Self {
         let silhouette = view.silhouette();
         let by_coverage = edge == EdgeModel::Coverage && silhouette.has_coverage();
         let shift = if by_coverage { 0.5 } else { 0.0 };
@@ -58,7 +63,8 @@ impl<'a> March<'a> {
         let in_image = within(&line, &image, 0.0).unwrap_or(never);
         // A lens's unseen pixels lie anywhere in the image, so that there the whole image has to be walked.
         let region = if view.seen().is_some() { image } else { silhouette.rect() };
-        let in_region = within(&line, &region, shift).map(|(t0, t1)| (t0.max(in_image.0), t1.min(in_image.1)));
+        let in_region =
+            within(&line, &region, shift).map(|(t0, t1)| (t0.max(in_image.0), t1.min(in_image.1)));
         let in_region = in_region.filter(|(t0, t1)| t0 < t1).unwrap_or((in_image.1, in_image.1));
         let mut march =
             Self { view, line, shift, in_image, in_region, walk: None, verdict: Verdict::Unseen, until: 0.0 };
@@ -85,7 +91,8 @@ impl<'a> March<'a> {
         let t = self.until;
         match self.walk.take() {
             Some(walk) if walk.crossings[0].is_some() => {
-                self.verdict = if self.verdict == Verdict::Inside { Verdict::Outside } else { Verdict::Inside };
+                self.verdict =
+                    if self.verdict == Verdict::Inside { Verdict::Outside } else { Verdict::Inside };
                 let walk = Walk { crossings: [walk.crossings[1], None], ..walk };
                 self.until = walk.crossings[0].unwrap_or(walk.leave.t);
                 self.walk = Some(walk);
@@ -147,7 +154,8 @@ impl<'a> March<'a> {
         let (nearest, farthest) = if self.shift == 0.0 {
             (distances(i, j), distances(i, j))
         } else {
-            let corners = [distances(i, j), distances(i + 1, j), distances(i, j + 1), distances(i + 1, j + 1)];
+            let corners =
+                [distances(i, j), distances(i + 1, j), distances(i, j + 1), distances(i + 1, j + 1)];
             (corners.into_iter().min().unwrap_or(0), corners.into_iter().max().unwrap_or(0))
         };
         if nearest > 0 {

@@ -12,10 +12,10 @@
 
 mod aabb;
 mod data;
-mod ray;
 mod frustum;
 mod image_line;
 mod march;
+mod ray;
 pub mod reference;
 mod response;
 mod search;
@@ -24,8 +24,8 @@ mod view;
 
 pub use aabb::Aabb;
 pub use data::HullData;
-pub use ray::RayHit;
 pub use march::EdgeModel;
+pub use ray::RayHit;
 pub use response::{Push, Response};
 pub use search::NearestEdge;
 pub use view::{Verdict, View};

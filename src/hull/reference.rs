@@ -62,9 +62,11 @@ fn window_search(hull: &Hull, a: &Point3<f64>) -> Option<(usize, (i32, i32))> {
         Some((right - a).norm().min((below - a).norm()))
     };
     let enabled = || hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
-    let sizes: Vec<_> = enabled().filter_map(|(index, view)| Some((index, view, pixel_size(view)?))).collect();
+    let sizes: Vec<_> =
+        enabled().filter_map(|(index, view)| Some((index, view, pixel_size(view)?))).collect();
     let d_max = sizes.iter().map(|&(.., d)| d).fold(0.0, f64::max);
-    let largest = hull.views().iter().map(|view| view.silhouette().image()).map(|r| r.width() + r.height()).max()?;
+    let largest =
+        hull.views().iter().map(|view| view.silhouette().image()).map(|r| r.width() + r.height()).max()?;
     for k in 0..largest as i64 {
         for &(index, view, d) in &sizes {
             let (i, j) = view.pixel(a)?;
@@ -100,8 +102,10 @@ pub fn exit(hull: &Hull, a: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
 fn pixel_borders(view: &View, a: &Point3<f64>, direction: &Vector3<f64>) -> impl Iterator<Item = f64> {
     let (x0, x1) = (view.homogeneous(a), view.homogeneous_direction(direction));
     let image = view.silhouette().image();
-    let columns = (image.x0..=image.x1).map(move |u| f64::from(u)).map(move |u| (u * x0.z - x0.x) / (x1.x - u * x1.z));
-    let rows = (image.y0..=image.y1).map(move |v| f64::from(v)).map(move |v| (v * x0.z - x0.y) / (x1.y - v * x1.z));
+    let columns =
+        (image.x0..=image.x1).map(move |u| f64::from(u)).map(move |u| (u * x0.z - x0.x) / (x1.x - u * x1.z));
+    let rows =
+        (image.y0..=image.y1).map(move |v| f64::from(v)).map(move |v| (v * x0.z - x0.y) / (x1.y - v * x1.z));
     let plane = (MIN_DEPTH - x0.z) / x1.z;
     columns.chain(rows).chain([plane]).filter(|t| t.is_finite())
 }

@@ -1,0 +1,246 @@
+//! The hull in use against the reference and against invariants of the paper, on masks drawn here: a ball and a slab
+//! with a hole, seen by cameras at odd places.
+
+use super::*;
+use crate::camera::{Camera, Ray};
+use crate::silhouette::{Border, Silhouette};
+use image::{GrayImage, Luma};
+use nalgebra::{Vector3, point, vector};
+use std::sync::Arc;
+
+/// A small fixed-seed generator: splitmix64.
+pub(super) struct Random(pub u64);
+
+impl Random {
+    pub(super) fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn point(&mut self, aabb: &Aabb) -> Point3<f64> {
+        let extent = aabb.max - aabb.min;
+        aabb.min + extent.map(|e| e * self.unit())
+    }
+
+    fn direction(&mut self) -> Vector3<f64> {
+        loop {
+            let v = vector![self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5];
+            if v.norm() > 0.1 && v.norm() < 0.5 {
+                return v.normalize();
+            }
+        }
+    }
+}
+
+fn bounds() -> Aabb {
+    Aabb::new(point![-0.6, -0.6, -0.1], point![0.6, 0.6, 0.9]).unwrap()
+}
+
+fn cameras() -> Vec<Camera> {
+    let eyes = [[2.0, 0.2, 0.5], [0.1, 2.2, 1.4], [-1.8, -1.1, 0.3], [0.3, -0.2, 2.9], [1.2, -1.6, 1.0]];
+    let fov = [0.9, 0.8, 1.0, 0.7, 0.95];
+    let look = |k: usize| {
+        let eye = Point3::from(eyes[k]);
+        Camera::look_at(
+            format!("cam{k}"),
+            (160, 120),
+            fov[k],
+            eye,
+            point![0.0, 0.0, 0.35],
+            vector![0.02, 0.1, 1.0],
+        )
+    };
+    (0..5).map(|k| look(k).unwrap()).collect()
+}
+
+/// Whether the ray of an image position meets the subject: a ball of 0.3 m, and in the third view also a slab.
+fn sees_subject(ray: &Ray, with_slab: bool) -> bool {
+    let to_centre = point![0.05, 0.0, 0.35] - ray.origin;
+    let nearest = ray.origin + ray.direction * to_centre.dot(&ray.direction);
+    let slab = ray.origin + ray.direction * ((0.2 - ray.origin.z) / ray.direction.z);
+    let on_slab = slab.x.abs() < 0.5 && slab.y.abs() < 0.25 && (slab.x - 0.38).hypot(slab.y) > 0.06;
+    (nearest - point![0.05, 0.0, 0.35]).norm() < 0.3 || (with_slab && on_slab)
+}
+
+fn mask(camera: &Camera, samples: u32) -> GrayImage {
+    let (width, height) = camera.size();
+    GrayImage::from_fn(width, height, |i, j| {
+        let offset = |k: u32| (f64::from(k) + 0.5) / f64::from(samples);
+        let hit = |k: u32| {
+            let (u, v) = (f64::from(i) + offset(k % samples), f64::from(j) + offset(k / samples));
+            sees_subject(&camera.ray(u, v).unwrap(), true)
+        };
+        let hits = (0..samples * samples).filter(|&k| hit(k)).count() as f64;
+        Luma([(255.0 * hits / f64::from(samples * samples)).round() as u8])
+    })
+}
+
+fn hull(unseen: Unseen, samples: u32) -> Hull {
+    let border = if unseen == Unseen::Outside { Border::Background } else { Border::Open };
+    let view = |camera: Camera| {
+        let silhouette = Silhouette::new(mask(&camera, samples), border);
+        View::new(Arc::new(camera), Arc::new(silhouette), None)
+    };
+    Hull::new(cameras().into_iter().map(view).collect(), bounds(), unseen, 0.0)
+}
+
+const POLICIES: [Unseen; 2] = [Unseen::Outside, Unseen::Abstain { min_views: 3 }];
+
+#[test]
+fn inside_agrees_with_the_reference_whatever_the_culls() {
+    for unseen in POLICIES {
+        let with_all = hull(unseen, 1).with_culls(Culls::ALL);
+        let with_none = with_all.clone().with_culls(Culls::NONE);
+        let mut random = Random(1);
+        for _ in 0..20_000 {
+            let p = random.point(&bounds().grown(0.05));
+            let expected = reference::inside(&with_all, &p);
+            assert_eq!(with_none.inside(&p), expected, "{p}");
+            assert_eq!(with_all.inside(&p), expected, "{p}");
+            assert_eq!(with_none.inside_by(&p, EdgeModel::Coverage), expected, "{p}");
+        }
+    }
+}
+
+#[test]
+fn the_box_holds_every_inside_point() {
+    for samples in [1, 4] {
+        let hull = hull(Unseen::Outside, samples).with_culls(Culls::NONE);
+        let mut random = Random(2);
+        for _ in 0..20_000 {
+            let p = random.point(&bounds());
+            let inside = hull.inside(&p) || hull.inside_by(&p, EdgeModel::Coverage);
+            assert!(!inside || hull.aabb().contains(&p));
+        }
+    }
+}
+
+#[test]
+fn responses_agree_with_the_reference() {
+    for unseen in POLICIES {
+        let hull = hull(unseen, 1);
+        let mut random = Random(3);
+        let mut asked = 0;
+        while asked < 400 {
+            let p = random.point(hull.aabb());
+            let (found, expected) = (hull.respond(&p), reference::respond(&hull, &p));
+            let Some(expected) = expected else {
+                assert!(found.is_none());
+                continue;
+            };
+            let found = found.unwrap();
+            assert_eq!(found.nearest.view.name(), hull.views()[expected.view].name(), "{p}");
+            assert_eq!(found.nearest.b, expected.b, "{p}");
+            // Both find the same pixel border in closed form.
+            assert!((found.depth - expected.depth).abs() < 1e-9, "{p}: {} {}", found.depth, expected.depth);
+            asked += 1;
+        }
+    }
+}
+
+#[test]
+fn exits_in_any_direction_agree_with_the_reference() {
+    for unseen in POLICIES {
+        let hull = hull(unseen, 1);
+        let mut random = Random(4);
+        let mut asked = 0;
+        while asked < 400 {
+            let (p, direction) = (random.point(hull.aabb()), random.direction());
+            if hull.inside(&p) {
+                let found = hull.exit(&p, &direction, EdgeModel::Pixel);
+                let expected = reference::exit(&hull, &p, &direction);
+                assert!((found - expected).abs() < 1e-9, "{p} {direction}: {found} {expected}");
+                asked += 1;
+            }
+        }
+    }
+}
+
+#[test]
+fn coverage_exits_are_where_bilinear_coverage_falls_below_one_half() {
+    let hull = hull(Unseen::Outside, 8);
+    let mut random = Random(5);
+    let mut asked = 0;
+    while asked < 300 {
+        let (p, direction) = (random.point(hull.aabb()), random.direction());
+        if hull.inside_by(&p, EdgeModel::Coverage) {
+            let t = hull.exit(&p, &direction, EdgeModel::Coverage);
+            let at = |t: f64| hull.inside_by(&(p + direction * t), EdgeModel::Coverage);
+            assert!(!at(t + 1e-9), "{p}");
+            // Nothing was jumped over: inside all the way, by steps of a hundredth of a pixel.
+            let steps = (t / 1e-4) as usize;
+            assert!((0..steps).all(|k| at(t * (k as f64 + 0.5) / (steps as f64 + 0.5))), "{p} {direction}");
+            asked += 1;
+        }
+    }
+}
+
+#[test]
+fn a_point_moved_by_its_response_has_left() {
+    let hull = hull(Unseen::Outside, 1);
+    let mut random = Random(6);
+    for _ in 0..4000 {
+        let p = random.point(hull.aabb());
+        if let Some(response) = hull.respond(&p) {
+            assert!(!hull.inside(&(p + response.normal * (response.depth + 1e-9))));
+        }
+    }
+}
+
+#[test]
+fn a_ray_from_outside_enters_and_leaves_where_the_verdict_changes() {
+    for unseen in POLICIES {
+        let hull = hull(unseen, 1);
+        let mut random = Random(7);
+        let (mut hits, mut facing) = (0, 0);
+        for _ in 0..2000 {
+            let origin = random.point(&bounds().grown(0.5));
+            let ray = Ray { origin, direction: (random.point(hull.aabb()) - origin).normalize() };
+            let inside = |t: f64| hull.inside(&ray.at(t));
+            let Some((entry, exit)) = hull.first_span(&ray) else {
+                assert!((0..4000).all(|k| !inside(f64::from(k) * 1e-3)));
+                continue;
+            };
+            let start = entry.map_or(0.0, |hit| hit.t);
+            assert_eq!(entry.is_none(), inside(0.0));
+            assert!(inside(0.5 * (start + start.min(exit.t) + 1e-9)) || exit.t - start < 2e-9);
+            assert!(!inside(exit.t + 1e-9));
+            assert!(entry.is_none_or(|hit| !inside(hit.t - 1e-9)));
+            hits += 1;
+            facing += usize::from(entry.is_none_or(|hit| hit.normal.dot(&ray.direction) < 0.0));
+        }
+        assert!(hits > 300);
+        // Where a ray grazes, the normal of a stair of pixels may point either way.
+        assert!(facing > hits * 95 / 100, "{facing} of {hits}");
+    }
+}
+
+#[test]
+fn a_view_that_does_not_see_the_point_decides_by_the_policy() {
+    let mut views: Vec<View> = hull(Unseen::ABSTAIN, 1).views().to_vec();
+    let away =
+        Camera::look_at("away", (64, 48), 0.2, point![3.0, 0.0, 0.3], point![3.0, 3.0, 0.3], Vector3::z());
+    let blank = Silhouette::new(GrayImage::new(64, 48), Border::Open);
+    views.push(View::new(Arc::new(away.unwrap()), Arc::new(blank), None));
+    let middle = point![0.05, 0.0, 0.35];
+    assert!(Hull::new(views.clone(), bounds(), Unseen::ABSTAIN, 0.0).inside(&middle));
+    assert!(!Hull::new(views.clone(), bounds(), Unseen::Abstain { min_views: 6 }, 0.0).inside(&middle));
+    assert!(!Hull::new(views, bounds(), Unseen::Outside, 0.0).inside(&middle));
+}
+
+#[test]
+fn an_empty_hull_tells_which_view_emptied_it() {
+    let mut views: Vec<View> = hull(Unseen::Outside, 1).views().to_vec();
+    let camera = cameras().swap_remove(3);
+    let blank = Silhouette::new(GrayImage::new(160, 120), Border::Background);
+    views[3] = View::new(Arc::new(camera), Arc::new(blank), None);
+    let emptied = Hull::new(views.clone(), bounds(), Unseen::Outside, 0.0);
+    assert_eq!(emptied.emptiness(), Some(Emptiness::EmptySilhouette { view: 3 }));
+    assert!(emptied.aabb().is_empty());
+    views[3] = views[3].clone().with_enabled(false);
+    assert_eq!(Hull::new(views.clone(), bounds(), Unseen::Outside, 0.0).emptiness(), None);
+    assert_eq!(Hull::new(Vec::new(), bounds(), Unseen::Outside, 0.0).emptiness(), Some(Emptiness::NoViews));
+}

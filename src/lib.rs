@@ -4,5 +4,7 @@
 
 pub mod camera;
 mod error;
+pub mod segment;
+pub mod synthetic;
 
 pub use error::{Error, Result};

@@ -10,8 +10,8 @@
 //!                                                      └──► render, clean_plate, render_depth ──► noise
 //! ```
 //!
-//! Metres and radians, z up, floor at z = 0. A silhouette is decided by exact ray casting: by rounding errors
-//! alone, about 1e-12 m.
+//! Metres and radians, z up, floor at z = 0. A silhouette is decided by exact ray casting, grazing rays included: to a
+//! nanometre at the distances of a studio.
 //!
 //! # Trying a layout
 //!

@@ -48,9 +48,9 @@ fn trunk(sink: Vector3<f64>) -> Vec<Placed> {
         part([-0.02, 0.0, 1.645], [-0.02, 0.0, 1.652], 0.098, HAIR),
         part([0.0, 0.0, 1.42], [0.0, 0.0, 1.55], 0.055, SKIN),
         part([0.0, -0.13, 1.37], [0.0, 0.13, 1.37], 0.075, SHIRT),
-        part([0.0, -0.06, 1.28], [0.0, 0.06, 1.28], 0.125, SHIRT),
-        part([0.0, -0.04, 1.10], [0.0, 0.04, 1.10], 0.115, SHIRT),
-        part([0.0, -0.07, 0.95], [0.0, 0.07, 0.95], 0.11, TROUSERS),
+        part([0.0, 0.04, 1.03], [0.0, 0.075, 1.30], 0.105, SHIRT),
+        part([0.0, -0.04, 1.03], [0.0, -0.075, 1.30], 0.105, SHIRT),
+        part([0.0, -0.07, 0.94], [0.0, 0.07, 0.94], 0.10, TROUSERS),
     ]
 }
 
@@ -63,8 +63,8 @@ fn leg(side: f64, phase: f64, sink: Vector3<f64>) -> Vec<Placed> {
     let knee = knee_between(hip, ankle);
     let sole = |forward: f64| ankle + Vector3::new(forward, 0.0, 0.04 - ANKLE_HEIGHT);
     vec![
-        limb(hip, knee, 0.075, TROUSERS),
-        limb(knee, ankle, 0.052, TROUSERS),
+        limb(hip, knee, 0.072, TROUSERS),
+        limb(knee, ankle, 0.054, TROUSERS),
         limb(sole(-0.05), sole(0.15), 0.04, SHOES),
     ]
 }
@@ -104,8 +104,8 @@ fn arm(shoulder: Point3<f64>, upper: Vector3<f64>, lower: Vector3<f64>) -> Vec<P
     let knuckles = wrist + lower.normalize() * 0.08;
     vec![
         limb(shoulder, elbow, 0.048, SHIRT),
-        limb(elbow, wrist, 0.038, SKIN),
-        limb(wrist, knuckles, 0.042, SKIN),
+        limb(elbow, wrist, 0.037, SKIN),
+        limb(wrist, knuckles, 0.039, SKIN),
     ]
 }
 

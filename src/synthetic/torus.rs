@@ -23,9 +23,10 @@ pub(super) fn first_crossing(ray: &Ray, major: f64, minor: f64) -> Option<f64> {
     let nearest = -ray.origin.coords.dot(&ray.direction);
     let (p, d) = (ray.at(nearest).coords, ray.direction);
     let bound = 1.001 * (major + minor);
-    let reach = (bound * bound - p.norm_squared()).sqrt();
+    let square = bound * bound - p.norm_squared();
+    let reach = (square > 0.0).then(|| square.sqrt())?;
     let first = (-reach).max(-nearest);
-    if !(first < reach) {
+    if first >= reach {
         return None;
     }
     // (|x|^2 + R^2 - r^2)^2 - 4 R^2 (x^2 + y^2), positive outside, at x = p + s d with p.d = 0.

@@ -1,13 +1,15 @@
 use super::*;
 
-/// Lowest and highest z of a person: all parts are capsules.
+/// Lowest z of a person and highest of its trunk and head: all parts are capsules.
 fn reach(person: &Subject) -> (f64, f64) {
     let mut reach = (f64::INFINITY, f64::NEG_INFINITY);
     for placed in person.solids() {
         let Solid::Capsule { radius, length } = *placed.solid() else { panic!("a part that is no capsule") };
         let half = (placed.world_from_solid() * Vector3::z()).z.abs() * 0.5 * length;
         reach.0 = reach.0.min(placed.centre().z - half - radius);
-        reach.1 = reach.1.max(placed.centre().z + half + radius);
+        if placed.centre().y.abs() < 0.1 {
+            reach.1 = reach.1.max(placed.centre().z + half + radius);
+        }
     }
     reach
 }

@@ -3,11 +3,15 @@
 #![deny(unsafe_code)]
 
 pub mod camera;
+pub mod contact;
 mod error;
 pub mod hull;
 mod image_file;
 pub mod recording;
 pub mod rig;
+pub mod sample;
+pub mod segment;
 pub mod silhouette;
+pub mod synthetic;
 
 pub use error::{Error, Result};

@@ -1,0 +1,214 @@
+//! Samples of the bodies seen lately, so that a body is sampled once and not at every step.
+
+use super::weld::extent;
+use super::{BodyShape, Samples, convex, trimesh};
+use crate::Result;
+use nalgebra::Point3;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// The most shapes kept.
+const MAX_SHAPES: usize = 256;
+
+/// The most samples kept, of all shapes together (about 50 bytes each). The shape asked for last always stays.
+const MAX_KEPT_SAMPLES: usize = 4_000_000;
+
+/// Vertices this near to those stored, relative to the body's size, are the same: they come anew at every step, turned
+/// forth and back by the body's pose.
+const SAME: f64 = 1e-9;
+
+/// A bounded store of samples, the least recently used out first.
+///
+/// Spheres, boxes, capsules and cylinders are known by their exact parameters. Convex bodies and meshes are known by a
+/// hint of the caller's, such as an id or an address, which may come to stand for another body: the stored vertices
+/// are compared with the given ones each time.
+#[derive(Debug, Default)]
+pub struct SampleCache {
+    entries: HashMap<Key, Entry>,
+    samples: usize,
+    clock: u64,
+}
+
+/// What an entry is found by; floats as their bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Key {
+    Sphere([u64; 2]),
+    Box([u64; 4]),
+    Capsule([u64; 3]),
+    Cylinder([u64; 3]),
+    Convex(usize, u64),
+    Trimesh(usize, u64),
+}
+
+#[derive(Debug)]
+struct Entry {
+    /// Empty for shapes whose key says all.
+    vertices: Vec<Point3<f64>>,
+    samples: Arc<Samples>,
+    used: u64,
+}
+
+impl SampleCache {
+    /// An empty store.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// How many shapes are stored.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether nothing is stored.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// The samples of `shape`; convex bodies and meshes are not stored here, see [`Self::get_convex`] and
+    /// [`Self::get_trimesh`].
+    ///
+    /// # Errors
+    /// As [`BodyShape::sample`].
+    pub fn get(&mut self, shape: &BodyShape, min_feature: f64) -> Result<Arc<Samples>> {
+        let d = min_feature;
+        let key = match *shape {
+            BodyShape::Sphere { radius } => Key::Sphere([radius, d].map(f64::to_bits)),
+            BodyShape::Box { lengths: l } => Key::Box([l.x, l.y, l.z, d].map(f64::to_bits)),
+            BodyShape::Capsule { radius, length } => Key::Capsule([radius, length, d].map(f64::to_bits)),
+            BodyShape::Cylinder { radius, length } => Key::Cylinder([radius, length, d].map(f64::to_bits)),
+            BodyShape::Convex { .. } | BodyShape::Trimesh { .. } => return shape.sample(d).map(Arc::new),
+        };
+        self.find(key, &[], || shape.sample(min_feature))
+    }
+
+    /// The samples of the convex hull of `vertices` (body frame), stored under `key_hint`; made anew if the vertices
+    /// there are others.
+    ///
+    /// # Errors
+    /// As [`convex`].
+    pub fn get_convex(
+        &mut self,
+        key_hint: usize,
+        vertices: &[Point3<f64>],
+        min_feature: f64,
+    ) -> Result<Arc<Samples>> {
+        let key = Key::Convex(key_hint, min_feature.to_bits());
+        self.find(key, vertices, || convex(vertices, min_feature))
+    }
+
+    /// The samples of a mesh (body frame), stored under `key_hint`; made anew if the triangles there are others.
+    ///
+    /// # Errors
+    /// As [`trimesh`].
+    pub fn get_trimesh(
+        &mut self,
+        key_hint: usize,
+        triangles: &[[Point3<f64>; 3]],
+        min_feature: f64,
+    ) -> Result<Arc<Samples>> {
+        let key = Key::Trimesh(key_hint, min_feature.to_bits());
+        self.find(key, triangles.as_flattened(), || trimesh(triangles, min_feature))
+    }
+
+    fn find(
+        &mut self,
+        key: Key,
+        vertices: &[Point3<f64>],
+        sample: impl FnOnce() -> Result<Samples>,
+    ) -> Result<Arc<Samples>> {
+        self.clock += 1;
+        if let Some(entry) = self.entries.get_mut(&key).filter(|entry| agree(&entry.vertices, vertices)) {
+            entry.used = self.clock;
+            return Ok(entry.samples.clone());
+        }
+        let samples = Arc::new(sample()?);
+        let entry = Entry { vertices: vertices.to_vec(), samples: samples.clone(), used: self.clock };
+        self.samples += samples.points().len();
+        if let Some(replaced) = self.entries.insert(key, entry) {
+            self.samples -= replaced.samples.points().len();
+        }
+        self.trim();
+        Ok(samples)
+    }
+
+    fn trim(&mut self) {
+        while self.entries.len() > MAX_SHAPES || (self.samples > MAX_KEPT_SAMPLES && self.entries.len() > 1) {
+            let oldest = self.entries.iter().min_by_key(|(_, entry)| entry.used).map(|(key, _)| *key);
+            let Some(removed) = oldest.and_then(|key| self.entries.remove(&key)) else { return };
+            self.samples -= removed.samples.points().len();
+        }
+    }
+}
+
+fn agree(stored: &[Point3<f64>], given: &[Point3<f64>]) -> bool {
+    if stored.len() != given.len() {
+        return false;
+    }
+    let tolerance = SAME * extent(stored);
+    stored.iter().zip(given).all(|(a, b)| (a - b).amax() <= tolerance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    fn cube(size: f64) -> Vec<Point3<f64>> {
+        (0..8).map(|k| Point3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64) * size).collect()
+    }
+
+    #[test]
+    fn a_shape_is_sampled_once() {
+        let mut cache = SampleCache::new();
+        let shape = BodyShape::Box { lengths: Vector3::new(0.1, 0.2, 0.3) };
+        let first = cache.get(&shape, 0.03).unwrap();
+        assert!(Arc::ptr_eq(&first, &cache.get(&shape, 0.03).unwrap()));
+        assert!(!Arc::ptr_eq(&first, &cache.get(&shape, 0.04).unwrap()));
+        let ball = BodyShape::Sphere { radius: 0.1 };
+        assert_eq!(*cache.get(&ball, 0.03).unwrap(), ball.sample(0.03).unwrap());
+        assert_eq!(cache.len(), 3);
+        assert!(cache.get(&BodyShape::Sphere { radius: -1.0 }, 0.03).is_err());
+        assert_eq!(cache.len(), 3);
+    }
+
+    #[test]
+    fn shapes_of_one_size_and_another_class_are_told_apart() {
+        let mut cache = SampleCache::new();
+        let capsule = cache.get(&BodyShape::Capsule { radius: 0.1, length: 0.2 }, 0.03).unwrap();
+        let cylinder = cache.get(&BodyShape::Cylinder { radius: 0.1, length: 0.2 }, 0.03).unwrap();
+        assert_ne!(capsule, cylinder);
+    }
+
+    #[test]
+    fn noise_on_vertices_finds_the_stored_samples_and_a_change_does_not() {
+        let mut cache = SampleCache::new();
+        let first = cache.get_convex(7, &cube(0.2), 0.03).unwrap();
+        let noisy: Vec<_> = cube(0.2).iter().map(|p| p + Vector3::new(1e-15, -1e-15, 3e-16)).collect();
+        assert!(Arc::ptr_eq(&first, &cache.get_convex(7, &noisy, 0.03).unwrap()));
+        let other = cache.get_convex(7, &cube(0.2001), 0.03).unwrap();
+        assert!(!Arc::ptr_eq(&first, &other));
+        assert_eq!(*other, convex(&cube(0.2001), 0.03).unwrap());
+        assert_eq!(cache.len(), 1);
+        assert!(cache.get_convex(7, &cube(0.2)[..4], 0.03).is_err());
+
+        let triangle = [[cube(0.2)[0], cube(0.2)[1], cube(0.2)[2]]];
+        let mesh = cache.get_trimesh(7, &triangle, 0.03).unwrap();
+        assert!(Arc::ptr_eq(&mesh, &cache.get_trimesh(7, &triangle, 0.03).unwrap()));
+    }
+
+    #[test]
+    fn the_least_recently_used_goes_first() {
+        let mut cache = SampleCache::new();
+        let shape = |k: usize| BodyShape::Sphere { radius: 1e-3 + k as f64 * 1e-6 };
+        let first = cache.get(&shape(0), 0.03).unwrap();
+        let second = cache.get(&shape(1), 0.03).unwrap();
+        for k in 2..MAX_SHAPES + 1 {
+            cache.get(&shape(k), 0.03).unwrap();
+            assert!(Arc::ptr_eq(&first, &cache.get(&shape(0), 0.03).unwrap()));
+        }
+        assert_eq!(cache.len(), MAX_SHAPES);
+        assert!(!Arc::ptr_eq(&second, &cache.get(&shape(1), 0.03).unwrap()));
+        let kept: usize = cache.entries.values().map(|entry| entry.samples.points().len()).sum();
+        assert_eq!(cache.samples, kept);
+    }
+}

@@ -1,0 +1,171 @@
+//! Samples of the convex hull of a body's vertices.
+
+use super::facets::Facets;
+use super::limits::{check_count, finite, spacing};
+use super::weld::{TOLERANCE, extent, weld};
+use super::wrap::wrap;
+use super::{Samples, limits};
+use crate::{Error, Result};
+use nalgebra::Point3;
+
+/// Samples of the convex hull of `vertices`. Faces come from the vertices alone, coplanar ones are one; duplicates,
+/// vertices inside the hull and noise below a millionth of the body's size do not matter. Corners carry their faces'
+/// normals weighted by angle, edges the normalised sum of two faces'; every face has a sample of its own.
+///
+/// # Errors
+/// Vertices in one plane or fewer than four of them, coordinates that are not finite, a `min_feature` that is not
+/// finite and positive; more than [`super::MAX_SAMPLES`] samples.
+pub fn convex(vertices: &[Point3<f64>], min_feature: f64) -> Result<Samples> {
+    spacing(min_feature)?;
+    finite("convex vertex", vertices)?;
+    let size = extent(vertices);
+    let name = format!("convex body of {} vertices, {size:.3} m across,", vertices.len());
+    let flat = || {
+        Error::argument(format!(
+            "{name} has no volume: give at least 4 vertices that do not all lie in one plane"
+        ))
+    };
+    if vertices.len() < 4 {
+        return Err(flat());
+    }
+    limits::positive("size of the convex body", size)?;
+    let (corners, _) = weld(vertices, size * TOLERANCE);
+    let faces = wrap(&corners, size * TOLERANCE).ok_or_else(flat)?;
+    let covering = Facets { corners, faces }.cover(&name, min_feature, true)?;
+    check_count(&name, covering.samples.len() as f64, min_feature)?;
+    Ok(Samples::new(covering.samples, covering.radius))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{Lcg, assert_covers, assert_unit_normals};
+    use super::super::{Sample, box_};
+    use super::*;
+    use nalgebra::{UnitQuaternion, Vector3};
+
+    fn box_corners(lengths: Vector3<f64>) -> Vec<Point3<f64>> {
+        let at =
+            |k: usize| Vector3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64).add_scalar(-0.5);
+        (0..8).map(|k| Point3::from(at(k).component_mul(&lengths))).collect()
+    }
+
+    /// The hull's boundary along a random direction from a point inside, by the support of all faces' planes: the
+    /// planes are the samples' own with the largest offset, so this needs them to be right; `support` checks that.
+    fn assert_supports(samples: &Samples, vertices: &[Point3<f64>]) {
+        let size = extent(vertices);
+        for Sample { point, normal } in samples.points() {
+            let beyond = vertices.iter().map(|v| (v - point).dot(normal)).fold(f64::NEG_INFINITY, f64::max);
+            assert!(beyond.abs() <= 3.0 * TOLERANCE * size, "{beyond}");
+        }
+    }
+
+    #[test]
+    fn the_corners_of_a_box_are_sampled_as_the_box() {
+        for (x, y, z) in [(0.4, 0.3, 0.2), (1.0, 1.0, 0.001), (0.01, 0.01, 0.01), (2.0, 0.02, 0.03)] {
+            let lengths = Vector3::new(x, y, z);
+            for min_feature in [0.03, 0.11] {
+                let samples = convex(&box_corners(lengths), min_feature).unwrap();
+                let plain = box_(lengths, min_feature).unwrap();
+                assert_covers(&samples, min_feature, |random| {
+                    let mut at = Vector3::from_fn(|_, _| random.between(-0.5, 0.5));
+                    at[random.below(3)] = 0.5_f64.copysign(random.between(-1.0, 1.0));
+                    Point3::from(at.component_mul(&lengths))
+                });
+                assert_unit_normals(&samples);
+                assert_supports(&samples, &box_corners(lengths));
+                // The box's lattice has two cells at least, the hull's faces one and a sample in the middle.
+                assert!(samples.points().len() <= plain.points().len());
+                for sample in samples.points() {
+                    let near = |s: &&Sample| (s.point - sample.point).norm() < 1e-12;
+                    let same = plain.points().iter().find(near);
+                    assert!(same.is_none_or(|s| (s.normal - sample.normal).norm() < 1e-9));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn duplicates_noise_inner_points_and_order_change_nothing() {
+        let mut random = Lcg::new(2);
+        let turn = UnitQuaternion::from_euler_angles(0.3, 1.1, -0.7);
+        for noise in [0.0, 1e-15, 3e-8] {
+            let mut vertices = box_corners(Vector3::new(0.4, 0.3, 0.2));
+            let corners = vertices.clone();
+            for _ in 0..60 {
+                // On edges, on faces, on corners, inside.
+                let (a, b) = (corners[random.below(8)], corners[random.below(8)]);
+                vertices.push(a + (b - a) * random.between(0.0, 1.0));
+                vertices.push(corners[random.below(8)]);
+            }
+            for k in 0..vertices.len() {
+                vertices.swap(k, random.below(k + 1));
+            }
+            for v in &mut vertices {
+                *v = turn * *v + Vector3::from_fn(|_, _| random.between(-noise, noise));
+            }
+            let samples = convex(&vertices, 0.03).unwrap();
+            let plain = box_(Vector3::new(0.4, 0.3, 0.2), 0.03).unwrap();
+            assert_eq!(samples.points().len(), plain.points().len());
+            for sample in samples.points() {
+                let (point, normal) = (turn.inverse() * sample.point, turn.inverse() * sample.normal);
+                let near = |s: &Sample| (s.point - point).norm() < 1e-6 && (s.normal - normal).norm() < 1e-5;
+                assert!(plain.points().iter().any(near), "{point} {normal}");
+            }
+        }
+    }
+
+    #[test]
+    fn any_hull_is_covered_and_supported() {
+        let mut random = Lcg::new(9);
+        for n in [4, 5, 6, 9, 20, 60, 200] {
+            for flattening in [1.0, 0.2, 0.003] {
+                let vertex =
+                    |d: Vector3<f64>| Point3::new(0.1 + 0.3 * d.x, 0.2 * d.y, 0.3 * flattening * d.z);
+                let vertices: Vec<_> = (0..n).map(|_| vertex(random.direction())).collect();
+                let samples = convex(&vertices, 0.04).unwrap();
+                assert_unit_normals(&samples);
+                assert_supports(&samples, &vertices);
+                let planes: Vec<_> = wrap(&vertices, 1e-7).unwrap();
+                let plane = |face: &super::super::facets::Facet| (vertices[face.outline[0]], face.normal);
+                let planes: Vec<_> = planes.iter().map(plane).collect();
+                let sum: Vector3<f64> = vertices.iter().map(|v| v.coords).sum();
+                let center = Point3::from(sum / n as f64);
+                assert_covers(&samples, 0.04, |random| {
+                    let d = random.direction();
+                    let exit = |(p, m): &(Point3<f64>, Vector3<f64>)| (p - center).dot(m) / d.dot(m).max(0.0);
+                    center + d * planes.iter().map(exit).fold(f64::INFINITY, f64::min)
+                });
+            }
+        }
+    }
+
+    #[test]
+    fn the_hull_is_closed() {
+        let mut random = Lcg::new(21);
+        // Points of a lattice: many lie in common planes and lines.
+        for round in 0..60 {
+            let n = 8 + round;
+            let point = |random: &mut Lcg| Point3::new(random.below(4), random.below(4), random.below(3));
+            let vertices: Vec<_> = (0..n).map(|_| point(&mut random).cast::<f64>()).collect();
+            let (corners, _) = weld(&vertices, 1e-6);
+            let faces = wrap(&corners, 1e-6).unwrap();
+            let side = |outline: &Vec<usize>, k: usize| (outline[k], outline[(k + 1) % outline.len()]);
+            let sides: Vec<_> =
+                faces.iter().flat_map(|f| (0..f.outline.len()).map(|k| side(&f.outline, k))).collect();
+            assert!(sides.iter().all(|(a, b)| sides.iter().filter(|other| **other == (*b, *a)).count() == 1));
+            let used: std::collections::HashSet<_> = sides.iter().map(|(a, _)| a).collect();
+            assert_eq!(used.len() + faces.len(), sides.len() / 2 + 2, "Euler's formula");
+        }
+    }
+
+    #[test]
+    fn vertices_without_a_volume_are_refused() {
+        let corners = box_corners(Vector3::repeat(0.2));
+        for bad in [&corners[..3], &corners[..4], &[corners[0]; 9], &[]] {
+            assert!(convex(bad, 0.03).unwrap_err().to_string().contains("no volume"));
+        }
+        assert!(convex(&[corners.clone(), vec![Point3::new(0.0, f64::NAN, 0.0)]].concat(), 0.03).is_err());
+        assert!(convex(&corners, 0.0).is_err());
+        assert!(convex(&box_corners(Vector3::repeat(10.0)), 0.01).unwrap_err().to_string().contains("raise"));
+    }
+}

@@ -1,0 +1,152 @@
+//! Surface samples of the body shapes: points and outward normals, in the body's own frame.
+//!
+//! A body collides through its samples. They lie so densely that no real feature of diameter `min_feature` passes
+//! between them: every point of the surface is within `min_feature / 2` of a sample, which on a flat face is a
+//! square grid of spacing `min_feature / sqrt(2)`.
+//!
+//! ```text
+//!      c---e---e---c      c  corner: the normalised sum of its faces' normals
+//!      |           |      e  edge:   the normalised sum of its two faces' normals
+//!      e   f   f   e      f  face:   the face's normal; the grid is symmetric about the face's centre
+//!      |           |
+//!      c---e---e---c      order: corners, edges, faces
+//! ```
+//!
+//! The order of the samples is fixed for a given shape and `min_feature`: ties between samples go to the lower index.
+//! Lengths in metres. The axis of capsules and cylinders is the local z axis.
+//!
+//! ```
+//! use nalgebra::Vector3;
+//! use ode_visual_hull::sample;
+//!
+//! let samples = sample::box_(Vector3::new(0.4, 0.3, 0.2), 0.03)?;
+//! assert!(samples.covering_radius() <= 0.03 / 2.0);
+//! assert!(samples.points().iter().all(|sample| (sample.normal.norm() - 1.0).abs() < 1e-12));
+//! # Ok::<(), ode_visual_hull::Error>(())
+//! ```
+
+mod cache;
+mod capsule;
+mod convex;
+mod cuboid;
+mod cylinder;
+mod facets;
+mod implicit;
+mod limits;
+mod points;
+mod rings;
+mod shape;
+mod sphere;
+mod support;
+mod thin;
+mod trimesh;
+mod weld;
+mod wrap;
+
+#[cfg(test)]
+mod testing;
+
+pub use cache::SampleCache;
+pub use capsule::capsule;
+pub use convex::convex;
+pub use cuboid::box_;
+pub use cylinder::cylinder;
+pub use implicit::implicit;
+pub use limits::MAX_SAMPLES;
+pub use points::from_points;
+pub use shape::BodyShape;
+pub use sphere::sphere;
+pub use support::{FLAT_ANGLE, Smooth, SupportPoints};
+pub use trimesh::trimesh;
+
+use nalgebra::{Point3, Vector3};
+
+/// One point of a body's surface, in the body's frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Where it lies, in metres.
+    pub point: Point3<f64>,
+    /// Unit outward normal, or zero where it is not known (such a sample counts as supported whatever pushes it).
+    pub normal: Vector3<f64>,
+}
+
+/// The surface samples of one body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Samples {
+    samples: Vec<Sample>,
+    bounding_radius: f64,
+    bounding_sphere: (Point3<f64>, f64),
+    covering_radius: f64,
+    smooth: Option<Smooth>,
+}
+
+impl Samples {
+    /// Samples of a body that reaches no farther than its samples do.
+    fn new(samples: Vec<Sample>, covering_radius: f64) -> Self {
+        let bounding_radius = samples.iter().map(|s| s.point.coords.norm()).fold(0.0, f64::max);
+        let bounding_sphere = bounding_sphere(&samples);
+        Self { samples, bounding_radius, bounding_sphere, covering_radius, smooth: None }
+    }
+
+    /// Samples of a smooth body centred on the origin, `reach` its farthest point's distance.
+    fn of_smooth(samples: Vec<Sample>, covering_radius: f64, smooth: Smooth, reach: f64) -> Self {
+        let bounding_sphere = (Point3::origin(), reach);
+        Self { samples, bounding_radius: reach, bounding_sphere, covering_radius, smooth: Some(smooth) }
+    }
+
+    /// The same samples with bounds that hold `points` of the body too.
+    fn holding<'a>(mut self, points: impl IntoIterator<Item = &'a Point3<f64>>) -> Self {
+        let (center, radius) = &mut self.bounding_sphere;
+        for point in points {
+            self.bounding_radius = self.bounding_radius.max(point.coords.norm());
+            *radius = radius.max((point - *center).norm());
+        }
+        self
+    }
+
+    /// The same samples with bounds wider by `margin`, for surfaces that bulge out between their samples.
+    fn widened(mut self, margin: f64) -> Self {
+        self.bounding_radius += margin;
+        self.bounding_sphere.1 += margin;
+        self
+    }
+
+    /// The samples: corners, then edges, then faces. Never empty.
+    pub fn points(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// Radius of the smallest sphere about the body's origin that holds the body, in metres.
+    pub fn bounding_radius(&self) -> f64 {
+        self.bounding_radius
+    }
+
+    /// Centre (body frame) and radius of a sphere that holds the body: tighter than [`Self::bounding_radius`] where
+    /// the body lies far from its origin.
+    pub fn bounding_sphere(&self) -> (Point3<f64>, f64) {
+        self.bounding_sphere
+    }
+
+    /// Every point of the surface is at most this far from a sample, in metres. Never above `min_feature / 2`;
+    /// infinite for a user's own points, whose surface is not known.
+    pub fn covering_radius(&self) -> f64 {
+        self.covering_radius
+    }
+
+    /// The analytic shape behind the samples, for bodies that roll.
+    pub fn smooth(&self) -> Option<&Smooth> {
+        self.smooth.as_ref()
+    }
+}
+
+/// The sphere about the middle of the samples' box that holds them all.
+fn bounding_sphere(samples: &[Sample]) -> (Point3<f64>, f64) {
+    let (mut lower, mut upper) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    for sample in samples {
+        lower = lower.inf(&sample.point.coords);
+        upper = upper.sup(&sample.point.coords);
+    }
+    // Halved before they are added: coordinates near the largest float must not overflow.
+    let center = Point3::from(lower * 0.5 + upper * 0.5);
+    (center, samples.iter().map(|s| (s.point - center).norm()).fold(0.0, f64::max))
+}

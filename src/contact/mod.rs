@@ -1,0 +1,194 @@
+//! Contacts between a hull and one rigid body: pure geometry, in the hull's frame.
+//!
+//! ```text
+//!       +-----------+   body             each colliding sample has a way out of the hull, w
+//!       |           |                    samples with like ways out form a cluster, V its mean
+//!    ---*--*--*--*--*---  hull           each sample's depth is its own exit along V
+//!          ^  V  ^                       a few samples a cluster are kept: deepest, then farthest apart
+//! ```
+
+mod cluster;
+mod escape;
+mod reduce;
+
+use crate::hull::{EdgeModel, Hull, Push};
+use crate::sample::Samples;
+use cluster::Cluster;
+use nalgebra::{Isometry3, Point3, Vector3};
+
+/// How contacts are made from the colliding samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Mode {
+    /// Samples with like ways out form clusters, guided by the body's own normals: neither tips, flings nor rolls
+    /// away.
+    #[default]
+    Clustered,
+    /// The paper's section 5 to the letter: one direction for the body from the paper's normals, each colliding
+    /// sample a contact with its own exit as depth, however deep.
+    Paper,
+    /// Each colliding sample along its own way out.
+    Point,
+    /// The deepest sample alone, as Lok et al. have it; there to be compared with.
+    Single,
+}
+
+/// What a hull asks of its contacts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// How they are made.
+    pub mode: Mode,
+    /// The largest depth reported, in metres (not in [`Mode::Paper`]): a body deep inside leaves slowly instead of
+    /// being shot out.
+    pub max_depth: f64,
+    /// How many at most.
+    pub max_contacts: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { mode: Mode::Clustered, max_depth: 0.05, max_contacts: 8 }
+    }
+}
+
+/// One contact, in the hull's frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// A point of the body's surface, inside the hull.
+    pub point: Point3<f64>,
+    /// Unit outward direction of the hull: the body leaves along it.
+    pub direction: Vector3<f64>,
+    /// Metres to go along it, not negative.
+    pub depth: f64,
+}
+
+/// The contacts of one body, and what the next step wants to know of them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Contacts {
+    /// Deepest cluster first.
+    pub contacts: Vec<Contact>,
+    /// The way out that was chosen for a body that is swallowed or pierced, to be preferred in the next step.
+    pub escape: Option<Vector3<f64>>,
+}
+
+/// The paper's response of a body (section 5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyResponse {
+    /// The vector that moves the body out, in metres; zero where nothing collides.
+    pub vector: Vector3<f64>,
+    /// How many samples collide.
+    pub colliding: usize,
+}
+
+/// A body sample inside the hull, in the hull's frame.
+#[derive(Debug, Clone, Copy)]
+struct Colliding {
+    /// Index of the sample: ties go to the lower one.
+    index: usize,
+    point: Point3<f64>,
+    /// The body's outward normal there; zero where it is not known.
+    normal: Vector3<f64>,
+    push: Push,
+}
+
+/// The contacts of `body` in pose `hull_from_body` with `hull`. `last_escape` is the [`Contacts::escape`] of the step
+/// before.
+pub fn collide(
+    hull: &Hull,
+    body: &Samples,
+    hull_from_body: &Isometry3<f64>,
+    settings: &Settings,
+    last_escape: Option<Vector3<f64>>,
+) -> Contacts {
+    let colliding = colliding(hull, body, hull_from_body);
+    if colliding.is_empty() || settings.max_contacts == 0 {
+        return Contacts::default();
+    }
+    let mut escape = None;
+    let clusters = match settings.mode {
+        Mode::Clustered => {
+            let mut clusters = cluster::of(&colliding);
+            if clusters.is_empty() {
+                let direction = escape::direction(hull, &colliding, last_escape);
+                escape = Some(direction);
+                clusters.push(Cluster::all(&colliding, direction));
+            }
+            let contacts = |cluster: &Cluster| cluster.contacts(hull, body, hull_from_body, settings.max_depth);
+            clusters.iter().map(contacts).collect()
+        }
+        Mode::Paper => {
+            let vector = body_response(hull, body, hull_from_body).vector;
+            let direction = vector.try_normalize(0.0).unwrap_or(colliding[0].push.direction);
+            let paper = |sample: &Colliding| {
+                let depth = hull.exit(&sample.point, &direction, EdgeModel::Pixel);
+                hull.inside(&sample.point).then_some(Contact { point: sample.point, direction, depth })
+            };
+            vec![colliding.iter().filter_map(paper).collect()]
+        }
+        Mode::Point => vec![colliding.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()],
+        Mode::Single => vec![vec![own_contact(deepest(&colliding), settings.max_depth)]],
+    };
+    Contacts { contacts: reduce::spread(clusters, settings.max_contacts), escape }
+}
+
+/// Any contacts, the first found, up to `settings.max_contacts`: for callers who only want to know whether there are
+/// some.
+pub fn collide_any(
+    hull: &Hull,
+    body: &Samples,
+    hull_from_body: &Isometry3<f64>,
+    settings: &Settings,
+) -> Vec<Contact> {
+    let found = samples_inside(hull, body, hull_from_body);
+    found.take(settings.max_contacts).map(|sample| own_contact(&sample, settings.max_depth)).collect()
+}
+
+/// The paper's response of a body (section 5): the mean of its colliding samples' responses gives the direction, the
+/// longest exit along it the length. Where the responses cancel out, the deepest sample's stands in.
+pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64>) -> BodyResponse {
+    let points = || body.points().iter().map(|sample| hull_from_body * sample.point);
+    let responses: Vec<_> = points().filter_map(|p| Some((p, hull.respond(&p)?))).collect();
+    let colliding = responses.len();
+    let deepest = responses.iter().rev().max_by(|(_, a), (_, b)| a.depth.total_cmp(&b.depth));
+    let Some((_, deepest)) = deepest else { return BodyResponse { vector: Vector3::zeros(), colliding } };
+    let sum: Vector3<f64> = responses.iter().map(|(_, response)| response.w()).sum();
+    let direction = sum.try_normalize(0.0).unwrap_or(deepest.normal);
+    let exits = responses.iter().map(|(p, _)| hull.exit(p, &direction, EdgeModel::Pixel));
+    BodyResponse { vector: direction * exits.fold(0.0, f64::max), colliding }
+}
+
+fn colliding(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64>) -> Vec<Colliding> {
+    samples_inside(hull, body, hull_from_body).collect()
+}
+
+/// The body's samples inside the hull, in their order, each with its way out.
+fn samples_inside(
+    hull: &Hull,
+    body: &Samples,
+    hull_from_body: &Isometry3<f64>,
+) -> impl Iterator<Item = Colliding> {
+    let (centre, radius) = body.bounding_sphere();
+    let near = hull.may_touch(&(hull_from_body * centre), radius);
+    let samples = if near { body.points() } else { &[] };
+    samples.iter().enumerate().filter_map(move |(index, sample)| {
+        let point = hull_from_body * sample.point;
+        let push = hull.push(&point)?;
+        Some(Colliding { index, point, normal: hull_from_body * sample.normal, push })
+    })
+}
+
+fn own_contact(sample: &Colliding, max_depth: f64) -> Contact {
+    Contact {
+        point: sample.point,
+        direction: sample.push.direction,
+        depth: sample.push.depth.min(max_depth),
+    }
+}
+
+/// The first among the deepest.
+fn deepest(colliding: &[Colliding]) -> &Colliding {
+    colliding.iter().rev().max_by(|a, b| a.push.depth.total_cmp(&b.push.depth)).unwrap_or(&colliding[0])
+}
+
+#[cfg(test)]
+mod tests;

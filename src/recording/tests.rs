@@ -1,1 +1,197 @@
+use super::*;
+use crate::camera::Camera;
+use image::{ImageBuffer, Luma, Rgb};
+use nalgebra::{Point3, Vector3};
 
+/// A folder of its own for one test, gone when it ends.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("ode-visual-hull-{}-{test}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn join(&self, path: &str) -> PathBuf {
+        self.0.join(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn camera(name: &str, size: (u32, u32)) -> Camera {
+    let eye = Point3::new(3.0, 0.0, 1.0);
+    Camera::look_at(name, size, 1.0, eye, Point3::origin(), Vector3::z()).unwrap()
+}
+
+fn rig() -> Rig {
+    Rig::new(vec![camera("left", (8, 6)), camera("right", (10, 4))]).unwrap()
+}
+
+fn masks(value: u8) -> Vec<GrayImage> {
+    let of = |c: &Camera| ImageBuffer::from_pixel(c.size().0, c.size().1, Luma([value]));
+    rig().cameras().iter().map(of).collect()
+}
+
+fn images(value: u8) -> Vec<RgbImage> {
+    let of = |c: &Camera| ImageBuffer::from_fn(c.size().0, c.size().1, |x, y| Rgb([value, x as u8, y as u8]));
+    rig().cameras().iter().map(of).collect()
+}
+
+/// A recording of two frames of masks, one frame of images, and backgrounds.
+fn written(folder: &Folder) -> Recording {
+    let mut recording = Recording::create(folder.join("r"), &rig()).unwrap();
+    recording.write_masks(12, &masks(255)).unwrap();
+    recording.write_masks(3, &masks(200)).unwrap();
+    recording.write_images(7, &images(9)).unwrap();
+    recording.write_backgrounds(&images(50)).unwrap();
+    recording
+}
+
+fn open_error(dir: PathBuf) -> String {
+    Recording::open(dir).unwrap_err().to_string()
+}
+
+fn assert_contains(message: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(message.contains(part), "no \"{part}\" in: {message}");
+    }
+}
+
+#[test]
+fn what_is_written_is_read_back() {
+    let folder = Folder::new("round-trip");
+    let written = written(&folder);
+    let opened = Recording::open(folder.join("r")).unwrap();
+    for recording in [written, opened] {
+        assert_eq!(recording.frames(), [3, 12]);
+        assert_eq!(recording.image_frames(), [7]);
+        assert_eq!(recording.masks(3).unwrap(), masks(200));
+        assert_eq!(recording.masks(12).unwrap(), masks(255));
+        assert_eq!(recording.images(7).unwrap(), images(9));
+        assert_eq!(recording.background(1).unwrap(), images(50)[1]);
+        assert_eq!(recording.rig().index_of("right"), Some(1));
+    }
+}
+
+#[test]
+fn only_frames_of_all_cameras_count() {
+    let folder = Folder::new("common");
+    written(&folder);
+    std::fs::remove_file(folder.join("r/right/mask/000003.png")).unwrap();
+    std::fs::write(folder.join("r/left/mask/notes.txt"), "").unwrap();
+    std::fs::write(folder.join("r/left/mask/3_mask.png"), "").unwrap();
+    let recording = Recording::open(folder.join("r")).unwrap();
+    assert_eq!(recording.frames(), [12]);
+    let message = recording.masks(3).unwrap_err().to_string();
+    assert_contains(&message, &["view \"right\"", "right/mask/000003", "frame 12 alone", "ask for"]);
+}
+
+#[test]
+fn a_frame_is_overwritten_whatever_its_old_format() {
+    let folder = Folder::new("overwrite");
+    written(&folder);
+    for name in ["left", "right"] {
+        let dir = folder.join("r").join(name).join("image");
+        std::fs::rename(dir.join("000007.png"), dir.join("7.ppm")).unwrap();
+    }
+    let mut recording = Recording::open(folder.join("r")).unwrap();
+    recording.write_images(7, &images(99)).unwrap();
+    assert_eq!(Recording::open(folder.join("r")).unwrap().images(7).unwrap(), images(99));
+}
+
+#[test]
+fn missing_parts_are_named() {
+    let folder = Folder::new("missing");
+    assert_contains(&open_error(folder.join("none")), &["none: expected the folder of a recording"]);
+    assert_contains(
+        &open_error(folder.join("")),
+        &["rig.toml: expected the recording's rig file, found none"],
+    );
+    let recording = written(&folder);
+    std::fs::remove_file(folder.join("r/left/background.png")).unwrap();
+    let message = recording.background(0).unwrap_err().to_string();
+    assert_contains(&message, &["view \"left\"", "left/background.png: expected an image"]);
+    assert_contains(&recording.background(2).unwrap_err().to_string(), &["below 2, found 2"]);
+    assert_contains(&recording.images(8).unwrap_err().to_string(), &["view \"left\"", "left/image/000008"]);
+    std::fs::remove_dir_all(folder.join("r/right")).unwrap();
+    assert_contains(&open_error(folder.join("r")), &["view \"right\"", "r/right, found none"]);
+    std::fs::write(folder.join("r/rig.toml"), "[cam_0").unwrap();
+    assert_contains(&open_error(folder.join("r")), &["r/rig.toml: line 1: expected TOML"]);
+}
+
+#[test]
+fn a_recording_without_a_common_frame_says_which_camera_has_which() {
+    let folder = Folder::new("nothing-in-common");
+    written(&folder);
+    std::fs::remove_file(folder.join("r/right/mask/000003.png")).unwrap();
+    std::fs::remove_file(folder.join("r/right/mask/000012.png")).unwrap();
+    let message = open_error(folder.join("r"));
+    let parts = ["mask/%06d.png", "\"left\" has 2 frames from 3 to 12", "\"right\" has no frames", "add"];
+    assert_contains(&message, &parts);
+    // Without any mask the recording is one that waits for its masks.
+    std::fs::remove_dir_all(folder.join("r/left/mask")).unwrap();
+    let recording = Recording::open(folder.join("r")).unwrap();
+    assert!(recording.frames().is_empty());
+    assert_eq!(recording.image_frames(), [7]);
+    std::fs::remove_dir_all(folder.join("r/left/image")).unwrap();
+    assert_contains(
+        &open_error(folder.join("r")),
+        &["\"left\" has no frames", "\"right\" has frame 7 alone"],
+    );
+}
+
+#[test]
+fn pictures_of_the_wrong_size_are_named_with_both_sizes() {
+    let folder = Folder::new("size");
+    let mut recording = written(&folder);
+    masks(9)[0].save(folder.join("r/right/mask/000012.png")).unwrap();
+    let message = recording.masks(12).unwrap_err().to_string();
+    assert_contains(&message, &["view \"right\"", "right/mask/000012.png", "expected 10 x 4", "found 8 x 6"]);
+    let swapped: Vec<_> = masks(9).into_iter().rev().collect();
+    let message = recording.write_masks(20, &swapped).unwrap_err().to_string();
+    assert_contains(&message, &["view \"left\"", "expected 8 x 6", "found 10 x 4"]);
+    assert!(!folder.join("r/left/mask/000020.png").exists());
+    let message = recording.write_images(20, &images(1)[..1]).unwrap_err().to_string();
+    assert_contains(&message, &["expected 2 images", "found 1"]);
+}
+
+#[test]
+fn masks_of_zeros_and_ones_are_refused_by_file_and_view() {
+    let folder = Folder::new("zero-one");
+    let mut recording = written(&folder);
+    recording.write_masks(4, &masks(1)).unwrap();
+    let message = recording.masks(4).unwrap_err().to_string();
+    assert_contains(
+        &message,
+        &["view \"left\"", "left/mask/000004.png", "greatest value of 1; multiply by 255"],
+    );
+}
+
+#[test]
+fn two_files_of_one_frame_are_refused() {
+    let folder = Folder::new("twice");
+    written(&folder);
+    std::fs::copy(folder.join("r/left/mask/000003.png"), folder.join("r/left/mask/3.png")).unwrap();
+    assert_contains(&open_error(folder.join("r")), &["view \"left\"", "one file for frame 3", "remove one"]);
+}
+
+#[test]
+fn nothing_is_created_over_a_recording_or_outside_of_it() {
+    let folder = Folder::new("create");
+    written(&folder);
+    let message = Recording::create(folder.join("r"), &rig()).unwrap_err().to_string();
+    assert_contains(&message, &["found a rig file", "choose another"]);
+    for name in ["..", "a/b", "a\\b"] {
+        let outside = Rig::new(vec![camera(name, (8, 6))]).unwrap();
+        let message = Recording::create(folder.join("new"), &outside).unwrap_err().to_string();
+        assert_contains(&message, &["a folder's", "rename"]);
+        assert!(!folder.join("new").exists());
+    }
+}

@@ -138,7 +138,8 @@ impl<'a> CameraTable<'a> {
         let line = line_of(text, value.span().start);
         let DeValue::Table(entries) = value.get_ref() else {
             return Err(Error::argument(format!(
-                "line {line}, key `{title}`: expected only tables, one per camera, found {}; move the key to [metadata]",
+                "line {line}, key `{title}`: expected only tables, one per camera, found {}; move the key to \
+                 [metadata]",
                 found(value.get_ref())
             )));
         };
@@ -261,7 +262,7 @@ impl<'a> CameraTable<'a> {
     }
 }
 
-/// Appends the numbers of `value`, row by row, and gives its shape: `[]` for a number, `[3, 3]` for three rows of three.
+/// Appends the numbers of `value`, row by row, and gives its shape: `[]` for a number, `[2, 3]` for two rows of three.
 fn flatten(value: &DeValue, into: &mut Vec<f64>) -> std::result::Result<Vec<usize>, String> {
     let number = match value {
         DeValue::Array(array) => {

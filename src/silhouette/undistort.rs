@@ -12,7 +12,14 @@
 //! ```
 //!
 //! Behind it all geometry is a projection matrix: silhouette edges are straight where the subject's are, and cones,
-//! frusta and ray exits need no lens model.
+//! frusta and ray exits need no lens model. What that costs, measured on four 644 x 486 views of a seated person
+//! through lenses with k1 of about -0.36:
+//!
+//! - Of a million random points around the person, 0.40 % get another verdict than by projecting them through the lens
+//!   into the distorted mask, and each of them appears within 0.6 px of the silhouette's edge. 7 points in a million
+//!   are lost at the image border, where the centre of their pinhole pixel is just outside.
+//! - [`Undistortion::apply`] takes 1.3 to 1.6 ms a view on one core, about 2.2 ns per pinhole pixel or 30 times a copy
+//!   of its result; [`Undistortion::new`], once per camera, 35 to 65 ms. The pinhole's image has twice the pixels.
 
 use crate::camera::{Camera, Distortion};
 use crate::{Error, Result};

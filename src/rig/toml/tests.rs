@@ -162,6 +162,16 @@ fn faults_of_the_whole_file_are_told() {
 }
 
 #[test]
+fn a_file_cut_short_anywhere_is_an_error_or_a_rig() {
+    for end in 0..CAMERA.len() {
+        if let Ok(rig) = Rig::from_toml(&CAMERA[..end]) {
+            assert!(CAMERA[end..].trim_start().starts_with("fisheye") || end + 20 > CAMERA.len());
+            assert_eq!(rig.len(), 1);
+        }
+    }
+}
+
+#[test]
 fn a_file_that_cannot_be_read_is_named() {
     let message = Rig::load("/nowhere/rig.toml").unwrap_err().to_string();
     assert_contains(&message, &["/nowhere/rig.toml: expected a rig file", "No such file"]);

@@ -1,0 +1,132 @@
+//! Real captures are read as they are, and undistorted masks say what the distorted ones say.
+
+mod data;
+
+use image::GrayImage;
+use nalgebra::{Point2, Point3};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::recording::Recording;
+use ode_visual_hull::rig::Rig;
+use ode_visual_hull::silhouette::Undistortion;
+
+fn names(rig: &Rig) -> Vec<&str> {
+    rig.cameras().iter().map(Camera::name).collect()
+}
+
+#[test]
+fn the_seated_person_is_read() {
+    let Some(dir) = data::find("seated_person") else { return };
+    let recording = Recording::open(dir).unwrap();
+    assert_eq!(names(recording.rig()), ["cam1", "cam2", "cam3", "cam4"]);
+    assert_eq!(recording.frames(), [0, 100, 200, 300, 400]);
+    assert_eq!(recording.image_frames(), [0, 100, 200, 300, 400]);
+    assert_eq!(recording.masks(100).unwrap().len(), 4);
+    assert_eq!(recording.images(400).unwrap()[3].dimensions(), (644, 486));
+    assert_eq!(recording.background(2).unwrap().dimensions(), (644, 486));
+    stands_around_a_person(recording.rig());
+}
+
+#[test]
+fn the_balancing_person_is_read() {
+    let Some(dir) = data::find("balancing_person") else { return };
+    let recording = Recording::open(&dir).unwrap();
+    assert_eq!(names(recording.rig()), ["cam01", "cam02", "cam03", "cam04"]);
+    assert_eq!(recording.frames(), (0..100).collect::<Vec<_>>());
+    assert_eq!(recording.image_frames(), (0..100).step_by(10).collect::<Vec<_>>());
+    assert_eq!(recording.masks(50).unwrap()[0].dimensions(), (544, 960));
+    assert_eq!(recording.images(90).unwrap().len(), 4);
+    stands_around_a_person(recording.rig());
+    assert_eq!(Rig::load(dir.join("rig_as_published.toml")).unwrap().len(), 4);
+}
+
+/// Cameras stand 1 to 10 m from the origin, above the floor at z = 0, and see a point 0.8 m above the origin.
+fn stands_around_a_person(rig: &Rig) {
+    println!("{}", rig.describe());
+    for camera in rig.cameras() {
+        let centre = camera.centre();
+        assert!((1.0..10.0).contains(&centre.coords.norm()) && centre.z > 0.0, "{centre}");
+        let seen = camera.project(&Point3::new(0.0, 0.0, 0.8)).unwrap();
+        assert!(contains(camera, &Point2::new(seen.u, seen.v)), "{}: {seen:?}", camera.name());
+    }
+}
+
+#[test]
+fn a_calibration_by_anipose_is_read_and_written() {
+    let Some(path) = data::find("calibration_samples/anipose_toml/calibration_4cam.toml") else { return };
+    let rig = Rig::load(path).unwrap();
+    assert_eq!(names(&rig), ["1", "2", "3", "4"]);
+    assert_eq!(rig.cameras()[1].intrinsics()[(0, 2)], 960.0);
+    let again = Rig::from_toml(&rig.to_toml()).unwrap();
+    for (a, b) in rig.cameras().iter().zip(again.cameras()) {
+        // Positions reach 1,000 units here.
+        assert!((a.centre() - b.centre()).norm() < 1e-9);
+    }
+}
+
+fn contains(camera: &Camera, p: &Point2<f64>) -> bool {
+    let (width, height) = camera.size();
+    (0.0..f64::from(width)).contains(&p.x) && (0.0..f64::from(height)).contains(&p.y)
+}
+
+fn is_subject(mask: &GrayImage, p: &Point2<f64>) -> bool {
+    mask.get_pixel(p.x as u32, p.y as u32).0[0] >= 128
+}
+
+fn place(camera: &Camera, world: &Point3<f64>) -> Option<Point2<f64>> {
+    camera.project(world).map(|p| Point2::new(p.u, p.v)).filter(|p| contains(camera, p))
+}
+
+/// The distance from `p` to the nearest pixel of the other verdict, looked for within 3 px.
+fn distance_to_edge(mask: &GrayImage, p: &Point2<f64>) -> f64 {
+    let own = is_subject(mask, p);
+    let around = |x: f64, length: u32| (x as u32).saturating_sub(3)..(x as u32 + 4).min(length);
+    let pixels = around(p.y, mask.height()).flat_map(|y| around(p.x, mask.width()).map(move |x| (x, y)));
+    pixels
+        .map(|(x, y)| Point2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
+        .filter(|centre| is_subject(mask, centre) != own)
+        .map(|centre| (p - centre).abs().add_scalar(-0.5).sup(&nalgebra::Vector2::zeros()).norm())
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Numbers in `[0, 1)`, the same in every run.
+fn uniform(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+#[test]
+fn undistorted_masks_say_what_the_distorted_ones_say() {
+    let Some(dir) = data::find("seated_person") else { return };
+    let recording = Recording::open(dir).unwrap();
+    let masks = recording.masks(0).unwrap();
+    let (mut compared, mut differ, mut unseen, mut farthest) = (0, 0, 0, 0.0_f64);
+    for (camera, mask) in recording.rig().cameras().iter().zip(&masks) {
+        let undistortion = Undistortion::new(camera).unwrap();
+        let pinhole = undistortion.pinhole();
+        let undistorted = undistortion.apply(mask, 0).unwrap();
+        let mut random = uniform(1);
+        for _ in 0..250_000 {
+            // A box around the person, 0.3 m wider.
+            let world = Point3::new(1.2 * random() - 0.25, 1.5 * random() - 0.25, 1.8 * random() - 0.1);
+            let Some(distorted) = place(camera, &world) else { continue };
+            compared += 1;
+            let Some(straight) = place(pinhole, &world).filter(|p| is_subject(undistortion.seen(), p)) else {
+                unseen += 1;
+                continue;
+            };
+            if is_subject(mask, &distorted) != is_subject(&undistorted, &straight) {
+                differ += 1;
+                farthest = farthest.max(distance_to_edge(mask, &distorted));
+            }
+        }
+    }
+    println!("{differ} of {compared} differ, at most {farthest:.2} px from the edge; {unseen} unseen");
+    // The bounds lie above what was measured: see the documentation of `silhouette::Undistortion`.
+    assert!(compared > 500_000, "{compared}");
+    assert!(f64::from(differ) < 0.02 * f64::from(compared), "{differ} of {compared}");
+    assert!(farthest <= 1.0, "{farthest} px");
+    assert!(f64::from(unseen) < 1e-3 * f64::from(compared), "{unseen} of {compared}");
+}

@@ -1,16 +1,21 @@
 //! Samples of the convex hull of a body's vertices.
 
+use super::Samples;
 use super::facets::Facets;
-use super::limits::{check_count, finite, spacing};
+use super::limits::{finite, spacing};
+use super::thin::sample;
 use super::weld::{TOLERANCE, extent, weld};
 use super::wrap::wrap;
-use super::{Samples, limits};
 use crate::{Error, Result};
 use nalgebra::Point3;
 
+/// Up to so many faces, each gets a sample of its own, however small.
+const FEW_FACES: usize = 64;
+
 /// Samples of the convex hull of `vertices`. Faces come from the vertices alone, coplanar ones are one; duplicates,
 /// vertices inside the hull and noise below a millionth of the body's size do not matter. Corners carry their faces'
-/// normals weighted by angle, edges the normalised sum of two faces'; every face has a sample of its own.
+/// normals weighted by angle, edges the normalised sum of two faces'; each face of a body of few
+/// faces has a sample of its own.
 ///
 /// # Errors
 /// Vertices in one plane or fewer than four of them, coordinates that are not finite, a `min_feature` that is not
@@ -25,15 +30,16 @@ pub fn convex(vertices: &[Point3<f64>], min_feature: f64) -> Result<Samples> {
             "{name} has no volume: give at least 4 vertices that do not all lie in one plane"
         ))
     };
-    if vertices.len() < 4 {
+    if vertices.len() < 4 || size == 0.0 {
         return Err(flat());
     }
-    limits::positive("size of the convex body", size)?;
     let (corners, _) = weld(vertices, size * TOLERANCE);
     let faces = wrap(&corners, size * TOLERANCE).ok_or_else(flat)?;
-    let covering = Facets { corners, faces }.cover(&name, min_feature, true)?;
-    check_count(&name, covering.samples.len() as f64, min_feature)?;
-    Ok(Samples::new(covering.samples, covering.radius))
+    let own = faces.len() <= FEW_FACES;
+    let facets = Facets { corners, faces };
+    let (samples, radius) = sample(&facets, &name, min_feature, own)?;
+    let corners = facets.faces.iter().flat_map(|face| &face.outline).map(|corner| &facets.corners[*corner]);
+    Ok(Samples::new(samples, radius).holding(corners))
 }
 
 #[cfg(test)]
@@ -49,13 +55,13 @@ mod tests {
         (0..8).map(|k| Point3::from(at(k).component_mul(&lengths))).collect()
     }
 
-    /// The hull's boundary along a random direction from a point inside, by the support of all faces' planes: the
-    /// planes are the samples' own with the largest offset, so this needs them to be right; `support` checks that.
+    /// Along each sample's normal the sample itself lies farthest.
     fn assert_supports(samples: &Samples, vertices: &[Point3<f64>]) {
         let size = extent(vertices);
         for Sample { point, normal } in samples.points() {
             let beyond = vertices.iter().map(|v| (v - point).dot(normal)).fold(f64::NEG_INFINITY, f64::max);
-            assert!(beyond.abs() <= 3.0 * TOLERANCE * size, "{beyond}");
+            // Two tolerances per face; on a knife's edge (here 4 degrees) the sum of opposite normals magnifies them.
+            assert!(beyond.abs() <= 2.0 * TOLERANCE * size / 0.035, "{beyond}");
         }
     }
 
@@ -161,8 +167,8 @@ mod tests {
     #[test]
     fn vertices_without_a_volume_are_refused() {
         let corners = box_corners(Vector3::repeat(0.2));
-        for bad in [&corners[..3], &corners[..4], &[corners[0]; 9], &[]] {
-            assert!(convex(bad, 0.03).unwrap_err().to_string().contains("no volume"));
+        for flat in [&corners[..3], &corners[..4], &[corners[0]; 9], &[]] {
+            assert!(convex(flat, 0.03).unwrap_err().to_string().contains("no volume"));
         }
         assert!(convex(&[corners.clone(), vec![Point3::new(0.0, f64::NAN, 0.0)]].concat(), 0.03).is_err());
         assert!(convex(&corners, 0.0).is_err());

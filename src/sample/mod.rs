@@ -116,7 +116,7 @@ impl Samples {
         &self.samples
     }
 
-    /// Radius of the smallest sphere about the body's origin that holds the body, in metres.
+    /// Radius of a sphere about the body's origin that holds the body, in metres.
     pub fn bounding_radius(&self) -> f64 {
         self.bounding_radius
     }
@@ -149,4 +149,49 @@ fn bounding_sphere(samples: &[Sample]) -> (Point3<f64>, f64) {
     // Halved before they are added: coordinates near the largest float must not overflow.
     let center = Point3::from(lower * 0.5 + upper * 0.5);
     (center, samples.iter().map(|s| (s.point - center).norm()).fold(0.0, f64::max))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shapes() -> [BodyShape; 6] {
+        let corner = |k: usize| Point3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64 * 0.5);
+        let tetrahedron = [[0, 2, 1], [0, 1, 4], [0, 4, 2], [1, 2, 4]];
+        [
+            BodyShape::Sphere { radius: 0.2 },
+            BodyShape::Box { lengths: Vector3::new(0.3, 0.2, 0.1) },
+            BodyShape::Capsule { radius: 0.1, length: 0.4 },
+            BodyShape::Cylinder { radius: 0.1, length: 0.4 },
+            BodyShape::Convex { vertices: (0..8).map(corner).collect() },
+            BodyShape::Trimesh { triangles: tetrahedron.map(|triangle| triangle.map(corner)).to_vec() },
+        ]
+    }
+
+    #[test]
+    fn sampling_twice_gives_the_same_samples() {
+        for shape in shapes() {
+            assert_eq!(shape.sample(0.05).unwrap(), shape.sample(0.05).unwrap());
+        }
+    }
+
+    #[test]
+    fn a_larger_min_feature_needs_fewer_samples() {
+        for shape in shapes() {
+            let counts = [0.02, 0.04, 0.08].map(|d| shape.sample(d).unwrap().points().len());
+            assert!(counts.is_sorted_by(|a, b| a > b), "{shape:?}: {counts:?}");
+        }
+    }
+
+    #[test]
+    fn only_round_shapes_are_smooth() {
+        let smooth = shapes().map(|shape| shape.sample(0.05).unwrap().smooth().is_some());
+        assert_eq!(smooth, [true, false, true, true, false, false]);
+    }
+
+    #[test]
+    fn samples_cross_threads() {
+        fn cross<T: Send + Sync>() {}
+        cross::<(Samples, SampleCache, BodyShape, SupportPoints)>();
+    }
 }

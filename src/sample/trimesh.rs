@@ -2,8 +2,8 @@
 
 use super::Samples;
 use super::facets::{Facet, Facets};
-use super::limits::{check_count, finite, positive, spacing};
-use super::thin::thin;
+use super::limits::{finite, positive, spacing};
+use super::thin::sample;
 use super::weld::{TOLERANCE, extent, weld};
 use crate::{Error, Result};
 use nalgebra::Point3;
@@ -18,7 +18,7 @@ use std::collections::HashMap;
 /// No triangle with an area, coordinates that are not finite, a `min_feature` that is not finite and positive; more
 /// than [`super::MAX_SAMPLES`] samples.
 pub fn trimesh(triangles: &[[Point3<f64>; 3]], min_feature: f64) -> Result<Samples> {
-    let spacing = spacing(min_feature)?;
+    spacing(min_feature)?;
     let vertices = triangles.as_flattened();
     finite("mesh vertex", vertices)?;
     let size = extent(vertices);
@@ -31,18 +31,7 @@ pub fn trimesh(triangles: &[[Point3<f64>; 3]], min_feature: f64) -> Result<Sampl
     }
     positive("size of the mesh", size)?;
 
-    let covering = facets.cover(&name, min_feature, false)?;
-    let (mut samples, mut radius) = (covering.samples, covering.radius);
-    // A grid of that spacing would do: worth a second look if the mesh has many more vertices.
-    if facets.corners.len() as f64 > 50.0 + 2.0 * facets.area() / (spacing * spacing) {
-        if let Ok(dense) = facets.cover(&name, min_feature / 2.0, false) {
-            let thinned = thin(&dense, min_feature / 2.0 - dense.radius);
-            if thinned.len() < samples.len() {
-                (samples, radius) = (thinned, min_feature / 2.0);
-            }
-        }
-    }
-    check_count(&name, samples.len() as f64, min_feature)?;
+    let (samples, radius) = sample(&facets, &name, min_feature, false)?;
     let corners = facets.faces.iter().flat_map(|face| &face.outline).map(|corner| &facets.corners[*corner]);
     Ok(Samples::new(samples, radius).holding(corners))
 }

@@ -32,7 +32,9 @@ pub(super) fn wrap(points: &[Point3<f64>], tolerance: f64) -> Option<Vec<Facet>>
         if faces.len() > 2 * points.len() {
             return None;
         }
-        while let (None, Some((a, b, normal))) = (next, open.pop_front()) {
+        while next.is_none()
+            && let Some((a, b, normal)) = open.pop_front()
+        {
             if !edges.contains(&(b, a)) {
                 next = Some((points[a], wrapping.turn(&points[a], &points[b], &normal)));
             }
@@ -98,10 +100,12 @@ impl Wrapping<'_> {
         };
         let outline = outline(members.iter().map(flat).collect(), self.tolerance)?;
 
-        // Newell's sum uses all corners, so that no short edge tilts the plane.
+        // Newell's sum uses all corners, so that no short edge tilts the plane; of a sliver the noise may tilt it more.
         let corner = |k: usize| self.points[outline[k % outline.len()]] - start;
         let newell: Vector3<f64> = (0..outline.len()).map(|k| corner(k).cross(&corner(k + 1))).sum();
-        Some(Facet { normal: newell.try_normalize(0.0)?, outline })
+        let newell = newell.try_normalize(0.0)?;
+        let supports = self.points.iter().all(|point| (point - start).dot(&newell) <= 2.0 * self.tolerance);
+        Some(Facet { normal: if supports { newell } else { *normal }, outline })
     }
 }
 

@@ -21,7 +21,8 @@ pub(super) fn direction(hull: &Hull, colliding: &[Colliding], last: Option<Vecto
     };
     let mean: Vector3<f64> = colliding.iter().map(|sample| sample.push.direction * sample.push.depth).sum();
     let fresh = cube_directions().chain(mean.try_normalize(1e-9));
-    let candidates = fresh.map(|direction| (direction, 1.0)).chain(last.map(|direction| (direction, LOYALTY)));
+    let candidates =
+        fresh.map(|direction| (direction, 1.0)).chain(last.map(|direction| (direction, LOYALTY)));
     let rated = candidates.map(|(direction, factor)| (direction, factor * longest_exit(&direction)));
     let shortest = rated.min_by(|a, b| a.1.total_cmp(&b.1));
     shortest.map_or(colliding[0].push.direction, |(direction, _)| direction)
@@ -29,6 +30,7 @@ pub(super) fn direction(hull: &Hull, colliding: &[Colliding], last: Option<Vecto
 
 fn cube_directions() -> impl Iterator<Item = Vector3<f64>> {
     let steps = || [-1.0, 0.0, 1.0].into_iter();
-    let all = steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| Vector3::new(x, y, z))));
+    let all =
+        steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| Vector3::new(x, y, z))));
     all.filter_map(|v| v.try_normalize(0.5))
 }

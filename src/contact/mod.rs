@@ -113,7 +113,8 @@ pub fn collide(
                 escape = Some(direction);
                 clusters.push(Cluster::all(&colliding, direction));
             }
-            let contacts = |cluster: &Cluster| cluster.contacts(hull, body, hull_from_body, settings.max_depth);
+            let contacts =
+                |cluster: &Cluster| cluster.contacts(hull, body, hull_from_body, settings.max_depth);
             clusters.iter().map(contacts).collect()
         }
         Mode::Paper => {
@@ -178,11 +179,7 @@ fn samples_inside(
 }
 
 fn own_contact(sample: &Colliding, max_depth: f64) -> Contact {
-    Contact {
-        point: sample.point,
-        direction: sample.push.direction,
-        depth: sample.push.depth.min(max_depth),
-    }
+    Contact { point: sample.point, direction: sample.push.direction, depth: sample.push.depth.min(max_depth) }
 }
 
 /// The first among the deepest.

@@ -1,0 +1,211 @@
+//! Contacts on the hull of a box that is the box, so that a contact's place, direction and depth are known.
+
+use super::*;
+use crate::hull::{Aabb, Unseen, View};
+use crate::sample::{self, BodyShape};
+use crate::silhouette::{Border, Silhouette};
+use crate::synthetic::{Paint, Placed, Solid, Subject, coverage, layout};
+use nalgebra::{UnitQuaternion, point, vector};
+use std::sync::Arc;
+
+/// A pixel of the rig here at the table, in metres: 0.45 rad over 640 pixels at about 3 m.
+const PIXEL: f64 = 0.0022;
+
+/// A table of 0.5 x 0.5 x 0.4 m around the origin, seen with coverage.
+fn table() -> Hull {
+    let lengths = vector![0.5, 0.5, 0.4];
+    let placed =
+        Placed::new(Solid::cuboid(lengths).unwrap(), Isometry3::identity(), Paint::plain([200, 60, 40]));
+    let subject = Subject::new(vec![placed]);
+    let cameras = layout::face_on(lengths, &Isometry3::identity(), 2.8, 0.2, (640, 480), 0.45).unwrap();
+    let view = |camera| {
+        let silhouette = Silhouette::new(coverage(&camera, &subject), Border::Background);
+        View::new(Arc::new(camera), Arc::new(silhouette), None)
+    };
+    let bounds = Aabb::new(point![-0.6, -0.6, -0.3], point![0.6, 0.6, 0.8]).unwrap();
+    Hull::new(cameras.into_iter().map(view).collect(), bounds, Unseen::Outside, 0.0)
+}
+
+fn cube() -> Samples {
+    sample::box_(vector![0.2, 0.2, 0.2], 0.03).unwrap()
+}
+
+fn at(x: f64, y: f64, z: f64) -> Isometry3<f64> {
+    Isometry3::translation(x, y, z)
+}
+
+fn contacts(body: &Samples, pose: &Isometry3<f64>) -> Vec<Contact> {
+    collide(&table(), body, pose, &Settings::default(), None).contacts
+}
+
+/// A box turned a little about z stands 5 mm deep in the top at (0.03, -0.02).
+fn standing() -> Isometry3<f64> {
+    at(0.03, -0.02, 0.295) * UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3)
+}
+
+#[test]
+fn a_box_on_the_table_is_pushed_straight_up_at_its_corners() {
+    let found = contacts(&cube(), &standing());
+    assert_eq!(found.len(), 8);
+    for contact in &found {
+        // Two degrees: what coverage normals are good for; a third of a pixel of depth.
+        assert!(contact.direction.angle(&Vector3::z()) < 0.035, "{contact:?}");
+        assert!((contact.depth - 0.005).abs() < 0.33 * PIXEL, "{contact:?}");
+    }
+    for (x, y) in [(-0.1, -0.1), (-0.1, 0.1), (0.1, -0.1), (0.1, 0.1)] {
+        let corner = standing() * point![x, y, -0.1];
+        assert!(found.iter().any(|contact| (contact.point - corner).norm() < 1e-9), "no contact at {corner}");
+    }
+}
+
+#[test]
+fn a_deep_rim_does_not_push_sideways() {
+    // Set 4 cm deep, half over the edge: the lower rim's nearest way out is the table's side.
+    let found = contacts(&cube(), &at(0.24, 0.0, 0.26));
+    let up = found.iter().filter(|contact| contact.direction.z > 0.95).count();
+    assert!(up >= 4, "{found:?}");
+    let sideways =
+        found.iter().filter(|contact| contact.direction.z < 0.3 && contact.direction.x < 0.3).count();
+    assert_eq!(sideways, 0, "{found:?}");
+}
+
+#[test]
+fn a_box_at_the_side_is_pushed_off_sideways() {
+    let found = contacts(&cube(), &at(0.346, 0.01, 0.0));
+    assert!(!found.is_empty());
+    assert!(found.iter().all(|contact| contact.direction.angle(&Vector3::x()) < 0.035), "{found:?}");
+}
+
+#[test]
+fn depth_is_capped_but_in_paper_mode() {
+    let deep = at(0.0, 0.0, 0.15);
+    let hull = table();
+    let deepest = |mode| {
+        let settings = Settings { mode, ..Settings::default() };
+        let found = collide(&hull, &cube(), &deep, &settings, None).contacts;
+        found.iter().map(|contact| contact.depth).fold(0.0, f64::max)
+    };
+    assert_eq!(deepest(Mode::Clustered), 0.05);
+    assert_eq!(deepest(Mode::Point), 0.05);
+    assert_eq!(deepest(Mode::Single), 0.05);
+    assert!(deepest(Mode::Paper) > 0.1);
+}
+
+#[test]
+fn a_sphere_touches_at_its_lowest_point() {
+    let ball = sample::sphere(0.1, 0.03).unwrap();
+    let found = contacts(&ball, &at(0.02, 0.03, 0.297));
+    assert_eq!(found.len(), 1);
+    assert!((found[0].point - point![0.02, 0.03, 0.197]).norm() < 0.004, "{found:?}");
+    assert!((found[0].depth - 0.003).abs() < 0.33 * PIXEL);
+}
+
+#[test]
+fn a_lying_cylinder_touches_at_both_rims() {
+    let roll = sample::cylinder(0.1, 0.3, 0.03).unwrap();
+    let lying =
+        at(0.0, 0.0, 0.296) * UnitQuaternion::from_euler_angles(0.0, std::f64::consts::FRAC_PI_2, 0.0);
+    let mut along: Vec<f64> = contacts(&roll, &lying).iter().map(|contact| contact.point.x).collect();
+    along.sort_by(f64::total_cmp);
+    assert_eq!(along.len(), 2);
+    assert!((along[0] + 0.15).abs() < 0.01 && (along[1] - 0.15).abs() < 0.01);
+}
+
+#[test]
+fn a_swallowed_box_is_led_out_the_nearest_way() {
+    let tiny = sample::box_(vector![0.04, 0.04, 0.04], 0.03).unwrap();
+    let found = contacts(&tiny, &at(0.05, 0.02, 0.12));
+    assert!(!found.is_empty() && found.iter().all(|contact| contact.direction.z > 0.95), "{found:?}");
+}
+
+#[test]
+fn a_pierced_body_is_led_out_one_way_and_keeps_it() {
+    // The table stands through a wide plate: no way out of a sample runs against the plate's own normal.
+    let plate = sample::box_(vector![0.8, 0.8, 0.2], 0.05).unwrap();
+    let (hull, settings) = (table(), Settings::default());
+    let first = collide(&hull, &plate, &at(0.0, 0.0, 0.0), &settings, None);
+    let way = first.escape.expect("none of its samples is supported");
+    assert!(way.angle(&Vector3::z()) < 0.1, "up is shortest: {way}");
+    assert!(first.contacts.iter().all(|contact| contact.direction == way));
+    // Another way stays preferred once taken, unless it is more than three times as long.
+    let second = collide(&hull, &plate, &at(0.0, 0.0, 0.0), &settings, Some(Vector3::x()));
+    assert_eq!(second.escape, Some(Vector3::x()));
+}
+
+#[test]
+fn a_body_that_reaches_over_the_table_rests_on_it() {
+    let plate = sample::box_(vector![0.6, 0.3, 0.3], 0.03).unwrap();
+    let found = contacts(&plate, &at(0.0, 0.0, 0.348));
+    assert!(!found.is_empty() && found.iter().all(|contact| contact.direction.z > 0.95), "{found:?}");
+}
+
+#[test]
+fn reduction_keeps_the_deepest_and_the_spread_whatever_the_cap() {
+    let hull = table();
+    let tilted = at(0.0, 0.0, 0.293) * UnitQuaternion::from_euler_angles(0.01, 0.02, 0.0);
+    let with_cap = |cap| {
+        let settings = Settings { max_contacts: cap, ..Settings::default() };
+        collide(&hull, &cube(), &tilted, &settings, None).contacts
+    };
+    let all = with_cap(10_000);
+    let deepest = all.iter().map(|contact| contact.depth).fold(0.0, f64::max);
+    for cap in 1..12 {
+        let kept = with_cap(cap);
+        assert_eq!(kept.len(), cap.min(all.len()));
+        assert!(kept[0].depth >= 0.8 * deepest);
+        assert!(kept.iter().all(|contact| all.contains(contact)));
+    }
+    let four = with_cap(4);
+    let spread =
+        four.iter().flat_map(|a| four.iter().map(move |b| (a.point - b.point).norm())).fold(0.0, f64::max);
+    assert!(spread > 0.27, "the base's diagonal of 0.28 m is kept: {spread}");
+}
+
+#[test]
+fn the_same_question_has_the_same_bits_as_answer() {
+    let hull = table();
+    let ask = || collide(&hull, &cube(), &standing(), &Settings::default(), None);
+    assert_eq!(ask(), ask());
+}
+
+#[test]
+fn the_body_response_moves_the_body_out() {
+    let hull = table();
+    for (x, z) in [(0.0, 0.29), (0.34, 0.05), (0.33, 0.26)] {
+        let pose = at(x, 0.0, z);
+        let response = body_response(&hull, &cube(), &pose);
+        assert!(response.colliding > 0);
+        let moved = Isometry3::translation(response.vector.x, response.vector.y, response.vector.z) * pose;
+        let left = cube().points().iter().filter(|s| hull.inside(&(moved * s.point))).count();
+        // Rounding may leave samples on the last pixel's side.
+        assert!(left <= response.colliding / 50, "{left} of {} still inside", response.colliding);
+    }
+}
+
+#[test]
+fn every_shape_on_the_table_is_pushed_up() {
+    let corners = [-0.1, 0.1].into_iter().flat_map(|x| [-0.1, 0.1].map(|y| (x, y)));
+    let vertices = corners.flat_map(|(x, y)| [-0.1, 0.1].map(|z| point![x, y, z])).collect();
+    let shapes = [
+        BodyShape::Sphere { radius: 0.1 },
+        BodyShape::Box { lengths: vector![0.2, 0.2, 0.2] },
+        BodyShape::Capsule { radius: 0.05, length: 0.1 },
+        BodyShape::Cylinder { radius: 0.05, length: 0.2 },
+        BodyShape::Convex { vertices },
+    ];
+    let hull = table();
+    for shape in shapes {
+        let samples = shape.sample(0.03).unwrap();
+        for mode in [Mode::Clustered, Mode::Paper, Mode::Point, Mode::Single] {
+            let settings = Settings { mode, ..Settings::default() };
+            let found = collide(&hull, &samples, &at(0.0, 0.01, 0.296), &settings, None).contacts;
+            assert!(!found.is_empty(), "{shape:?} {mode:?}");
+            // The paper's 5x5 normals are off by up to 6.6 degrees, and more in single samples.
+            let most = if mode == Mode::Clustered { 0.035 } else { 0.4 };
+            assert!(
+                found.iter().all(|c| c.direction.angle(&Vector3::z()) < most),
+                "{shape:?} {mode:?} {found:?}"
+            );
+        }
+    }
+}

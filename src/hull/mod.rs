@@ -180,6 +180,13 @@ impl Hull {
         self.unseen.admits(inside, 0, unseen)
     }
 
+    /// Metres that a pixel covers at `p` in the view that sees it largest; the work volume's diagonal where none does.
+    pub fn pixel_size(&self, p: &Point3<f64>) -> f64 {
+        let sizes =
+            self.enabled_views().filter_map(|view| view.project(p).map(|pixel| view.footprint(&pixel)));
+        sizes.fold((self.bounds.max - self.bounds.min).norm(), f64::min)
+    }
+
     fn verdict(&self, view: &View, p: &Point3<f64>, edge: EdgeModel) -> Verdict {
         // A view that may abstain has to say first whether it sees the point.
         if self.culls.frustum && self.unseen == Unseen::Outside && view.outside_frustum(p) {

@@ -13,7 +13,7 @@
 
 use crate::camera::Camera;
 use crate::{Error, Result};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
 /// `n` cameras evenly around the vertical through `target`, `radius` metres from it, at the world height `height`.
@@ -79,6 +79,38 @@ pub fn hemisphere(
         target + Vector3::new(out * cos, out * sin, up) * radius
     });
     looking(eyes, target, size, horizontal_fov)
+}
+
+/// Four cameras whose hull of a box *is* the box, its underside apart: each looks along the top and along one side.
+///
+/// The box has full side `lengths` and its centre at the origin of its frame, z up. Camera 0 stands before the +x
+/// side in the planes of the top and of the +y side, the next ones a quarter turn on; all are `distance` metres from
+/// the side that they face, look at the box's centre and are rolled about their axis by `roll` and its multiples, so
+/// that the box's edges cross the pixels at a slant.
+///
+/// # Errors
+/// A distance that is not positive, and what [`Camera::look_at`] refuses.
+pub fn face_on(
+    lengths: Vector3<f64>,
+    world_from_box: &Isometry3<f64>,
+    distance: f64,
+    roll: f64,
+    size: (u32, u32),
+    horizontal_fov: f64,
+) -> Result<Vec<Camera>> {
+    check(4, distance)?;
+    let half = lengths / 2.0;
+    let camera = |k: usize| {
+        let (reach, along) = if k % 2 == 0 { (half.x, half.y) } else { (half.y, half.x) };
+        let quarter = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), TAU / 4.0 * k as f64);
+        let eye = world_from_box * (quarter * Point3::new(reach + distance, along, half.z));
+        let target = world_from_box * Point3::origin();
+        let axis = Unit::new_normalize(target - eye);
+        let up =
+            UnitQuaternion::from_axis_angle(&axis, roll * (k as f64 + 1.0)) * (world_from_box * Vector3::z());
+        Camera::look_at(format!("cam{k}"), size, horizontal_fov, eye, target, up)
+    };
+    (0..4).map(camera).collect()
 }
 
 fn check(n: usize, radius: f64) -> Result<()> {

@@ -1,0 +1,42 @@
+//! A call that ODE answers with `abort()` where it could have said no.
+//!
+//! Debian's ODE reports a failed assertion to a debug handler and then aborts. There is no other way to learn that
+//! the table of user classes is full, so the one call that fills it runs under a handler that unwinds out of ODE
+//! before it aborts.
+
+use ode_sys::{__va_list_tag, dGetDebugHandler, dMessageFunction, dSetDebugHandler};
+use std::ffi::{CStr, c_char, c_int};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+/// What ODE said, on its way out.
+struct Refusal(String);
+
+/// The result of `call`, or ODE's words where ODE would have aborted.
+///
+/// # Safety
+/// `call` calls one function of ODE, declared `extern "C-unwind"`, that holds no lock and has changed nothing when
+/// it refuses.
+pub(super) unsafe fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, String> {
+    // SAFETY: only the ABI differs, by the leave to unwind: ODE is C++, whose frames let an exception through.
+    let unwinding: dMessageFunction =
+        Some(unsafe { std::mem::transmute::<Handler, unsafe extern "C" fn(_, _, _)>(refuse) });
+    // SAFETY: stores a function that lives as long as the process.
+    let before = unsafe { dGetDebugHandler() };
+    unsafe { dSetDebugHandler(unwinding) };
+    let outcome = catch_unwind(AssertUnwindSafe(call));
+    // SAFETY: puts back what was there.
+    unsafe { dSetDebugHandler(before) };
+    outcome.map_err(|payload| match payload.downcast::<Refusal>() {
+        Ok(refusal) => refusal.0,
+        Err(other) => resume_unwind(other),
+    })
+}
+
+type Handler = unsafe extern "C-unwind" fn(c_int, *const c_char, *mut __va_list_tag);
+
+unsafe extern "C-unwind" fn refuse(_: c_int, message: *const c_char, _: *mut __va_list_tag) {
+    // SAFETY: ODE passes a C string, the format of its message.
+    let text = unsafe { CStr::from_ptr(message) }.to_string_lossy().into_owned();
+    // Not a panic of ours: nothing is printed.
+    resume_unwind(Box::new(Refusal(text)));
+}

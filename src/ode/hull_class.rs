@@ -1,0 +1,166 @@
+//! The visual hull as a geometry class of ODE: registration and the callbacks that ODE calls.
+//!
+//! ODE has room for four user classes in a process, no way to give one back, and forgets all of them when it closes.
+//! So this crate registers one, at most once for each time that ODE is open, whoever opened it.
+
+use super::hull_geom::HullGeom;
+use super::panic::fence;
+use super::{abort, hull_collider};
+use crate::{Error, Result};
+use ode_sys::{
+    dCollide, dColliderFn, dContactGeom, dCreateGeomClass, dCreateRay, dGeomClass, dGeomDestroy,
+    dGeomGetClass, dGeomGetClassData, dGeomID, dPlaneClass, dRayClass, dReal, dSetColliderOverride,
+};
+use std::cell::Cell;
+use std::ffi::c_int;
+use std::mem::size_of;
+use std::ptr::null_mut;
+use std::sync::{Mutex, PoisonError};
+
+/// What ODE keeps in a geom of the class: the geom's data, or null before it is filled in.
+type ClassData = *mut HullGeom;
+
+/// The number under which the class was registered last.
+static NUMBER: Mutex<Option<c_int>> = Mutex::new(None);
+
+thread_local! {
+    static MARKER_RAN: Cell<bool> = const { Cell::new(false) };
+}
+
+/// The class's number, after registering it where ODE does not know it. ODE must be open.
+///
+/// # Errors
+/// Four user classes of others.
+pub(super) fn number() -> Result<c_int> {
+    let mut number = NUMBER.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = *number
+        && is_still_registered()
+    {
+        return Ok(known);
+    }
+    let class = dGeomClass {
+        bytes: size_of::<ClassData>() as c_int,
+        collider: Some(collider),
+        aabb: Some(aabb),
+        aabb_test: None,
+        dtor: Some(destroy),
+    };
+    // SAFETY: ODE is open, copies the class, and the callbacks live as long as the process; a full table is refused
+    // before anything changes.
+    let fresh = unsafe { abort::guarded(|| dCreateGeomClass(&raw const class)) };
+    let fresh = fresh.map_err(|message| {
+        Error::Ode(format!(
+            "expected room for one more user class, found all four taken ({message}); register fewer classes in this \
+             process"
+        ))
+    })?;
+    // SAFETY: both numbers are ODE's own; two rays never touch, so that the pair is nobody's.
+    unsafe { dSetColliderOverride(dRayClass as c_int, dRayClass as c_int, Some(marker)) };
+    *number = Some(fresh);
+    Ok(fresh)
+}
+
+/// Whether ODE has stayed open since the class was registered. ODE does not tell, and asking it for a geom of a stale
+/// number may reach somebody else's class; but a collider between two rays, which nobody else has a use for, is
+/// forgotten together with the class.
+fn is_still_registered() -> bool {
+    MARKER_RAN.set(false);
+    // SAFETY: ODE is open; the rays are in no space and destroyed here; the buffer holds the one contact asked for.
+    unsafe {
+        let (one, other) = (dCreateRay(null_mut(), 1.0), dCreateRay(null_mut(), 1.0));
+        let mut contact: dContactGeom = std::mem::zeroed();
+        dCollide(one, other, 1, &raw mut contact, size_of::<dContactGeom>() as c_int);
+        dGeomDestroy(one);
+        dGeomDestroy(other);
+    }
+    MARKER_RAN.get()
+}
+
+extern "C" fn marker(_: dGeomID, _: dGeomID, _: c_int, _: *mut dContactGeom, _: c_int) -> c_int {
+    MARKER_RAN.set(true);
+    0
+}
+
+/// Fills the data of a fresh geom of the class; the geom owns it from here on.
+///
+/// # Safety
+/// `geom` is a living geom of the class without data.
+pub(super) unsafe fn give_data(geom: dGeomID, data: Box<HullGeom>) {
+    // SAFETY: the caller vouches for the geom's class, whose data is one pointer.
+    unsafe { *dGeomGetClassData(geom).cast::<ClassData>() = Box::into_raw(data) };
+}
+
+/// The data of a geom; `None` where it is not of the class.
+///
+/// # Safety
+/// `geom` is a living geom, and lives as long as `'a`.
+pub(super) unsafe fn data<'a>(geom: dGeomID) -> Option<&'a HullGeom> {
+    let number = *NUMBER.lock().unwrap_or_else(PoisonError::into_inner);
+    // SAFETY: the class is checked first, since ODE aborts on a geom without class data.
+    unsafe {
+        if geom.is_null() || Some(dGeomGetClass(geom)) != number {
+            return None;
+        }
+        (*dGeomGetClassData(geom).cast::<ClassData>()).as_ref()
+    }
+}
+
+/// Asked by ODE once a class pair. Everything that has a surface of its own may meet a hull; planes have no end.
+extern "C" fn collider(other: c_int) -> dColliderFn {
+    let own = *NUMBER.lock().unwrap_or_else(PoisonError::into_inner);
+    if other == dPlaneClass as c_int || Some(other) == own {
+        None
+    } else if other == dRayClass as c_int {
+        Some(collide_ray)
+    } else {
+        Some(collide_body)
+    }
+}
+
+extern "C" fn collide_body(
+    hull: dGeomID,
+    body: dGeomID,
+    flags: c_int,
+    contacts: *mut dContactGeom,
+    skip: c_int,
+) -> c_int {
+    // SAFETY: ODE passes living geoms, ours first (dispatch is by class number), and room for as many contacts as
+    // the low 16 bits of `flags` say, `skip` bytes apart.
+    fence(0, || unsafe { hull_collider::collide_body(hull, body, flags, contacts, skip) })
+}
+
+extern "C" fn collide_ray(
+    hull: dGeomID,
+    ray: dGeomID,
+    flags: c_int,
+    contacts: *mut dContactGeom,
+    skip: c_int,
+) -> c_int {
+    let _ = (flags, skip);
+    // SAFETY: as in `collide_body`; ODE asks for at least one contact.
+    fence(0, || unsafe { hull_collider::collide_ray(hull, ray, contacts) })
+}
+
+/// ODE's order: min x, max x, min y, max y, min z, max z. Never NaN, which aborts a hash space.
+extern "C" fn aabb(geom: dGeomID, into: *mut dReal) {
+    let bounds = fence([0.0; 6], || {
+        // SAFETY: ODE passes a living geom of the class; its data may not be filled in yet.
+        unsafe { data(geom).map_or([0.0; 6], |hull| hull.world_aabb(geom)) }
+    });
+    // SAFETY: ODE passes room for six numbers.
+    unsafe { into.cast::<[dReal; 6]>().write(bounds) };
+}
+
+extern "C" fn destroy(geom: dGeomID) {
+    fence((), || {
+        // SAFETY: ODE passes a living geom of the class, once, while its data can still be read; the data came from
+        // `give_data`, or is still null.
+        unsafe {
+            let slot = dGeomGetClassData(geom).cast::<ClassData>();
+            if !(*slot).is_null() {
+                drop(Box::from_raw(*slot));
+                *slot = null_mut();
+            }
+        }
+    });
+}

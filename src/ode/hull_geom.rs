@@ -1,0 +1,229 @@
+//! What a hull geom knows: its data object, the frame it collides with, its settings, and what it touched last.
+
+use super::convert;
+use crate::Error;
+use crate::contact::Settings;
+use crate::hull::{Aabb, Hull, HullData};
+use nalgebra::{Isometry3, Point3, Vector3};
+use ode_sys::{dGeomCopyPosition, dGeomGetQuaternion, dGeomID, dGeomMoved};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A body asleep wakes when the hull's surface at it has moved by more than this, in pixels of the nearest view: more
+/// than a flickering edge pixel moves it, less than anybody sees.
+const WAKE_PX: f64 = 1.5;
+
+/// Touches that were not renewed for this many collides are forgotten.
+const FORGET_AFTER: u64 = 1000;
+
+/// Default of [`HullGeom::min_feature`], in metres.
+pub(super) const MIN_FEATURE: f64 = 0.03;
+
+/// The data behind a hull geom. ODE owns it, as the geom's class data.
+#[derive(Debug)]
+pub(super) struct HullGeom {
+    state: Mutex<State>,
+}
+
+#[derive(Debug)]
+struct State {
+    data: Arc<HullData>,
+    serial: u64,
+    hull: Option<Arc<Hull>>,
+    settings: Settings,
+    min_feature: f64,
+    /// Where the hull was before the frame in force: bodies there must meet the collider once more, to learn that it
+    /// left.
+    trail: Aabb,
+    /// Whether the collider ran since the frame in force was adopted.
+    served: bool,
+    touches: HashMap<usize, Touch>,
+    clock: u64,
+    /// The first thing that went wrong in the collider since somebody last asked.
+    trouble: Option<Error>,
+}
+
+/// How a body met the hull when it was last awake. A hint only: the address it is stored under may be another geom's
+/// by now, and is never followed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
+    /// The deepest contact's depth; `None` without contact.
+    depth: Option<f64>,
+    /// The escape direction chosen, in the hull's frame.
+    pub(super) escape: Option<Vector3<f64>>,
+    clock: u64,
+}
+
+/// What a collider needs, taken out of the geom at once so that no lock is held over ODE's calls.
+#[derive(Debug, Clone)]
+pub(super) struct Collidable {
+    pub(super) hull: Arc<Hull>,
+    pub(super) settings: Settings,
+    pub(super) min_feature: f64,
+    pub(super) last_escape: Option<Vector3<f64>>,
+}
+
+impl HullGeom {
+    pub(super) fn new(data: Arc<HullData>) -> Self {
+        let state = State {
+            data,
+            serial: 0,
+            hull: None,
+            settings: Settings::default(),
+            min_feature: MIN_FEATURE,
+            trail: Aabb::EMPTY,
+            served: false,
+            touches: HashMap::new(),
+            clock: 0,
+            trouble: None,
+        };
+        Self { state: Mutex::new(state) }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn data(&self) -> Arc<HullData> {
+        self.lock().data.clone()
+    }
+
+    /// Binds the geom to other data, from the next adoption on.
+    pub(super) fn set_data(&self, data: Arc<HullData>) {
+        let mut state = self.lock();
+        (state.data, state.serial) = (data, 0);
+    }
+
+    pub(super) fn settings(&self) -> Settings {
+        self.lock().settings
+    }
+
+    pub(super) fn change_settings(&self, change: impl FnOnce(&mut Settings)) {
+        change(&mut self.lock().settings);
+    }
+
+    pub(super) fn min_feature(&self) -> f64 {
+        self.lock().min_feature
+    }
+
+    pub(super) fn set_min_feature(&self, diameter: f64) {
+        self.lock().min_feature = diameter;
+    }
+
+    /// The frame that collides, `None` before the first.
+    pub(super) fn hull(&self) -> Option<Arc<Hull>> {
+        self.lock().hull.clone()
+    }
+
+    /// Notes what the collider cannot tell its caller.
+    pub(super) fn report(&self, error: Error) {
+        self.lock().trouble.get_or_insert(error);
+    }
+
+    /// What the collider could not tell, once.
+    pub(super) fn take_trouble(&self) -> Option<Error> {
+        self.lock().trouble.take()
+    }
+
+    /// Takes the latest published frame into force; true where it is a new one.
+    fn take_latest(&self) -> bool {
+        let mut state = self.lock();
+        let latest = state.data.latest();
+        let (serial, hull) = latest.map_or((0, None), |(serial, hull)| (serial, Some(hull)));
+        let changed = match (&state.hull, &hull) {
+            (Some(old), Some(new)) => !Arc::ptr_eq(old, new),
+            (None, None) => false,
+            _ => true,
+        };
+        if changed {
+            let left = state.aabb();
+            state.trail = if state.served { left } else { state.trail.union(&left) };
+            (state.hull, state.serial, state.served) = (hull, serial, false);
+        }
+        changed
+    }
+
+    /// The box around the hull and where it was just before, in the world, as ODE wants it: finite, never NaN.
+    ///
+    /// # Safety
+    /// `geom` is the living geom that owns this data.
+    pub(super) unsafe fn world_aabb(&self, geom: dGeomID) -> [f64; 6] {
+        // SAFETY: the caller vouches for the geom; the class is placeable.
+        let world_from_hull = unsafe { pose(geom) };
+        let state = self.lock();
+        let both = state.aabb().union(&state.trail);
+        // An empty hull is a point, so that it is nowhere near anything, yet not NaN or infinite.
+        let both = if both.is_empty() { Aabb { min: Point3::origin(), max: Point3::origin() } } else { both };
+        let aabb = both.transformed(&world_from_hull);
+        [aabb.min.x, aabb.max.x, aabb.min.y, aabb.max.y, aabb.min.z, aabb.max.z]
+    }
+
+    /// What is needed to collide with the geom at address `other`; `None` before the first frame.
+    pub(super) fn begin(&self, other: usize) -> Option<Collidable> {
+        let mut state = self.lock();
+        state.served = true;
+        state.clock += 1;
+        let last_escape = state.touches.get(&other).and_then(|touch| touch.escape);
+        let hull = state.hull.clone()?;
+        Some(Collidable { hull, settings: state.settings, min_feature: state.min_feature, last_escape })
+    }
+
+    /// Notes how the geom at `other` met the hull. True where its body is asleep and should wake: the hull's surface
+    /// at it is no longer where it was when it fell asleep.
+    pub(super) fn finish(&self, other: usize, asleep: bool, depth: Option<f64>, escape: Option<Vector3<f64>>, pixel: f64) -> bool {
+        let mut state = self.lock();
+        let clock = state.clock;
+        if clock.is_multiple_of(FORGET_AFTER) {
+            state.touches.retain(|_, touch| touch.clock + FORGET_AFTER >= clock);
+        }
+        match state.touches.get_mut(&other) {
+            Some(touch) if asleep => {
+                touch.clock = clock;
+                let moved = match (touch.depth, depth) {
+                    (Some(before), Some(now)) => (now - before).abs() > WAKE_PX * pixel,
+                    (None, None) => false,
+                    _ => true,
+                };
+                if moved {
+                    touch.depth = depth;
+                }
+                moved
+            }
+            _ => {
+                state.touches.insert(other, Touch { depth, escape, clock });
+                false
+            }
+        }
+    }
+}
+
+impl State {
+    fn aabb(&self) -> Aabb {
+        self.hull.as_ref().map_or(Aabb::EMPTY, |hull| *hull.aabb())
+    }
+}
+
+/// Takes the latest published frame into force for `geom`, and tells ODE that its box has changed.
+///
+/// # Safety
+/// `geom` is the living geom that owns `hull`, and no space that it is in is being collided.
+pub(super) unsafe fn adopt(geom: dGeomID, hull: &HullGeom) {
+    if hull.take_latest() {
+        // SAFETY: the caller vouches that the space is not locked, where ODE would abort.
+        unsafe { dGeomMoved(geom) };
+    }
+}
+
+/// The pose of a hull geom, world from hull.
+///
+/// # Safety
+/// `geom` is a living, placeable geom.
+pub(super) unsafe fn pose(geom: dGeomID) -> Isometry3<f64> {
+    let (mut position, mut quaternion) = ([0.0; 4], [0.0; 4]);
+    // SAFETY: the caller vouches for the geom; both arrays hold four numbers.
+    unsafe {
+        dGeomCopyPosition(geom, position.as_mut_ptr());
+        dGeomGetQuaternion(geom, quaternion.as_mut_ptr());
+    }
+    convert::pose(&position, &quaternion)
+}

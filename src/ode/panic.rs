@@ -1,0 +1,30 @@
+//! Panics never cross ODE: a callback that panics answers with a default, and the panic goes on once ODE has returned.
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+thread_local! {
+    /// The first panic in a callback since the last look.
+    static PARKED: RefCell<Option<Box<dyn Any + Send>>> = const { RefCell::new(None) };
+}
+
+/// What `callback` returns; `default` where it panics, and the panic is parked.
+pub(super) fn fence<T>(default: T, callback: impl FnOnce() -> T) -> T {
+    catch_unwind(AssertUnwindSafe(callback)).unwrap_or_else(|payload| {
+        PARKED.with(|parked| parked.borrow_mut().get_or_insert(payload));
+        default
+    })
+}
+
+/// The panic parked on this thread, if any.
+pub(super) fn take_parked() -> Option<Box<dyn Any + Send>> {
+    PARKED.take()
+}
+
+/// Goes on with the panic parked on this thread, if any.
+pub(super) fn resume_parked() {
+    if let Some(payload) = take_parked() {
+        resume_unwind(payload);
+    }
+}

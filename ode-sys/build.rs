@@ -26,7 +26,7 @@ fn build() -> Result<(), Problem> {
     let ode = pkg_config::Config::new()
         .range_version("0.16.2".."0.17")
         .probe("ode")
-        .map_err(|error| Problem::Missing(error.to_string()))?;
+        .map_err(|error| Problem::Missing(words(&error)))?;
     let configured = pkg_config::get_variable("ode", "precision").ok();
 
     let bindings = bind(&ode.include_paths)?;
@@ -45,6 +45,16 @@ fn build() -> Result<(), Problem> {
     Ok(())
 }
 
+/// What pkg-config itself printed, where it ran at all.
+fn words(error: &pkg_config::Error) -> String {
+    match error {
+        pkg_config::Error::Failure { output, .. } | pkg_config::Error::ProbeFailure { output, .. } => {
+            String::from_utf8_lossy(&output.stderr).into_owned()
+        }
+        other => other.to_string(),
+    }
+}
+
 /// The bindings as Rust source. bindgen panics where it cannot load libclang, so that is caught here.
 fn bind(include_paths: &[PathBuf]) -> Result<String, Problem> {
     let silent = panic::take_hook();
@@ -57,12 +67,13 @@ fn bind(include_paths: &[PathBuf]) -> Result<String, Problem> {
     bindgen::Builder::default()
         .header_contents("ode_sys.h", "#include <ode/ode.h>\n")
         .clang_args(include_paths.iter().map(|path| format!("-I{}", path.display())))
+        .rust_target(bindgen::RustTarget::stable(89, 0).expect("bindgen knows the workspace's rust-version"))
         .rust_edition(bindgen::RustEdition::Edition2024)
         .allowlist_function("d[A-Z].*")
         .allowlist_type("d[A-Z].*")
         .allowlist_var("_?d[A-Z].*|CONTACTS_UNIMPORTANT")
-        // It takes a FILE, which would pull in all of libc's private layout.
-        .blocklist_function("dPrintMatrix")
+        // They take a FILE, which would pull in libc's private layout.
+        .blocklist_function("dPrintMatrix|dWorldExportDIF")
         .prepend_enum_name(false)
         .generate_comments(false)
         .derive_default(true)

@@ -4,5 +4,6 @@
 
 pub mod camera;
 mod error;
+pub mod ode;
 
 pub use error::{Error, Result};

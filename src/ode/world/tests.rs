@@ -66,7 +66,7 @@ fn foreign_objects_have_no_id_and_are_not_shown() {
         let geom = dCreateSphere(null_mut(), 0.5);
         assert_eq!(world.geom_id(geom), None);
         // The user data of the world's first geom, but another geom.
-        dGeomSetData(geom, 1 as *mut _);
+        dGeomSetData(geom, std::ptr::without_provenance_mut(1));
         assert_eq!(world.geom_id(geom), None);
         dSpaceAdd(world.raw_space(root).unwrap(), geom);
         world.collide(|pair| panic!("{pair:?}")).unwrap();

@@ -7,6 +7,7 @@ pub mod contact;
 mod error;
 pub mod hull;
 mod image_file;
+pub mod ode;
 pub mod recording;
 pub mod rig;
 pub mod sample;

@@ -1,1 +1,17 @@
-//! Raw bindings.
+//! Raw bindings to the [Open Dynamics Engine](https://ode.org) 0.16 as Debian ships it (double precision).
+//!
+//! Everything that starts with `d` in `<ode/ode.h>`, and nothing else. Names, units and rules are ODE's own: its
+//! manual is the documentation. Three things look different from C:
+//!
+//! - constants of unnamed enums are `u32`, while the functions take `c_int`: cast;
+//! - [`CONTACTS_UNIMPORTANT`] is the sign bit of `dCollide`'s `flags`: cast it with `as c_int`;
+//! - array parameters (`const dReal aabb[6]`) are pointers, and `dInfinity` is `f64::INFINITY`.
+//!
+//! `dReal` is `f64`; the build fails where the installed library says otherwise. A dependant's build script sees
+//! that as `DEP_ODE_PRECISION`.
+
+#![allow(missing_docs)]
+#![allow(non_camel_case_types, non_snake_case, non_upper_case_globals)]
+#![allow(clippy::all)]
+
+include!(concat!(env!("OUT_DIR"), "/bindings.rs"));

@@ -1,0 +1,228 @@
+//! Ids that outlive what they name: a slot's generation tells its past inhabitants apart.
+
+use std::fmt;
+
+use crate::Error;
+
+/// World, slot, and how often the slot was used before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Key {
+    world: u32,
+    index: u32,
+    generation: u32,
+}
+
+impl Key {
+    /// What is written into the user data of an ODE object; never 0, so that a foreign object shows.
+    pub(super) fn user_data(self) -> usize {
+        self.index as usize + 1
+    }
+}
+
+/// A typed id, and how its absence is put into words.
+pub(super) trait Id: Copy + fmt::Debug {
+    const NOUN: &'static str;
+    fn key(self) -> Key;
+}
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident, $noun:literal) => {
+        $(#[$doc])*
+        ///
+        /// Copyable and cheap. It never names anything else, also when the slot is used again.
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(pub(super) Key);
+
+        impl Id for $name {
+            const NOUN: &'static str = $noun;
+            fn key(self) -> Key {
+                self.0
+            }
+        }
+
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                let Key { world, index, generation } = self.0;
+                write!(f, "{}({index}v{generation} of world {world})", stringify!($name))
+            }
+        }
+    };
+}
+
+id!(
+    /// The id of a body of one [`World`](super::World).
+    BodyId,
+    "body"
+);
+id!(
+    /// The id of a geom of one [`World`](super::World).
+    GeomId,
+    "geom"
+);
+id!(
+    /// The id of a space of one [`World`](super::World).
+    SpaceId,
+    "space"
+);
+id!(
+    /// The id of a joint of one [`World`](super::World).
+    JointId,
+    "joint"
+);
+id!(
+    /// The id of a group of joints of one [`World`](super::World).
+    JointGroupId,
+    "joint group"
+);
+
+#[derive(Debug)]
+struct Slot<T> {
+    generation: u32,
+    value: Option<T>,
+}
+
+/// The records of one kind, in slots that are used again.
+#[derive(Debug)]
+pub(super) struct Arena<T> {
+    world: u32,
+    slots: Vec<Slot<T>>,
+    free: Vec<u32>,
+}
+
+impl<T> Arena<T> {
+    pub(super) fn new(world: u32) -> Self {
+        Self { world, slots: Vec::new(), free: Vec::new() }
+    }
+
+    pub(super) fn insert(&mut self, value: T) -> Key {
+        let index = self.free.pop().unwrap_or_else(|| {
+            self.slots.push(Slot { generation: 0, value: None });
+            u32::try_from(self.slots.len() - 1).expect("ODE's memory ends before 2^32 objects")
+        });
+        let slot = &mut self.slots[index as usize];
+        slot.value = Some(value);
+        Key { world: self.world, index, generation: slot.generation }
+    }
+
+    pub(super) fn get(&self, key: Key) -> Option<&T> {
+        let slot = self.slots.get(key.index as usize)?;
+        if key.world == self.world && key.generation == slot.generation { slot.value.as_ref() } else { None }
+    }
+
+    pub(super) fn get_mut(&mut self, key: Key) -> Option<&mut T> {
+        let slot = self.slots.get_mut(key.index as usize)?;
+        if key.world == self.world && key.generation == slot.generation { slot.value.as_mut() } else { None }
+    }
+
+    pub(super) fn remove(&mut self, key: Key) -> Option<T> {
+        self.get(key)?;
+        let slot = &mut self.slots[key.index as usize];
+        let value = slot.value.take();
+        // A slot whose generations are used up rests for ever.
+        if let Some(next) = slot.generation.checked_add(1) {
+            slot.generation = next;
+            self.free.push(key.index);
+        }
+        value
+    }
+
+    /// The inhabitant that wrote this [`Key::user_data`], if it still lives.
+    pub(super) fn by_user_data(&self, data: usize) -> Option<(Key, &T)> {
+        let index = data.checked_sub(1)?;
+        let slot = self.slots.get(index)?;
+        let key = Key { world: self.world, index: u32::try_from(index).ok()?, generation: slot.generation };
+        slot.value.as_ref().map(|value| (key, value))
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = (Key, &T)> {
+        (0..self.slots.len()).filter_map(|index| self.by_user_data(index + 1))
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.iter().count()
+    }
+
+    /// The record of `id`, or why there is none.
+    pub(super) fn find(&self, id: impl Id) -> Result<&T, Error> {
+        self.get(id.key()).ok_or_else(|| self.missing(id))
+    }
+
+    /// The record of `id`.
+    ///
+    /// # Panics
+    ///
+    /// If there is none.
+    #[track_caller]
+    pub(super) fn expect(&self, id: impl Id) -> &T {
+        self.find(id).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn missing<I: Id>(&self, id: I) -> Error {
+        let noun = I::NOUN;
+        if id.key().world == self.world {
+            Error::argument(format!("{id:?}: expected a {noun} of this world, but it was removed"))
+        } else {
+            Error::argument(format!(
+                "{id:?}: expected a {noun} of world {}, found one of another",
+                self.world
+            ))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_finds_its_value_until_it_is_removed() {
+        let mut arena = Arena::new(7);
+        let (a, b) = (arena.insert('a'), arena.insert('b'));
+        assert_eq!((arena.get(a), arena.get(b)), (Some(&'a'), Some(&'b')));
+        assert_eq!(arena.remove(a), Some('a'));
+        assert_eq!(arena.remove(a), None);
+        assert_eq!((arena.get(a), arena.get(b)), (None, Some(&'b')));
+        assert_eq!(arena.len(), 1);
+    }
+
+    #[test]
+    fn a_key_does_not_find_the_next_inhabitant_of_its_slot() {
+        let mut arena = Arena::new(7);
+        let old = arena.insert('a');
+        arena.remove(old);
+        let new = arena.insert('b');
+        assert_eq!((old.index, arena.get(old), arena.get(new)), (new.index, None, Some(&'b')));
+    }
+
+    #[test]
+    fn a_key_of_another_world_finds_nothing() {
+        let (mut here, mut there) = (Arena::new(1), Arena::new(2));
+        let key = here.insert('a');
+        there.insert('b');
+        assert_eq!(there.get(key), None);
+        assert_eq!(there.get_mut(key), None);
+        assert_eq!(there.remove(key), None);
+    }
+
+    #[test]
+    fn a_slot_whose_generations_are_used_up_is_not_used_again() {
+        let mut arena = Arena::new(1);
+        let key = arena.insert('a');
+        arena.slots[0].generation = u32::MAX;
+        let last = Key { generation: u32::MAX, ..key };
+        assert_eq!(arena.remove(last), Some('a'));
+        assert_ne!(arena.insert('b').index, last.index);
+        assert_eq!(arena.get(last), None);
+    }
+
+    #[test]
+    fn user_data_leads_back_to_the_living_only() {
+        let mut arena = Arena::new(1);
+        let key = arena.insert('a');
+        assert_eq!(arena.by_user_data(key.user_data()), Some((key, &'a')));
+        assert_eq!(arena.by_user_data(0), None);
+        assert_eq!(arena.by_user_data(usize::MAX), None);
+        arena.remove(key);
+        assert_eq!(arena.by_user_data(key.user_data()), None);
+    }
+}

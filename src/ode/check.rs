@@ -1,0 +1,146 @@
+//! Arguments are checked here before they reach ODE, which aborts the process on many bad ones.
+
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
+
+use crate::{Error, Result};
+
+/// The largest coordinate, offset and size that a [`World`](super::World) takes, in metres: 10 000 km.
+///
+/// ODE's hash space counts its cells in 32-bit integers and aborts the process where they overflow. A body that
+/// flies or falls farther is stopped by the step that takes it there.
+pub const REACH: f64 = 1e7;
+
+/// Larger numbers are refused as if they were infinite: ODE squares and multiplies what it is given.
+const LARGEST: f64 = 1e30;
+
+/// A finite number.
+pub(super) fn finite(name: &str, value: f64) -> Result<f64> {
+    if value.abs() <= LARGEST {
+        Ok(value)
+    } else {
+        Err(Error::argument(format!("{name}: expected a finite number, found {value}")))
+    }
+}
+
+/// A finite number in `low..=high`.
+pub(super) fn within(name: &str, value: f64, low: f64, high: f64) -> Result<f64> {
+    if (low..=high).contains(&value) {
+        Ok(value)
+    } else {
+        Err(Error::argument(format!("{name}: expected a number from {low} to {high}, found {value}")))
+    }
+}
+
+/// A finite number above zero.
+pub(super) fn positive(name: &str, value: f64) -> Result<f64> {
+    if value > 0.0 && value <= LARGEST {
+        Ok(value)
+    } else {
+        Err(Error::argument(format!("{name}: expected a positive, finite number, found {value}")))
+    }
+}
+
+/// A finite number, zero or above.
+pub(super) fn not_negative(name: &str, value: f64) -> Result<f64> {
+    if (0.0..=LARGEST).contains(&value) {
+        Ok(value)
+    } else {
+        Err(Error::argument(format!("{name}: expected a finite number, 0 or more, found {value}")))
+    }
+}
+
+/// Zero, above, or infinity.
+pub(super) fn not_negative_or_infinite(name: &str, value: f64) -> Result<f64> {
+    if value == f64::INFINITY { Ok(value) } else { not_negative(name, value) }
+}
+
+/// A length above zero and within [`REACH`].
+pub(super) fn length(name: &str, value: f64) -> Result<f64> {
+    if value > 0.0 && value <= REACH {
+        Ok(value)
+    } else {
+        Err(Error::argument(format!("{name}: expected a length above 0 and up to {REACH} m, found {value}")))
+    }
+}
+
+/// Three finite numbers.
+pub(super) fn vector(name: &str, value: &Vector3<f64>) -> Result<()> {
+    if value.iter().all(|x| x.abs() <= LARGEST) {
+        Ok(())
+    } else {
+        let [x, y, z] = [value.x, value.y, value.z];
+        Err(Error::argument(format!("{name}: expected three finite numbers, found ({x}, {y}, {z})")))
+    }
+}
+
+/// A place within [`REACH`] of the origin in each coordinate.
+pub(super) fn point(name: &str, value: &Point3<f64>) -> Result<()> {
+    if value.iter().all(|x| x.abs() <= REACH) {
+        Ok(())
+    } else {
+        let [x, y, z] = [value.x, value.y, value.z];
+        Err(Error::argument(format!(
+            "{name}: expected finite coordinates of at most {REACH} m, found ({x}, {y}, {z})"
+        )))
+    }
+}
+
+/// A finite vector that has a direction, normalised.
+pub(super) fn direction(name: &str, value: &Vector3<f64>) -> Result<Unit<Vector3<f64>>> {
+    vector(name, value)?;
+    Unit::try_new(*value, 1e-12)
+        .ok_or_else(|| Error::argument(format!("{name}: expected a direction, found a vector of length 0")))
+}
+
+/// A pose with a place within [`REACH`] and a rotation of unit length.
+pub(super) fn pose(name: &str, value: &Isometry3<f64>) -> Result<()> {
+    point(name, &value.translation.vector.into())?;
+    let norm = value.rotation.as_ref().norm();
+    if (norm - 1.0).abs() <= 1e-6 {
+        Ok(())
+    } else {
+        Err(Error::argument(format!("{name}: expected a unit quaternion as rotation, found length {norm}")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+
+    #[test]
+    fn nothing_that_is_not_finite_passes() {
+        for bad in BAD {
+            assert!(finite("x", bad).is_err());
+            assert!(within("x", bad, 0.0, 1.0).is_err());
+            assert!(positive("x", bad).is_err());
+            assert!(not_negative("x", bad).is_err());
+            assert!(length("x", bad).is_err());
+            assert!(vector("x", &Vector3::new(0.0, bad, 0.0)).is_err());
+            assert!(point("x", &Point3::new(0.0, 0.0, bad)).is_err());
+            assert!(direction("x", &Vector3::new(bad, 1.0, 0.0)).is_err());
+            assert!(pose("x", &Isometry3::translation(bad, 0.0, 0.0)).is_err());
+        }
+        assert!(not_negative_or_infinite("x", f64::NAN).is_err());
+    }
+
+    #[test]
+    fn a_message_names_the_argument_and_what_was_found() {
+        let message = positive("radius", -2.0).unwrap_err().to_string();
+        assert_eq!(message, "radius: expected a positive, finite number, found -2");
+    }
+
+    #[test]
+    fn a_quaternion_of_no_length_is_refused() {
+        let broken = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(0.0, 0.0, 0.0, 0.0));
+        assert!(pose("pose", &Isometry3::from_parts(Default::default(), broken)).is_err());
+    }
+
+    #[test]
+    fn a_direction_comes_back_normalised() {
+        let up = direction("axis", &Vector3::new(0.0, 0.0, 5.0)).unwrap();
+        assert_eq!(up.into_inner(), Vector3::z());
+        assert!(direction("axis", &Vector3::zeros()).is_err());
+    }
+}

@@ -1,0 +1,237 @@
+//! Mass, centre of mass and inertia.
+
+use nalgebra::{Cholesky, Matrix3, Point3, UnitQuaternion, Vector3};
+use ode_sys::dMass;
+
+use super::shape::Shape;
+use super::{check, convert};
+use crate::{Error, Result};
+
+/// How much there is of a homogeneous solid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Amount {
+    /// The whole mass, kg.
+    Total(f64),
+    /// The density, kg/m^3.
+    Density(f64),
+}
+
+/// Mass, centre of mass and inertia in a body's frame.
+///
+/// A body takes only a mass whose centre is its origin; [`centred`](Self::centred) moves it there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mass {
+    total: f64,
+    center: Vector3<f64>,
+    /// About the frame's origin, not about the centre of mass.
+    inertia: Matrix3<f64>,
+}
+
+impl Mass {
+    /// A mass of `total` kg with this centre, and this inertia about the frame's origin, kg m^2.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] if a number is not finite, the mass not positive, or the inertia (about the origin, and
+    /// about the centre) not symmetric and positive definite.
+    pub fn new(total: f64, center: Point3<f64>, inertia: Matrix3<f64>) -> Result<Self> {
+        check::positive("mass", total)?;
+        check::point("centre of mass", &center)?;
+        let symmetric = (inertia + inertia.transpose()) / 2.0;
+        if !inertia.iter().all(|x| x.is_finite()) || (inertia - symmetric).norm() > 1e-9 * inertia.norm() {
+            return Err(Error::argument(format!(
+                "inertia: expected a symmetric, finite matrix, found {inertia:?}"
+            )));
+        }
+        Self { total, center: center.coords, inertia: symmetric }.checked()
+    }
+
+    /// The mass of a homogeneous solid of this shape. Meshes must close, and their triangles face outwards.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for an amount that is not positive and finite, for bad sizes, and for shapes that have no
+    /// inside: planes, rays and meshes whose volume is not positive.
+    pub fn of(shape: &Shape, amount: Amount) -> Result<Self> {
+        let unit = Self::of_unit_density(&shape.checked()?)?;
+        let total = match amount {
+            Amount::Total(total) => check::positive("mass", total)?,
+            Amount::Density(density) => check::positive("density", density)? * unit.total,
+        };
+        let scale = total / unit.total;
+        Self { total, center: unit.center, inertia: unit.inertia * scale }.checked()
+    }
+
+    /// The whole mass, kg.
+    pub fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// The centre of mass.
+    pub fn center(&self) -> Point3<f64> {
+        self.center.into()
+    }
+
+    /// The inertia about the frame's origin, kg m^2.
+    pub fn inertia(&self) -> Matrix3<f64> {
+        self.inertia
+    }
+
+    /// The same solid moved by `by` in the frame.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] if the move is not finite, or so far that the inertia drowns in roundoff.
+    pub fn translated(&self, by: &Vector3<f64>) -> Result<Self> {
+        check::vector("translation of the mass", by)?;
+        let center = self.center + by;
+        let inertia = self.inertia_about_center() - self.total * cross_squared(&center);
+        Self { total: self.total, center, inertia }.checked()
+    }
+
+    /// The same solid with its centre of mass at the origin.
+    pub fn centred(&self) -> Self {
+        Self { total: self.total, center: Vector3::zeros(), inertia: self.inertia_about_center() }
+    }
+
+    /// The same solid turned about the frame's origin.
+    pub fn rotated(&self, by: &UnitQuaternion<f64>) -> Self {
+        let turn = by.to_rotation_matrix();
+        let inertia = turn.matrix() * self.inertia * turn.matrix().transpose();
+        let inertia = (inertia + inertia.transpose()) / 2.0;
+        Self { total: self.total, center: by * self.center, inertia }
+    }
+
+    /// The same solid made heavier or lighter.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] if `total` is not positive and finite.
+    pub fn adjusted(&self, total: f64) -> Result<Self> {
+        check::positive("mass", total)?;
+        Self { total, center: self.center, inertia: self.inertia * (total / self.total) }.checked()
+    }
+
+    /// Both solids together.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] if the sum is not finite.
+    pub fn combined(&self, other: &Self) -> Result<Self> {
+        let total = self.total + other.total;
+        let center = (self.center * self.total + other.center * other.total) / total;
+        Self { total, center, inertia: self.inertia + other.inertia }.checked()
+    }
+
+    fn of_unit_density(shape: &Shape) -> Result<Self> {
+        use std::f64::consts::PI;
+        let solid = |total: f64, [x, y, z]: [f64; 3]| Self {
+            total,
+            center: Vector3::zeros(),
+            inertia: Matrix3::from_diagonal(&Vector3::new(x, y, z)),
+        };
+        Ok(match shape {
+            Shape::Sphere { radius } => {
+                let total = 4.0 / 3.0 * PI * radius.powi(3);
+                solid(total, [0.4 * total * radius * radius; 3])
+            }
+            Shape::Box { sides } => {
+                let total = sides.product();
+                let [xx, yy, zz] = [sides.x.powi(2), sides.y.powi(2), sides.z.powi(2)];
+                solid(total, [yy + zz, xx + zz, xx + yy].map(|sum| total * sum / 12.0))
+            }
+            Shape::Cylinder { radius, length } => {
+                let rr = radius * radius;
+                let total = PI * rr * length;
+                let across = total * (rr / 4.0 + length * length / 12.0);
+                solid(total, [across, across, total * rr / 2.0])
+            }
+            Shape::Capsule { radius, length } => {
+                let (r, l) = (*radius, *length);
+                let (middle, caps) = (PI * r * r * l, 4.0 / 3.0 * PI * r.powi(3));
+                let across = middle * (r * r / 4.0 + l * l / 12.0)
+                    + caps * (0.4 * r * r + 0.375 * r * l + 0.25 * l * l);
+                solid(middle + caps, [across, across, (middle * 0.5 + caps * 0.4) * r * r])
+            }
+            Shape::Convex(convex) => {
+                let fan = convex
+                    .faces()
+                    .flat_map(|face| face.windows(2).skip(1).map(|pair| [face[0], pair[0], pair[1]]));
+                Self::of_surface(convex.points(), fan)?
+            }
+            Shape::TriMesh(mesh) => Self::of_surface(mesh.points(), mesh.triangles().iter().copied())?,
+            Shape::Plane { .. } | Shape::Ray { .. } => {
+                return Err(Error::argument(format!(
+                    "mass: expected a solid, found {shape:?}, which has no inside"
+                )));
+            }
+        })
+    }
+
+    /// The solid inside a closed surface of triangles: signed tetrahedra from the origin.
+    fn of_surface(points: &[Point3<f64>], triangles: impl Iterator<Item = [u32; 3]>) -> Result<Self> {
+        let (mut volume, mut moment, mut square) = (0.0, Vector3::zeros(), Matrix3::zeros());
+        for triangle in triangles {
+            let [a, b, c] = triangle.map(|index| points[index as usize].coords);
+            let sixfold = a.dot(&b.cross(&c));
+            let sum = a + b + c;
+            volume += sixfold / 6.0;
+            moment += sixfold / 24.0 * sum;
+            let outer = a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose();
+            square += sixfold / 120.0 * outer;
+        }
+        if volume <= 0.0 || !volume.is_finite() {
+            return Err(Error::argument(format!(
+                "mass: expected a closed mesh whose triangles face outwards, found a volume of {volume} m^3"
+            )));
+        }
+        let inertia = Matrix3::identity() * square.trace() - square;
+        Ok(Self { total: volume, center: moment / volume, inertia })
+    }
+
+    fn inertia_about_center(&self) -> Matrix3<f64> {
+        self.inertia + self.total * cross_squared(&self.center)
+    }
+
+    fn checked(self) -> Result<Self> {
+        check::positive("mass", self.total)?;
+        let definite = |inertia: Matrix3<f64>| Cholesky::new(inertia).is_some();
+        if definite(self.inertia) && definite(self.inertia_about_center()) {
+            Ok(self)
+        } else {
+            Err(Error::argument(format!(
+                "inertia: expected a positive definite matrix about the origin and the centre of mass, found {:?}",
+                self.inertia
+            )))
+        }
+    }
+
+    /// ODE's structure for a body.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] if the centre is not the origin, where ODE aborts.
+    pub(super) fn to_ode(self) -> Result<dMass> {
+        let radius = (self.inertia.trace() / self.total).sqrt();
+        if self.center.norm() > 1e-9 * radius {
+            let [x, y, z] = [self.center.x, self.center.y, self.center.z];
+            return Err(Error::argument(format!(
+                "mass: expected its centre at the body's origin, found ({x}, {y}, {z}); use `centred`, and move the geoms"
+            )));
+        }
+        let centred = self.centred();
+        Ok(dMass { mass: self.total, c: [0.0; 4], I: convert::ode_matrix(&centred.inertia) })
+    }
+
+    pub(super) fn from_ode(mass: &dMass) -> Self {
+        Self { total: mass.mass, center: convert::vector(&mass.c), inertia: convert::matrix(&mass.I) }
+    }
+}
+
+/// The square of the cross-product matrix of `v`: the parallel axis theorem per kilogram, negative.
+fn cross_squared(v: &Vector3<f64>) -> Matrix3<f64> {
+    v * v.transpose() - Matrix3::identity() * v.norm_squared()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,81 @@
+//! A safe wrapper of the [Open Dynamics Engine](https://ode.org).
+//!
+//! [`Ode::init`] opens ODE, a [`World`] owns everything that ODE knows of one scene: bodies (mass, motion), geoms
+//! (shapes that collide), spaces (geoms grouped for speed) and joints. They are addressed by small copyable ids;
+//! an id of something removed, or of another world, is refused and never reaches a freed object.
+//!
+//! ```text
+//!   Ode ── World ──┬── spaces ── geoms ─┐ a geom may follow a body
+//!                  ├── bodies ──────────┘
+//!                  └── joints, contacts   between two bodies, or a body and the world
+//! ```
+//!
+//! Metres, kilograms, seconds, radians; any direction may be up. ODE aborts the process on many bad arguments (and
+//! on a NaN in a hash space); here they are checked first and come back as [`crate::Error`].
+//!
+//! ```
+//! use nalgebra::{Isometry3, Vector3};
+//! use ode_visual_hull::ode::{Amount, Mass, Ode, Shape, Surface, World};
+//!
+//! # fn main() -> ode_visual_hull::Result<()> {
+//! let ode = Ode::init()?;
+//! let mut world = World::new(&ode)?;
+//! world.set_gravity(&Vector3::new(0.0, 0.0, -9.81))?;
+//! let root = world.root_space();
+//! world.add_geom(root, &Shape::Plane { normal: Vector3::z(), offset: 0.0 })?;
+//!
+//! let cube = Shape::Box { sides: Vector3::repeat(0.2) };
+//! let body = world.add_body();
+//! world.body_mut(body).set_mass(&Mass::of(&cube, Amount::Total(1.0))?)?;
+//! world.body_mut(body).set_pose(&Isometry3::translation(0.0, 0.0, 0.3))?;
+//! let geom = world.add_geom(root, &cube)?;
+//! world.geom_mut(geom).set_body(Some(body))?;
+//!
+//! for _ in 0..100 {
+//!     world.collide(|pair| {
+//!         for contact in pair.contacts(8).iter() {
+//!             pair.attach(contact, &Surface::default());
+//!         }
+//!     })?;
+//!     world.quick_step(0.01)?;
+//! }
+//! assert!((world.body(body).position().z - 0.1).abs() < 1e-3);
+//! # Ok(())
+//! # }
+//! ```
+
+#![allow(unsafe_code)]
+
+mod arena;
+mod body;
+mod check;
+mod collide;
+mod convert;
+mod convex;
+mod geom;
+mod init;
+mod joint;
+mod mass;
+mod parameters;
+mod shape;
+mod space;
+mod step;
+mod surface;
+mod trimesh;
+mod world;
+
+pub use arena::{BodyId, GeomId, JointGroupId, JointId, SpaceId};
+pub use body::{Body, BodyMut};
+pub use check::REACH;
+pub use collide::{ContactGeom, Contacts, Pair};
+pub use convex::Convex;
+pub use geom::{Aabb, Geom, GeomMut, RayFlags};
+pub use init::{Ode, random_seed, set_random_seed};
+pub use joint::{Joint, JointKind, JointMut, JointParam, JointType};
+pub use mass::{Amount, Mass};
+pub use parameters::{AutoDisable, Damping};
+pub use shape::Shape;
+pub use space::{SpaceKind, SweepAxes};
+pub use surface::{Approximation, Surface};
+pub use trimesh::TriMesh;
+pub use world::World;

@@ -1,0 +1,156 @@
+//! How two surfaces act on each other where they touch.
+
+use ode_sys::{
+    dContactApprox1_1, dContactApprox1_2, dContactApprox1_N, dContactAxisDep, dContactBounce,
+    dContactRolling, dContactSlip1, dContactSlip2, dContactSoftCFM, dContactSoftERP, dSurfaceParameters,
+};
+
+use super::check;
+use crate::Result;
+
+/// Friction, bounce and softness of one contact. What is `None` is off, or the world's.
+///
+/// ```
+/// use ode_visual_hull::ode::Surface;
+/// let rubber = Surface { mu: 1.0, bounce: Some(0.7), bounce_velocity: 0.1, ..Surface::default() };
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// Coulomb's friction coefficient: 0 is none, infinity never slips.
+    pub mu: f64,
+    /// Friction coefficient of the second tangential direction; `mu` in both where `None`.
+    pub mu2: Option<f64>,
+    /// Restitution: 0 does not bounce, 1 gives all speed back.
+    pub bounce: Option<f64>,
+    /// Below this speed of impact nothing bounces, m/s. Only with `bounce`.
+    pub bounce_velocity: f64,
+    /// The part of the depth corrected in each step, 0 to 1, instead of the world's.
+    pub soft_erp: Option<f64>,
+    /// Constraint force mixing of the normal force, instead of the world's.
+    pub soft_cfm: Option<f64>,
+    /// Rolling and spinning friction, as the torque over the normal force, metres.
+    pub rolling: Option<f64>,
+    /// Force-dependent slip of the first and second tangential direction, m/s per N.
+    pub slip: Option<[f64; 2]>,
+    /// What `mu` means.
+    pub approximation: Approximation,
+}
+
+/// What a friction coefficient means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Approximation {
+    /// `mu` is the largest friction force, in newtons. (ODE's `dContactApprox0`.)
+    Force,
+    /// `mu` times the normal force is the largest friction force, in each tangential direction. (`dContactApprox1`.)
+    #[default]
+    Pyramid,
+}
+
+impl Default for Surface {
+    /// `mu` 0.5 as a coefficient, nothing else.
+    fn default() -> Self {
+        Self {
+            mu: 0.5,
+            mu2: None,
+            bounce: None,
+            bounce_velocity: 0.0,
+            soft_erp: None,
+            soft_cfm: None,
+            rolling: None,
+            slip: None,
+            approximation: Approximation::Pyramid,
+        }
+    }
+}
+
+impl Surface {
+    /// A surface with this friction coefficient and nothing else.
+    pub fn with_friction(mu: f64) -> Self {
+        Self { mu, ..Self::default() }
+    }
+
+    /// ODE's structure.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::Argument`] if a number is NaN or out of its range.
+    pub(super) fn to_ode(self) -> Result<dSurfaceParameters> {
+        let mut mode = 0;
+        let mut flag = |bits: u32, on: bool| mode |= if on { bits } else { 0 };
+        flag(dContactAxisDep, self.mu2.is_some());
+        flag(dContactBounce, self.bounce.is_some());
+        flag(dContactSoftERP, self.soft_erp.is_some());
+        flag(dContactSoftCFM, self.soft_cfm.is_some());
+        // ODE reserves rows for a rolling coefficient of 0, and then leaves them unfilled.
+        flag(dContactRolling, self.rolling.is_some_and(|rho| rho > 0.0));
+        flag(dContactSlip1 | dContactSlip2, self.slip.is_some());
+        flag(
+            dContactApprox1_1 | dContactApprox1_2 | dContactApprox1_N,
+            self.approximation == Approximation::Pyramid,
+        );
+        let rho = check::not_negative_or_infinite("rolling friction", self.rolling.unwrap_or(0.0))?;
+        let [slip1, slip2] = self.slip.unwrap_or_default();
+        Ok(dSurfaceParameters {
+            mode: mode as i32,
+            mu: check::not_negative_or_infinite("mu", self.mu)?,
+            mu2: check::not_negative_or_infinite("mu2", self.mu2.unwrap_or(self.mu))?,
+            rho,
+            rho2: rho,
+            rhoN: rho,
+            bounce: check::within("bounce", self.bounce.unwrap_or(0.0), 0.0, 1.0)?,
+            bounce_vel: check::not_negative("bounce velocity", self.bounce_velocity)?,
+            soft_erp: check::within("soft ERP", self.soft_erp.unwrap_or(0.0), 0.0, 1.0)?,
+            soft_cfm: check::not_negative("soft CFM", self.soft_cfm.unwrap_or(0.0))?,
+            slip1: check::not_negative("slip", slip1)?,
+            slip2: check::not_negative("slip", slip2)?,
+            ..Default::default()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_given_is_switched_on() {
+        let plain = Surface::default().to_ode().unwrap();
+        assert_eq!(plain.mode, ode_sys::dContactApprox1 as i32);
+        assert_eq!((plain.mu, plain.mu2), (0.5, 0.5));
+
+        let force = Surface { approximation: Approximation::Force, ..Surface::with_friction(f64::INFINITY) };
+        assert_eq!(force.to_ode().unwrap().mode, 0);
+
+        let all = Surface {
+            mu2: Some(0.1),
+            bounce: Some(0.2),
+            soft_erp: Some(0.3),
+            soft_cfm: Some(0.4),
+            rolling: Some(0.5),
+            slip: Some([0.6, 0.7]),
+            ..Surface::default()
+        };
+        let ode = all.to_ode().unwrap();
+        assert_eq!(ode.mode as u32, 0x001 | 0x004 | 0x008 | 0x010 | 0x100 | 0x200 | 0x400 | 0x7000);
+        let numbers = [ode.mu2, ode.bounce, ode.soft_erp, ode.soft_cfm, ode.rho, ode.slip1, ode.slip2];
+        assert_eq!(numbers, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]);
+    }
+
+    #[test]
+    fn nan_and_numbers_out_of_range_are_refused() {
+        let plain = Surface::default();
+        for bad in [
+            Surface { mu: f64::NAN, ..plain },
+            Surface { mu: -0.1, ..plain },
+            Surface { mu2: Some(f64::NAN), ..plain },
+            Surface { bounce: Some(1.1), ..plain },
+            Surface { bounce_velocity: f64::INFINITY, ..plain },
+            Surface { soft_erp: Some(-0.1), ..plain },
+            Surface { soft_cfm: Some(f64::INFINITY), ..plain },
+            Surface { rolling: Some(f64::NAN), ..plain },
+            Surface { slip: Some([0.0, f64::NAN]), ..plain },
+        ] {
+            assert!(bad.to_ode().is_err(), "{bad:?}");
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Triangle meshes, and what ODE builds from them.
+
+use std::ffi::c_void;
+use std::mem::size_of;
+
+use nalgebra::Point3;
+use ode_sys::{
+    dGeomTriMeshDataBuildDouble, dGeomTriMeshDataCreate, dGeomTriMeshDataDestroy,
+    dGeomTriMeshDataPreprocess2, dTRIDATAPREPROCESS_BUILD_CONCAVE_EDGES,
+    dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, dTriIndex, dTriMeshDataID,
+};
+
+use super::check;
+use crate::{Error, Result};
+
+/// A triangle's height below this part of its longest side is roundoff.
+const FLAT: f64 = 1e-9;
+
+/// A mesh of triangles in a geom's own frame, metres. Counter-clockwise triangles face outwards.
+///
+/// Shared between geoms through an `Arc`; see [`Shape::TriMesh`](super::Shape::TriMesh).
+#[derive(Debug, Clone, PartialEq)]
+pub struct TriMesh {
+    points: Vec<Point3<f64>>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl TriMesh {
+    /// A mesh of these triangles, each three indices into `points`.
+    ///
+    /// Triangles without area collide with nothing and are left out.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] if a point is not finite or beyond [`REACH`](super::REACH), if an index is out of range,
+    /// or if no triangle has an area.
+    pub fn new(points: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        for (i, point) in points.iter().enumerate() {
+            check::point(&format!("point {i} of the mesh"), point)?;
+        }
+        // ODE counts points and indices in a C int.
+        let most = i32::MAX as usize / 3;
+        if points.len() > most || triangles.len() > most {
+            return Err(Error::argument(format!(
+                "mesh: expected at most {most} points and triangles, found {} and {}",
+                points.len(),
+                triangles.len()
+            )));
+        }
+        for (i, triangle) in triangles.iter().enumerate() {
+            if let Some(index) = triangle.iter().find(|&&index| index as usize >= points.len()) {
+                return Err(Error::argument(format!(
+                    "triangle {i} of the mesh: expected indices below {}, found {index}",
+                    points.len()
+                )));
+            }
+        }
+        let given = triangles.len();
+        let mut mesh = Self { points, triangles };
+        let with_area = |triangle: &[u32; 3]| has_area(triangle.map(|index| mesh.points[index as usize]));
+        let kept: Vec<_> = mesh.triangles.iter().copied().filter(with_area).collect();
+        mesh.triangles = kept;
+        if mesh.triangles.is_empty() {
+            return Err(Error::argument(format!(
+                "mesh: expected at least one triangle with an area, found none among {given}"
+            )));
+        }
+        Ok(mesh)
+    }
+
+    /// The points, as given.
+    pub fn points(&self) -> &[Point3<f64>] {
+        &self.points
+    }
+
+    /// The triangles that have an area, as indices into [`points`](Self::points).
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+}
+
+fn has_area([a, b, c]: [Point3<f64>; 3]) -> bool {
+    let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+    // Twice the area is the longest side times the height on it.
+    let height_over_side = (b - a).cross(&(c - a)).norm() / longest;
+    longest > FLAT * FLAT && height_over_side > FLAT
+}
+
+/// ODE's search tree over a mesh. It borrows the mesh's arrays: whoever owns it keeps the mesh.
+#[derive(Debug)]
+pub(super) struct MeshData(dTriMeshDataID);
+
+impl MeshData {
+    /// # Safety
+    ///
+    /// `mesh` neither moves nor ends before the returned value does, and ODE is open.
+    pub(super) unsafe fn build(mesh: &TriMesh) -> Result<Self> {
+        const { assert!(size_of::<dTriIndex>() == 4, "this ODE has 16-bit triangle indices") };
+        let no_memory = || Error::Ode("no memory for the search tree of a triangle mesh".into());
+        // SAFETY: ODE is open.
+        let id = unsafe { dGeomTriMeshDataCreate() };
+        if id.is_null() {
+            return Err(no_memory());
+        }
+        let data = Self(id);
+        // SAFETY: the strides and counts describe the two arrays; the caller keeps them; indices are in range and
+        // triangles have an area, see `TriMesh::new`. Collisions with convex shapes abort without the face angles.
+        let built = unsafe {
+            dGeomTriMeshDataBuildDouble(
+                id,
+                mesh.points.as_ptr().cast::<c_void>(),
+                size_of::<Point3<f64>>() as i32,
+                mesh.points.len() as i32,
+                mesh.triangles.as_ptr().cast::<c_void>(),
+                3 * mesh.triangles.len() as i32,
+                size_of::<[u32; 3]>() as i32,
+            );
+            let requests =
+                (1 << dTRIDATAPREPROCESS_BUILD_CONCAVE_EDGES) | (1 << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES);
+            dGeomTriMeshDataPreprocess2(id, requests, std::ptr::null())
+        };
+        if built == 0 { Err(no_memory()) } else { Ok(data) }
+    }
+
+    pub(super) fn id(&self) -> dTriMeshDataID {
+        self.0
+    }
+}
+
+impl Drop for MeshData {
+    fn drop(&mut self) {
+        // SAFETY: made by dGeomTriMeshDataCreate; the owner destroys the geom that uses it first.
+        unsafe { dGeomTriMeshDataDestroy(self.0) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corners() -> Vec<Point3<f64>> {
+        vec![
+            Point3::origin(),
+            Point3::new(1.0, 0.0, 0.0),
+            Point3::new(0.0, 1.0, 0.0),
+            Point3::new(2.0, 0.0, 0.0),
+        ]
+    }
+
+    #[test]
+    fn triangles_without_area_are_left_out() {
+        let mesh = TriMesh::new(corners(), vec![[0, 1, 2], [0, 0, 1], [0, 1, 3]]).unwrap();
+        assert_eq!(mesh.triangles(), [[0, 1, 2]]);
+        assert_eq!(mesh.points().len(), 4);
+    }
+
+    #[test]
+    fn a_mesh_without_any_area_is_refused() {
+        assert!(TriMesh::new(corners(), vec![]).is_err());
+        assert!(TriMesh::new(corners(), vec![[0, 1, 3], [1, 1, 1]]).is_err());
+        assert!(TriMesh::new(vec![], vec![]).is_err());
+    }
+
+    #[test]
+    fn an_index_out_of_range_is_refused_by_number() {
+        let message = TriMesh::new(corners(), vec![[0, 1, 2], [0, 1, 4]]).unwrap_err().to_string();
+        assert_eq!(message, "triangle 1 of the mesh: expected indices below 4, found 4");
+    }
+
+    #[test]
+    fn a_point_that_is_not_finite_is_refused() {
+        let mut points = corners();
+        points[3].y = f64::NAN;
+        assert!(TriMesh::new(points, vec![[0, 1, 2]]).is_err());
+    }
+}

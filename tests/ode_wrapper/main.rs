@@ -1,0 +1,44 @@
+//! ODE through the safe wrapper: it moves things as ODE does, and nothing safe reaches what is gone.
+
+mod bodies;
+mod geoms;
+mod ids;
+mod joints;
+mod pairs;
+
+use nalgebra::{Isometry3, Vector3};
+use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, World};
+
+/// Gravity of the tests, m/s^2.
+const GRAVITY: f64 = 9.81;
+
+/// A world with gravity along -z.
+fn world() -> World {
+    let mut world = World::new(&Ode::init().unwrap()).unwrap();
+    world.set_gravity(&Vector3::new(0.0, 0.0, -GRAVITY)).unwrap();
+    world
+}
+
+/// A body of this shape and mass, with its geom in the root space.
+fn add(world: &mut World, shape: &Shape, mass: f64, at: [f64; 3]) -> (BodyId, GeomId) {
+    let body = world.add_body();
+    world.body_mut(body).set_mass(&Mass::of(shape, Amount::Total(mass)).unwrap()).unwrap();
+    world.body_mut(body).set_pose(&Isometry3::translation(at[0], at[1], at[2])).unwrap();
+    let geom = world.add_geom(world.root_space(), shape).unwrap();
+    world.geom_mut(geom).set_body(Some(body)).unwrap();
+    (body, geom)
+}
+
+/// The ground z = 0.
+fn add_ground(world: &mut World) -> GeomId {
+    let ground = Shape::Plane { normal: Vector3::z(), offset: 0.0 };
+    world.add_geom(world.root_space(), &ground).unwrap()
+}
+
+/// Collides and steps, `n` times.
+fn run(world: &mut World, n: usize, dt: f64) {
+    for _ in 0..n {
+        world.default_collide(&Surface::default(), 8).unwrap();
+        world.step(dt).unwrap();
+    }
+}

@@ -95,11 +95,15 @@ fn whether_they_touch_is_the_same_as_whether_there_are_contacts() {
 fn every_shape_comes_to_rest_on_the_hull() {
     let sides = vector![0.16, 0.16, 0.16];
     let corners: Vec<Point3<f64>> = (0..8)
-        .map(|c| point![0.0, 0.0, 0.0] + vector![c & 1, c >> 1 & 1, c >> 2 & 1].map(|bit| f64::from(bit) * 0.16 - 0.08))
+        .map(|c| {
+            point![0.0, 0.0, 0.0]
+                + vector![c & 1, c >> 1 & 1, c >> 2 & 1].map(|bit| f64::from(bit) * 0.16 - 0.08)
+        })
         .collect();
     // Faces of a cube, counter-clockwise from outside.
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles = faces.iter().flat_map(|f: &[u32; 4]| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect::<Vec<_>>();
+    let triangles =
+        faces.iter().flat_map(|f: &[u32; 4]| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect::<Vec<_>>();
     let polygons: Vec<Vec<u32>> = faces.iter().map(|face| face.to_vec()).collect();
     let convex = ode_visual_hull::ode::Convex::new(corners.clone(), &polygons).unwrap();
     let shapes = [
@@ -181,7 +185,13 @@ fn a_frame_published_between_two_collides_takes_effect_with_the_next() {
         let (_, cube) = add_body(&mut world, &cube(0.1), &at(0.0, 0.0, TOP + 0.2));
         let touching = |world: &mut World| {
             let mut found = 0;
-            world.collide(|pair| if pair.geoms().contains(&cube) { found += pair.contacts(8).len() }).unwrap();
+            world
+                .collide(|pair| {
+                    if pair.geoms().contains(&cube) {
+                        found += pair.contacts(8).len()
+                    }
+                })
+                .unwrap();
             found
         };
         assert_eq!(touching(&mut world), 0);
@@ -279,7 +289,8 @@ fn two_hulls_do_not_collide_with_each_other_but_with_a_body_between() {
     let (mut world, lower) = with_table(SpaceKind::default());
     let root = world.root_space();
     let upper = world.add_hull(root, &table()).unwrap();
-    let flip = at(0.0, 0.0, 2.0 * TOP + 0.195) * UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
+    let flip =
+        at(0.0, 0.0, 2.0 * TOP + 0.195) * UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
     world.geom_mut(upper).set_pose(&flip).unwrap();
     let (_, cube) = add_body(&mut world, &cube(0.2), &at(0.0, 0.0, TOP + 0.0975));
     assert!(world.collide_geoms(lower, upper, 8).unwrap().is_empty());

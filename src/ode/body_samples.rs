@@ -4,9 +4,10 @@ use crate::Result;
 use crate::sample::{BodyShape, SampleCache, Samples};
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{
-    dBoxClass, dCapsuleClass, dCollide, dContactGeom, dConvexClass, dCreatePlane, dCylinderClass, dGeomBoxGetLengths,
-    dGeomCapsuleGetParams, dGeomCylinderGetParams, dGeomDestroy, dGeomGetAABB, dGeomGetClass, dGeomID,
-    dGeomSphereGetRadius, dGeomTriMeshGetTriangle, dGeomTriMeshGetTriangleCount, dSphereClass, dTriMeshClass,
+    dBoxClass, dCapsuleClass, dCollide, dContactGeom, dConvexClass, dCreatePlane, dCylinderClass,
+    dGeomBoxGetLengths, dGeomCapsuleGetParams, dGeomCylinderGetParams, dGeomDestroy, dGeomGetAABB,
+    dGeomGetClass, dGeomID, dGeomSphereGetRadius, dGeomTriMeshGetTriangle, dGeomTriMeshGetTriangleCount,
+    dSphereClass, dTriMeshClass,
 };
 use std::collections::HashMap;
 use std::ffi::c_int;
@@ -191,7 +192,9 @@ unsafe fn vertices_behind(convex: dGeomID, normal_z: f64, offset: f64) -> Vec<Po
         };
         if count < room || room == MOST {
             let points = contacts[..count].iter();
-            return points.map(|contact| Point3::new(contact.pos[0], contact.pos[1], contact.pos[2])).collect();
+            return points
+                .map(|contact| Point3::new(contact.pos[0], contact.pos[1], contact.pos[2]))
+                .collect();
         }
         room = (4 * room).min(MOST);
     }

@@ -21,7 +21,7 @@ use super::body::Body;
 use super::geom::Geom;
 use super::surface::Surface;
 use super::world::World;
-use super::{check, convert};
+use super::{check, convert, panic};
 use crate::{Error, Result};
 
 /// The most contacts that one call of ODE can return: the count has 16 bits.
@@ -79,7 +79,7 @@ impl Drop for Contacts<'_> {
 
 impl World {
     /// Shows every pair of geoms that may touch to `visit`, which attaches contacts to it. The contacts of the last
-    /// collide are removed first.
+    /// collide are removed first, and visual hulls take up the latest frame that was published.
     ///
     /// Pairs are found across nested spaces, each once. Two geoms of one body are no pair, neither are disabled geoms,
     /// nor those whose category and collide bits do not meet. Pairs come in the same order in each run.
@@ -94,6 +94,7 @@ impl World {
     pub fn collide(&mut self, mut visit: impl FnMut(&Pair<'_>)) -> Result<()> {
         self.ode.enter_thread()?;
         self.clear_contacts();
+        self.adopt_frames();
         let problem = Cell::new(None);
         let mut search = Search { world: self, visit: &mut visit, problem: &problem, panic: None };
         let data: *mut Search<'_> = &mut search;
@@ -105,6 +106,7 @@ impl World {
         if let Some(payload) = search.panic.take() {
             resume_unwind(payload);
         }
+        panic::resume_parked();
         problem.take().map_or(Ok(()), Err)
     }
 
@@ -140,7 +142,10 @@ impl World {
     pub fn collide_geoms(&mut self, first: GeomId, second: GeomId, max: usize) -> Result<Vec<ContactGeom>> {
         self.ode.enter_thread()?;
         let raw = [self.geoms.find(first)?.raw, self.geoms.find(second)?.raw];
-        Ok(contacts(self, raw, [first, second], max, 0).to_vec())
+        self.adopt_frames();
+        let found = contacts(self, raw, [first, second], max, 0).to_vec();
+        panic::resume_parked();
+        Ok(found)
     }
 }
 

@@ -1,7 +1,7 @@
 //! nalgebra's types to ODE's arrays and back.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use ode_sys::{dMatrix3, dQuaternion, dReal, dVector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+use ode_sys::{dGeomGetRelPointPos, dGeomID, dGeomVectorToWorld, dMatrix3, dQuaternion, dReal, dVector3};
 
 /// The first three numbers of an ODE vector.
 ///
@@ -38,6 +38,27 @@ pub(super) fn rotation(from: &dQuaternion) -> UnitQuaternion<f64> {
 
 pub(super) fn pose(position: &dVector3, quaternion: &dQuaternion) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(vector(position)), rotation(quaternion))
+}
+
+/// The pose of any geom, the identity for one that cannot be placed: through the functions that ODE answers for every
+/// class.
+///
+/// # Safety
+///
+/// `geom` is alive.
+pub(super) unsafe fn any_pose(geom: dGeomID) -> Isometry3<f64> {
+    let axis = |x, y, z| {
+        let mut turned = [0.0; 4];
+        // SAFETY: the caller vouches for the geom; the array holds four numbers.
+        unsafe { dGeomVectorToWorld(geom, x, y, z, turned.as_mut_ptr()) };
+        vector(&turned)
+    };
+    let mut position = [0.0; 4];
+    // SAFETY: as above.
+    unsafe { dGeomGetRelPointPos(geom, 0.0, 0.0, 0.0, position.as_mut_ptr()) };
+    let turned = Matrix3::from_columns(&[axis(1.0, 0.0, 0.0), axis(0.0, 1.0, 0.0), axis(0.0, 0.0, 1.0)]);
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turned));
+    Isometry3::from_parts(Translation3::from(vector(&position)), rotation)
 }
 
 /// ODE's padded, row-major matrix.

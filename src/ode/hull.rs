@@ -53,8 +53,9 @@ impl World {
         let raw = self.geoms.find(id)?.raw;
         // SAFETY: the record is alive as long as the view borrows the world.
         let geom = unsafe { hull_class::data(raw) };
-        let geom =
-            geom.ok_or_else(|| Error::argument(format!("{id:?}: expected a visual hull, found a geom of another class")))?;
+        let geom = geom.ok_or_else(|| {
+            Error::argument(format!("{id:?}: expected a visual hull, found a geom of another class"))
+        })?;
         Ok(HullView { world: self, raw, geom })
     }
 
@@ -204,7 +205,9 @@ impl HullMut<'_> {
     /// [`Error::Argument`] for zero.
     pub fn set_max_contacts(&mut self, most: usize) -> Result<()> {
         if most == 0 {
-            return Err(Error::argument("max_contacts: expected at least 1, found 0; disable the geom instead"));
+            return Err(Error::argument(
+                "max_contacts: expected at least 1, found 0; disable the geom instead",
+            ));
         }
         self.view.geom.change_settings(|settings| settings.max_contacts = most);
         Ok(())

@@ -63,7 +63,9 @@ pub(super) unsafe fn collide_body(
     let world_from_hull = hull_from_world.inverse();
     for (k, contact) in found.iter().enumerate() {
         // SAFETY: k is below the room that the caller vouches for.
-        unsafe { contacts.byte_add(k * skip as usize).write(in_ode_terms(contact, &world_from_hull, hull, other)) };
+        unsafe {
+            contacts.byte_add(k * skip as usize).write(in_ode_terms(contact, &world_from_hull, hull, other))
+        };
     }
     found.len() as c_int
 }

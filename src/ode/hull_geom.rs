@@ -170,7 +170,14 @@ impl HullGeom {
 
     /// Notes how the geom at `other` met the hull. True where its body is asleep and should wake: the hull's surface
     /// at it is no longer where it was when it fell asleep.
-    pub(super) fn finish(&self, other: usize, asleep: bool, depth: Option<f64>, escape: Option<Vector3<f64>>, pixel: f64) -> bool {
+    pub(super) fn finish(
+        &self,
+        other: usize,
+        asleep: bool,
+        depth: Option<f64>,
+        escape: Option<Vector3<f64>>,
+        pixel: f64,
+    ) -> bool {
         let mut state = self.lock();
         let clock = state.clock;
         if clock.is_multiple_of(FORGET_AFTER) {

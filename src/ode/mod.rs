@@ -46,16 +46,23 @@
 
 #![allow(unsafe_code)]
 
+mod abort;
 mod arena;
 mod body;
+mod body_samples;
 mod check;
 mod collide;
 mod convert;
 mod convex;
 mod geom;
+mod hull;
+mod hull_class;
+mod hull_collider;
+mod hull_geom;
 mod init;
 mod joint;
 mod mass;
+mod panic;
 mod parameters;
 mod shape;
 mod space;
@@ -70,6 +77,7 @@ pub use check::REACH;
 pub use collide::{ContactGeom, Contacts, Pair};
 pub use convex::Convex;
 pub use geom::{Aabb, Geom, GeomMut, RayFlags};
+pub use hull::{HullMut, HullView};
 pub use init::{Ode, random_seed, set_random_seed};
 pub use joint::{Joint, JointKind, JointMut, JointParam, JointType};
 pub use mass::{Amount, Mass};

@@ -12,7 +12,9 @@ thread_local! {
 /// What `callback` returns; `default` where it panics, and the panic is parked.
 pub(super) fn fence<T>(default: T, callback: impl FnOnce() -> T) -> T {
     catch_unwind(AssertUnwindSafe(callback)).unwrap_or_else(|payload| {
-        PARKED.with(|parked| parked.borrow_mut().get_or_insert(payload));
+        PARKED.with(|parked| {
+            parked.borrow_mut().get_or_insert(payload);
+        });
         default
     })
 }

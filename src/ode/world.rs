@@ -14,6 +14,7 @@ use ode_sys::{
 
 use super::arena::{Arena, BodyId, GeomId, Key, SpaceId};
 use super::body::{Body, BodyMut};
+use super::body_samples;
 use super::collide::ContactGeom;
 use super::geom::{Geom, GeomMut, GeomRecord};
 use super::init::Ode;
@@ -312,6 +313,7 @@ impl Drop for World {
             }
             dJointGroupDestroy(self.contacts);
             for (_, geom) in self.geoms.iter() {
+                body_samples::take_away(geom.raw);
                 dGeomDestroy(geom.raw);
             }
             dSpaceDestroy(self.spaces.expect(self.root).raw);

@@ -13,10 +13,18 @@ mod contour;
 mod figure;
 #[path = "figures/geometry.rs"]
 mod geometry;
+#[path = "figures/grip.rs"]
+mod grip;
 #[path = "figures/random.rs"]
 mod random;
+#[path = "figures/rest.rs"]
+mod rest;
 #[path = "figures/scene.rs"]
 mod scene;
+#[path = "figures/stack.rs"]
+mod stack;
+#[path = "figures/studio.rs"]
+mod studio;
 
 use figure::{Bound, Figure};
 use std::process::ExitCode;
@@ -25,7 +33,12 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 1] = [("geometry", geometry::measure)];
+const GROUPS: [(&str, Measure); 4] = [
+    ("geometry", geometry::measure),
+    ("rest", rest::measure),
+    ("stack", stack::measure),
+    ("grip", grip::measure),
+];
 
 fn main() -> ExitCode {
     let asked: Vec<String> = std::env::args().skip(1).collect();

@@ -21,6 +21,14 @@ pub enum Bound {
 }
 
 impl Figure {
+    pub fn asked(name: &str, value: f64, bound: Bound) -> Self {
+        Self { name: name.into(), value, bound: Some(bound) }
+    }
+
+    pub fn reported(name: &str, value: f64) -> Self {
+        Self { name: name.into(), value, bound: None }
+    }
+
     /// Whether the bound, if any, holds; NaN keeps none.
     pub fn holds(&self) -> bool {
         match self.bound {

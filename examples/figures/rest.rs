@@ -1,5 +1,6 @@
 //! A box at rest: how still it lies on noisy silhouettes, beside ODE's own box, other modes and the literal paper.
 
+use crate::figure::{Bound::AtMost, Figure};
 use crate::studio::*;
 use image::GrayImage;
 use nalgebra::{Isometry3, Vector3, vector};
@@ -23,22 +24,23 @@ const LIVE_HZ: f64 = 30.0;
 
 const BOX: Vector3<f64> = Vector3::new(0.2, 0.2, 0.2);
 
-pub fn measure() -> Vec<(String, f64)> {
+pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+    progress("a box on still, noisy masks");
     let still: Vec<f64> = SEEDS.map(|seed| on_still_masks(seed, Mode::Clustered)).collect();
     let single = median(SEEDS.map(|seed| on_still_masks(seed, Mode::Single)).collect());
     let worst = still.iter().copied().fold(0.0, f64::max);
-    let live: Vec<f64> = SEEDS.map(on_live_masks).collect();
+    progress("a box on live masks");
+    let live = median(SEEDS.map(on_live_masks).collect());
     let multi = median(still);
-    let named = [
-        ("rest_rms_mm_s", multi),
-        ("rest_rms_mm_s_worst_seed", worst),
-        ("rest_rms_mm_s_native", median(SEEDS.map(on_native).collect())),
-        ("rest_live_rms_mm_s", median(live)),
+    vec![
+        Figure::asked("rest_rms_mm_s", multi, AtMost(0.5)),
+        Figure::asked("rest_rms_mm_s_worst_seed", worst, AtMost(10.0)),
+        Figure::reported("rest_rms_mm_s_native", median(SEEDS.map(on_native).collect())),
+        Figure::asked("rest_live_rms_mm_s", live, AtMost(2.0)),
         // A box that does not move at all has no jitter to divide by: a nanometre a second stands for none.
-        ("single_over_multi_jitter", single / multi.max(1e-6)),
-        ("literal_rest_rms_mm_s", median(SEEDS.map(literal).collect())),
-    ];
-    named.map(|(name, value)| (name.to_owned(), value)).to_vec()
+        Figure::reported("single_over_multi_jitter", single / multi.max(1e-6)),
+        Figure::reported("literal_rest_rms_mm_s", median(SEEDS.map(literal).collect())),
+    ]
 }
 
 fn noisy(masks: &[GrayImage], probability: f64, seed: u64) -> Vec<GrayImage> {

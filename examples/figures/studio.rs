@@ -102,7 +102,7 @@ pub fn step(world: &mut World) {
     world.quick_step(DT).expect("finite states");
 }
 
-/// Metres a second of the fastest of `bodies`.
+/// Metres a second of `body`.
 pub fn speed(world: &World, body: BodyId) -> f64 {
     world.body(body).linear_velocity().norm()
 }

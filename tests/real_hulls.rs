@@ -94,7 +94,9 @@ fn middlebury(line: &str) -> Camera {
     let numbers: Vec<f64> = words.map(|word| word.parse().unwrap()).collect();
     let shift = Matrix3::new(1.0, 0.0, 0.5, 0.0, 1.0, 0.5, 0.0, 0.0, 1.0);
     let k = shift * Matrix3::from_row_slice(&numbers[..9]);
-    let r = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&Matrix3::from_row_slice(&numbers[9..18])));
+    let r = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&Matrix3::from_row_slice(
+        &numbers[9..18],
+    )));
     let t = Vector3::from_row_slice(&numbers[18..]);
     Camera::new(name, (640, 480), k, Distortion::none(), Isometry3::from_parts(t.into(), r)).unwrap()
 }

@@ -72,8 +72,8 @@ fn bind(include_paths: &[PathBuf]) -> Result<String, Problem> {
         .allowlist_function("d[A-Z].*")
         .allowlist_type("d[A-Z].*")
         .allowlist_var("_?d[A-Z].*|CONTACTS_UNIMPORTANT")
-        // Refuses by unwinding out of a debug handler, where the table of user classes is full.
-        .override_abi(bindgen::Abi::CUnwind, "dCreateGeomClass")
+        // They refuse by unwinding out of a debug handler: a full table of user classes, a closed ODE.
+        .override_abi(bindgen::Abi::CUnwind, "dCreateGeomClass|dAllocateODEDataForThread")
         // They take a FILE, which would pull in libc's private layout.
         .blocklist_function("dPrintMatrix|dWorldExportDIF")
         .prepend_enum_name(false)

@@ -3,6 +3,7 @@
 #![deny(unsafe_code)]
 
 pub mod camera;
+mod capi;
 pub mod contact;
 mod error;
 pub mod hull;

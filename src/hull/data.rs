@@ -67,16 +67,27 @@ impl HullData {
     /// # Errors
     /// A name that another view has.
     pub fn add_view(&self, camera: Camera) -> Result<usize> {
-        let slot = Slot::new(camera);
+        self.add_views(&[camera])
+    }
+
+    /// Adds views, all or none, and returns the index of the first.
+    ///
+    /// # Errors
+    /// A name that another view has.
+    pub fn add_views(&self, cameras: &[Camera]) -> Result<usize> {
+        let slots: Vec<Slot> = cameras.iter().cloned().map(Slot::new).collect();
         let mut state = self.lock();
-        if state.views.iter().any(|other| other.name() == slot.name()) {
-            return Err(Error::view(
-                slot.name(),
-                "expected a name of its own, found another view with the same name",
-            ));
+        let first = state.views.len();
+        for slot in slots {
+            if state.views.iter().any(|other| other.name() == slot.name()) {
+                let problem = "expected a name of its own, found another view with the same name";
+                let taken = Error::view(slot.name(), problem);
+                state.views.truncate(first);
+                return Err(taken);
+            }
+            state.views.push(slot);
         }
-        state.views.push(slot);
-        Ok(state.views.len() - 1)
+        Ok(first)
     }
 
     /// Number of views.

@@ -47,14 +47,14 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 ///
 /// # Safety
 /// `geom` is a living geom.
-pub(super) unsafe fn give(geom: dGeomID, samples: Samples) {
+pub(crate) unsafe fn give(geom: dGeomID, samples: Samples) {
     // SAFETY: the caller vouches for the geom.
     let kind = unsafe { kind(geom) };
     lock(&GIVEN).insert(geom as usize, Given { samples: Arc::new(samples), kind });
 }
 
 /// Takes the samples given to the geom at this address away again.
-pub(super) fn take_away(geom: dGeomID) {
+pub(crate) fn take_away(geom: dGeomID) {
     lock(&GIVEN).remove(&(geom as usize));
 }
 

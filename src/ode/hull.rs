@@ -1,15 +1,14 @@
 //! Hull geoms in a world.
 
 use super::arena::{GeomId, SpaceId};
-use super::hull_geom::{self, HullGeom};
+use super::raw_hull::RawHull;
 use super::world::World;
-use super::{body_samples, check, convert, hull_class};
-use crate::contact::{self, BodyResponse, Mode, Settings};
+use super::{body_samples, hull_class, hull_geom, raw_hull};
+use crate::contact::{BodyResponse, Mode, Settings};
 use crate::hull::{Hull, HullData};
 use crate::sample::Samples;
 use crate::{Error, Result};
-use nalgebra::{Isometry3, Point3, Vector3};
-use ode_sys::{dCreateGeom, dGeomID};
+use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
 
 impl World {
@@ -24,14 +23,9 @@ impl World {
     pub fn add_hull(&mut self, space: SpaceId, data: &Arc<HullData>) -> Result<GeomId> {
         self.spaces.find(space)?;
         let number = hull_class::number()?;
-        let geom = Box::new(HullGeom::new(data.clone()));
-        // SAFETY: ODE is open as long as the world lives, and the number is one of its classes; the data is given
-        // before the geom comes into a space, and its boxes are finite.
-        unsafe {
-            let raw = dCreateGeom(number);
-            hull_class::give_data(raw, geom);
-            self.insert_geom(space, raw, None)
-        }
+        // SAFETY: ODE is open as long as the world lives, and the number is one of its classes; the class's boxes are
+        // finite.
+        unsafe { self.insert_geom(space, raw_hull::create(number, data.clone()), None) }
     }
 
     /// A hull geom to ask.
@@ -50,13 +44,8 @@ impl World {
     ///
     /// [`Error::Argument`] if the geom was removed, is of another world, or is no hull.
     pub fn get_hull(&self, id: GeomId) -> Result<HullView<'_>> {
-        let raw = self.geoms.find(id)?.raw;
-        // SAFETY: the record is alive as long as the view borrows the world.
-        let geom = unsafe { hull_class::data(raw) };
-        let geom = geom.ok_or_else(|| {
-            Error::argument(format!("{id:?}: expected a visual hull, found a geom of another class"))
-        })?;
-        Ok(HullView { world: self, raw, geom })
+        let hull = RawHull::find(self.geoms.find(id)?.raw)?;
+        Ok(HullView { world: self, hull })
     }
 
     /// A hull geom to change.
@@ -109,46 +98,44 @@ impl World {
 #[derive(Debug, Clone, Copy)]
 pub struct HullView<'w> {
     world: &'w World,
-    raw: dGeomID,
-    geom: &'w HullGeom,
+    hull: RawHull<'w>,
 }
 
 impl HullView<'_> {
     /// The data that it is bound to.
     pub fn data(&self) -> Arc<HullData> {
-        self.geom.data()
+        self.hull.data()
     }
 
     /// The frame in force, in the hull's frame of reference; `None` before the first.
     pub fn frame(&self) -> Option<Arc<Hull>> {
-        self.geom.hull()
+        self.hull.frame()
     }
 
     /// How contacts are made.
     pub fn settings(&self) -> Settings {
-        self.geom.settings()
+        self.hull.settings()
     }
 
     /// The diameter, in metres, of the thinnest real feature that must not slip between a body's samples.
     pub fn min_feature(&self) -> f64 {
-        self.geom.min_feature()
+        self.hull.min_feature()
     }
 
     /// What the collider could not tell ODE, once: a body too large to sample, a degenerate mesh. Such bodies do not
     /// collide.
     pub fn take_trouble(&self) -> Option<Error> {
-        self.geom.take_trouble()
+        self.hull.take_trouble()
     }
 
     /// Whether a point of the world is inside.
     pub fn inside(&self, p: &Point3<f64>) -> bool {
-        self.frame().is_some_and(|hull| hull.inside(&self.pose().inverse_transform_point(p)))
+        self.hull.inside(p)
     }
 
     /// The paper's response vector of a point of the world; `None` outside.
     pub fn point_response(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
-        let (hull, pose) = (self.frame()?, self.pose());
-        hull.respond(&pose.inverse_transform_point(p)).map(|response| pose * response.w())
+        self.hull.point_response(p)
     }
 
     /// The paper's response of the body shape of geom `body`, in the world.
@@ -158,21 +145,8 @@ impl HullView<'_> {
     /// [`Error::Argument`] if the geom is gone or cannot be sampled.
     pub fn body_response(&self, body: GeomId) -> Result<BodyResponse> {
         let other = self.world.geoms.find(body)?.raw;
-        let nothing = BodyResponse { vector: Vector3::zeros(), colliding: 0 };
         // SAFETY: the record is alive.
-        let (world_from_body, samples) = unsafe {
-            let pose = convert::any_pose(other);
-            (pose, body_samples::of(other, &pose, self.min_feature())?)
-        };
-        let (Some(hull), Some(samples)) = (self.frame(), samples) else { return Ok(nothing) };
-        let pose = self.pose();
-        let response = contact::body_response(&hull, &samples, &(pose.inverse() * world_from_body));
-        Ok(BodyResponse { vector: pose * response.vector, ..response })
-    }
-
-    fn pose(&self) -> Isometry3<f64> {
-        // SAFETY: the view borrows the world, so that the geom is alive; the class is placeable.
-        unsafe { hull_geom::pose(self.raw) }
+        unsafe { self.hull.body_response(other) }
     }
 }
 
@@ -190,12 +164,12 @@ impl HullMut<'_> {
 
     /// Binds the geom to other data, from the next collide on.
     pub fn set_data(&mut self, data: &Arc<HullData>) {
-        self.view.geom.set_data(data.clone());
+        self.view.hull.set_data(data.clone());
     }
 
     /// Sets how contacts are made.
     pub fn set_mode(&mut self, mode: Mode) {
-        self.view.geom.change_settings(|settings| settings.mode = mode);
+        self.view.hull.set_mode(mode);
     }
 
     /// Sets the most contacts for a pair; the caller of a collide may ask for fewer.
@@ -204,13 +178,7 @@ impl HullMut<'_> {
     ///
     /// [`Error::Argument`] for zero.
     pub fn set_max_contacts(&mut self, most: usize) -> Result<()> {
-        if most == 0 {
-            return Err(Error::argument(
-                "max_contacts: expected at least 1, found 0; disable the geom instead",
-            ));
-        }
-        self.view.geom.change_settings(|settings| settings.max_contacts = most);
-        Ok(())
+        self.view.hull.set_max_contacts(most)
     }
 
     /// Sets the largest depth of a contact, in metres.
@@ -219,9 +187,7 @@ impl HullMut<'_> {
     ///
     /// [`Error::Argument`] unless it is positive and finite.
     pub fn set_max_depth(&mut self, depth: f64) -> Result<()> {
-        check::length("max_depth of the hull", depth)?;
-        self.view.geom.change_settings(|settings| settings.max_depth = depth);
-        Ok(())
+        self.view.hull.set_max_depth(depth)
     }
 
     /// Sets the diameter, in metres, of the thinnest real feature that must not slip between a body's samples.
@@ -230,8 +196,6 @@ impl HullMut<'_> {
     ///
     /// [`Error::Argument`] unless it is positive and finite.
     pub fn set_min_feature(&mut self, diameter: f64) -> Result<()> {
-        check::length("min_feature of the hull", diameter)?;
-        self.view.geom.set_min_feature(diameter);
-        Ok(())
+        self.view.hull.set_min_feature(diameter)
     }
 }

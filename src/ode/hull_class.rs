@@ -12,16 +12,25 @@ use ode_sys::{
     dGeomGetClass, dGeomGetClassData, dGeomID, dPlaneClass, dRayClass, dReal, dSetColliderOverride,
 };
 use std::cell::Cell;
+use std::collections::BTreeSet;
 use std::ffi::c_int;
 use std::mem::size_of;
 use std::ptr::null_mut;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What ODE keeps in a geom of the class: the geom's data, or null before it is filled in.
 type ClassData = *mut HullGeom;
 
 /// The number under which the class was registered last.
 static NUMBER: Mutex<Option<c_int>> = Mutex::new(None);
+
+/// The addresses of the hull geoms that were made and not destroyed, in their order.
+static LIVING: Mutex<BTreeSet<usize>> = Mutex::new(BTreeSet::new());
+
+fn lock<T>(mutex: &'static Mutex<T>) -> MutexGuard<'static, T> {
+    // Both are valid after each single change.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 thread_local! {
     static MARKER_RAN: Cell<bool> = const { Cell::new(false) };
@@ -32,7 +41,7 @@ thread_local! {
 /// # Errors
 /// Four user classes of others.
 pub(super) fn number() -> Result<c_int> {
-    let mut number = NUMBER.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut number = lock(&NUMBER);
     if let Some(known) = *number
         && is_still_registered()
     {
@@ -88,6 +97,17 @@ extern "C" fn marker(_: dGeomID, _: dGeomID, _: c_int, _: *mut dContactGeom, _: 
 pub(super) unsafe fn give_data(geom: dGeomID, data: Box<HullGeom>) {
     // SAFETY: the caller vouches for the geom's class, whose data is one pointer.
     unsafe { *dGeomGetClassData(geom).cast::<ClassData>() = Box::into_raw(data) };
+    lock(&LIVING).insert(geom as usize);
+}
+
+/// Whether a hull geom lives at this address, which is not followed.
+pub(super) fn lives(geom: dGeomID) -> bool {
+    lock(&LIVING).contains(&(geom as usize))
+}
+
+/// All hull geoms of the process.
+pub(super) fn living() -> Vec<dGeomID> {
+    lock(&LIVING).iter().map(|&geom| geom as dGeomID).collect()
 }
 
 /// The data of a geom; `None` where it is not of the class.
@@ -95,7 +115,7 @@ pub(super) unsafe fn give_data(geom: dGeomID, data: Box<HullGeom>) {
 /// # Safety
 /// `geom` is a living geom, and lives as long as `'a`.
 pub(super) unsafe fn data<'a>(geom: dGeomID) -> Option<&'a HullGeom> {
-    let number = *NUMBER.lock().unwrap_or_else(PoisonError::into_inner);
+    let number = *lock(&NUMBER);
     // SAFETY: the class is checked first, since ODE aborts on a geom without class data.
     unsafe {
         if geom.is_null() || Some(dGeomGetClass(geom)) != number {
@@ -107,7 +127,7 @@ pub(super) unsafe fn data<'a>(geom: dGeomID) -> Option<&'a HullGeom> {
 
 /// Asked by ODE once a class pair. Everything that has a surface of its own may meet a hull; planes have no end.
 extern "C" fn collider(other: c_int) -> dColliderFn {
-    let own = *NUMBER.lock().unwrap_or_else(PoisonError::into_inner);
+    let own = *lock(&NUMBER);
     if other == dPlaneClass as c_int || Some(other) == own {
         None
     } else if other == dRayClass as c_int {
@@ -153,6 +173,7 @@ extern "C" fn aabb(geom: dGeomID, into: *mut dReal) {
 
 extern "C" fn destroy(geom: dGeomID) {
     fence((), || {
+        lock(&LIVING).remove(&(geom as usize));
         // SAFETY: ODE passes a living geom of the class, once, while its data can still be read; the data came from
         // `give_data`, or is still null.
         unsafe {

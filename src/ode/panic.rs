@@ -20,7 +20,7 @@ pub(super) fn fence<T>(default: T, callback: impl FnOnce() -> T) -> T {
 }
 
 /// The panic parked on this thread, if any.
-pub(super) fn take_parked() -> Option<Box<dyn Any + Send>> {
+pub(crate) fn take_parked() -> Option<Box<dyn Any + Send>> {
     PARKED.take()
 }
 

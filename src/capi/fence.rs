@@ -1,0 +1,57 @@
+//! Between C and Rust: errors become messages, and no panic crosses.
+
+use crate::Result;
+use crate::ode::take_parked_panic;
+use std::any::Any;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+thread_local! {
+    static MESSAGE: RefCell<CString> = RefCell::default();
+}
+
+/// What `call` returns, or `failure` after its error, or its panic, became this thread's message.
+pub(super) fn fenced<T>(failure: T, call: impl FnOnce() -> Result<T>) -> T {
+    let problem = match catch_unwind(AssertUnwindSafe(call)) {
+        Ok(Ok(value)) => return value,
+        Ok(Err(error)) => error.to_string(),
+        Err(payload) => fault(payload.as_ref()),
+    };
+    set_message(problem);
+    failure
+}
+
+/// This thread's message; a panic in a callback that ODE made of us since is told first.
+pub(super) fn message() -> *const c_char {
+    if let Some(payload) = take_parked_panic() {
+        set_message(fault(payload.as_ref()));
+    }
+    // The string stays until the next failure on this thread.
+    MESSAGE.with_borrow(|message| message.as_ptr())
+}
+
+fn set_message(text: String) {
+    // C strings end at their first zero, which no message needs.
+    let text = CString::new(text.replace('\0', "?")).unwrap_or_default();
+    MESSAGE.set(text);
+}
+
+fn fault(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no words");
+    format!("a fault of this library, not of its caller: {text}; please report it")
+}
+
+/// The text at `text`, a path for instance.
+///
+/// # Safety
+/// `text` is NULL or a C string.
+pub(super) unsafe fn utf8<'a>(text: *const c_char, what: &str) -> Result<&'a str> {
+    if text.is_null() {
+        return Err(crate::Error::argument(format!("{what}: expected a string, found NULL")));
+    }
+    // SAFETY: the caller vouches for a C string.
+    let text = unsafe { CStr::from_ptr(text) };
+    text.to_str().map_err(|_| crate::Error::argument(format!("{what}: expected UTF-8, found {text:?}")))
+}

@@ -1,0 +1,167 @@
+//! A hull geom by ODE's own id: what it can be asked and told, whoever owns the world that it is in.
+
+use super::hull_geom::{self, HullGeom};
+use super::{body_samples, check, convert, hull_class};
+use crate::contact::{self, BodyResponse, Mode, Settings};
+use crate::hull::{Hull, HullData};
+use crate::{Error, Result};
+use nalgebra::{Isometry3, Point3, Vector3};
+use ode_sys::{dCreateGeom, dGeomID, dSpaceAdd, dSpaceID};
+use std::sync::Arc;
+
+/// A living hull geom.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RawHull<'a> {
+    raw: dGeomID,
+    geom: &'a HullGeom,
+}
+
+/// A geom of the class with this number, in no space, bound to `data`.
+///
+/// # Safety
+/// ODE is open and `number` is the class's.
+pub(super) unsafe fn create(number: i32, data: Arc<HullData>) -> dGeomID {
+    // SAFETY: the caller vouches for the number; the data is given before the geom comes into a space.
+    unsafe {
+        let raw = dCreateGeom(number);
+        hull_class::give_data(raw, Box::new(HullGeom::new(data)));
+        raw
+    }
+}
+
+/// A hull in `space`, or in none where that is null, with the latest frame of `data` in force.
+///
+/// # Errors
+/// The class is not open, or ODE is closed.
+///
+/// # Safety
+/// `space` is null or a living space that is not being collided.
+pub(crate) unsafe fn create_in(space: dSpaceID, data: Arc<HullData>) -> Result<dGeomID> {
+    let number = super::open_class::number()?;
+    // SAFETY: ODE is open; the caller vouches for the space; the geom is new.
+    unsafe {
+        let raw = create(number, data);
+        if !space.is_null() {
+            dSpaceAdd(space, raw);
+        }
+        if let Some(geom) = hull_class::data(raw) {
+            hull_geom::adopt(raw, geom);
+        }
+        Ok(raw)
+    }
+}
+
+/// Brings the latest frame of `data` into force in all hull geoms bound to it.
+///
+/// # Safety
+/// No space that holds one of them is being collided, nor is one of them being destroyed.
+pub(crate) unsafe fn adopt_everywhere(data: &Arc<HullData>) {
+    for raw in hull_class::living() {
+        // SAFETY: the geom is on the list of the living; the caller vouches that it stays there, and for its space.
+        unsafe {
+            if let Some(geom) = hull_class::data(raw).filter(|geom| Arc::ptr_eq(&geom.data(), data)) {
+                hull_geom::adopt(raw, geom);
+            }
+        }
+    }
+}
+
+impl<'a> RawHull<'a> {
+    /// The hull geom `raw`.
+    ///
+    /// # Errors
+    /// An address at which no hull geom lives; it is not followed.
+    pub(crate) fn find(raw: dGeomID) -> Result<Self> {
+        if !hull_class::lives(raw) {
+            let found =
+                if raw.is_null() { "NULL" } else { "a geom of another class, or one that was destroyed" };
+            return Err(Error::argument(format!("geom: expected a visual hull, found {found}")));
+        }
+        // SAFETY: it lives, and stays as long as its owner does not destroy it.
+        let geom = unsafe { hull_class::data(raw) };
+        let geom = geom.ok_or_else(|| Error::Ode("a hull geom lost its class".into()))?;
+        Ok(Self { raw, geom })
+    }
+
+    pub(crate) fn data(&self) -> Arc<HullData> {
+        self.geom.data()
+    }
+
+    /// Binds the geom to other data, from its next adoption on.
+    pub(crate) fn set_data(&self, data: Arc<HullData>) {
+        self.geom.set_data(data);
+    }
+
+    pub(crate) fn frame(&self) -> Option<Arc<Hull>> {
+        self.geom.hull()
+    }
+
+    pub(crate) fn settings(&self) -> Settings {
+        self.geom.settings()
+    }
+
+    pub(crate) fn min_feature(&self) -> f64 {
+        self.geom.min_feature()
+    }
+
+    pub(crate) fn take_trouble(&self) -> Option<Error> {
+        self.geom.take_trouble()
+    }
+
+    pub(crate) fn inside(&self, p: &Point3<f64>) -> bool {
+        self.frame().is_some_and(|hull| hull.inside(&self.pose().inverse_transform_point(p)))
+    }
+
+    pub(crate) fn point_response(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
+        let (hull, pose) = (self.frame()?, self.pose());
+        hull.respond(&pose.inverse_transform_point(p)).map(|response| pose * response.w())
+    }
+
+    /// The paper's response of the shape of `other`, in the world.
+    ///
+    /// # Safety
+    /// `other` is a living geom.
+    pub(crate) unsafe fn body_response(&self, other: dGeomID) -> Result<BodyResponse> {
+        let nothing = BodyResponse { vector: Vector3::zeros(), colliding: 0 };
+        // SAFETY: the caller vouches for the geom.
+        let (world_from_body, samples) = unsafe {
+            let pose = convert::any_pose(other);
+            (pose, body_samples::of(other, &pose, self.min_feature())?)
+        };
+        let (Some(hull), Some(samples)) = (self.frame(), samples) else { return Ok(nothing) };
+        let pose = self.pose();
+        let response = contact::body_response(&hull, &samples, &(pose.inverse() * world_from_body));
+        Ok(BodyResponse { vector: pose * response.vector, ..response })
+    }
+
+    fn pose(&self) -> Isometry3<f64> {
+        // SAFETY: the geom lives; the class is placeable.
+        unsafe { hull_geom::pose(self.raw) }
+    }
+
+    pub(crate) fn set_mode(&self, mode: Mode) {
+        self.geom.change_settings(|settings| settings.mode = mode);
+    }
+
+    pub(crate) fn set_max_contacts(&self, most: usize) -> Result<()> {
+        if most == 0 {
+            return Err(Error::argument(
+                "max_contacts: expected at least 1, found 0; disable the geom instead",
+            ));
+        }
+        self.geom.change_settings(|settings| settings.max_contacts = most);
+        Ok(())
+    }
+
+    pub(crate) fn set_max_depth(&self, depth: f64) -> Result<()> {
+        check::length("max_depth of the hull", depth)?;
+        self.geom.change_settings(|settings| settings.max_depth = depth);
+        Ok(())
+    }
+
+    pub(crate) fn set_min_feature(&self, diameter: f64) -> Result<()> {
+        check::length("min_feature of the hull", diameter)?;
+        self.geom.set_min_feature(diameter);
+        Ok(())
+    }
+}

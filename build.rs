@@ -1,4 +1,4 @@
-//! Checks that the crate is built against an ODE of double precision.
+//! Checks that the crate is built against an ODE of double precision, and names the shared library.
 
 use std::env;
 
@@ -10,5 +10,16 @@ fn main() {
             "cargo::error=ode-visual-hull needs an ODE of double precision, but ode-sys reports {precision:?}: \
              install Debian's libode-dev (apt-get install libode-dev libclang-dev pkg-config) and build again"
         );
+    }
+    name_library();
+}
+
+/// Gives `libode_visual_hull.so` its name and interface version, which cargo leaves out. cargo-c, which sets the
+/// feature `capi`, does it itself, and a second name would win over its own.
+fn name_library() {
+    let linux = env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "linux");
+    if linux && env::var_os("CARGO_FEATURE_CAPI").is_none() {
+        let major = env::var("CARGO_PKG_VERSION_MAJOR").unwrap_or_default();
+        println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libode_visual_hull.so.{major}");
     }
 }

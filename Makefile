@@ -1,0 +1,62 @@
+# `make demo` and `make test` need a Rust toolchain and install everything else themselves, see scripts/setup.
+
+export PATH := $(PATH):$(HOME)/.cargo/bin
+
+PREFIX ?= /usr/local
+LIBDIR ?= $(PREFIX)/lib
+INCLUDEDIR ?= $(PREFIX)/include
+INSTALL ?= install
+
+VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
+MAJOR := $(firstword $(subst ., ,$(VERSION)))
+RELEASE := $(or $(CARGO_TARGET_DIR),target)/release
+LIBRARY := libode_visual_hull
+INSTALLED := $(INCLUDEDIR)/ode_visual_hull.h $(LIBDIR)/pkgconfig/ode_visual_hull.pc \
+	$(addprefix $(LIBDIR)/$(LIBRARY),.a .so .so.$(MAJOR) .so.$(VERSION))
+
+.DEFAULT_GOAL := help
+.PHONY: help setup lib install uninstall demo test figures clean
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1	\2/p' $(MAKEFILE_LIST) | expand -t 18
+
+demo: setup ## a stack of boxes on a real box that is lifted and tilted: film, table and plot in target/demo
+	cargo run --release --example box_stack
+
+test: setup ## formatting, lints, documentation and all tests
+	@scripts/lints
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets -- --deny warnings
+	RUSTDOCFLAGS="--deny warnings" cargo doc --workspace --no-deps
+	cargo test --workspace
+
+figures: setup ## measures every quality figure: a table, and target/figures.json
+	cargo run --release --example figures
+
+lib: $(RELEASE)/$(LIBRARY).so ## the C library, shared and static, in target/release
+
+# As a file with its sources, so that `make lib` builds it and `sudo make install` only copies.
+$(RELEASE)/$(LIBRARY).so: Cargo.toml Cargo.lock $(wildcard build.rs ode-sys/*.rs) $(shell find src ode-sys/src ode-sys/build -name '*.rs')
+	cargo build --release --lib
+	@touch $@ $(RELEASE)/$(LIBRARY).a
+
+install: lib ## header, libraries and pkg-config file, under PREFIX=/usr/local, or in the tree DESTDIR for packagers
+	$(INSTALL) -d $(DESTDIR)$(INCLUDEDIR) $(DESTDIR)$(LIBDIR)/pkgconfig
+	$(INSTALL) -m 644 include/ode_visual_hull.h $(DESTDIR)$(INCLUDEDIR)
+	$(INSTALL) -m 755 $(RELEASE)/$(LIBRARY).so $(DESTDIR)$(LIBDIR)/$(LIBRARY).so.$(VERSION)
+	ln -sf $(LIBRARY).so.$(VERSION) $(DESTDIR)$(LIBDIR)/$(LIBRARY).so.$(MAJOR)
+	ln -sf $(LIBRARY).so.$(MAJOR) $(DESTDIR)$(LIBDIR)/$(LIBRARY).so
+	$(INSTALL) -m 644 $(RELEASE)/$(LIBRARY).a $(DESTDIR)$(LIBDIR)
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@INCLUDEDIR@|$(INCLUDEDIR)|' \
+		-e 's|@VERSION@|$(VERSION)|' ode_visual_hull.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/ode_visual_hull.pc
+	@[ -n "$(DESTDIR)" ] || ldconfig 2>/dev/null || true
+
+uninstall: ## removes what install put there; same PREFIX and DESTDIR
+	rm -f $(addprefix $(DESTDIR),$(INSTALLED))
+	@[ -n "$(DESTDIR)" ] || ldconfig 2>/dev/null || true
+
+setup: ## installs what the build needs besides Rust, where it is missing
+	@scripts/setup
+
+clean: ## removes everything that was built
+	cargo clean

@@ -12,6 +12,9 @@ fn main() {
         );
     }
     name_library();
+    // Tests compile C programs for the same target.
+    println!("cargo::rustc-env=TEST_TARGET={}", env::var("TARGET").unwrap_or_default());
+    println!("cargo::rustc-env=TEST_HOST={}", env::var("HOST").unwrap_or_default());
 }
 
 /// Gives `libode_visual_hull.so` its name and interface version, which cargo leaves out. cargo-c, which sets the

@@ -156,7 +156,9 @@ extern "C" fn dGeomVisualHullDataSetUnseen(d: DataId, policy: c_int, minViews: c
             0 => Unseen::Outside,
             1 => Unseen::Abstain { min_views: count(minViews, c_int::MAX, "minViews")? },
             _ => {
-                return Err(Error::argument(format!("policy: expected dVisualHullUnseen..., found {policy}")));
+                return Err(Error::argument(format!(
+                    "policy: expected dVisualHullUnseen..., found {policy}"
+                )));
             }
         };
         data::get(d)?.set_unseen(unseen)?;
@@ -422,8 +424,9 @@ unsafe fn give(vector: Vector3<f64>, into: *mut dReal, what: &str) -> Result<()>
 /// A rotation from its row-major matrix, which must be one within what a calibration file rounds.
 fn rotation(rows: &[dReal]) -> Result<UnitQuaternion<f64>> {
     let matrix = Matrix3::from_row_slice(rows);
-    let off = (matrix * matrix.transpose() - Matrix3::identity()).amax();
-    if off.is_nan() || off > 1e-4 || matrix.determinant() < 0.0 {
+    let off = matrix * matrix.transpose() - Matrix3::identity();
+    // Asked so that NaN is none.
+    if !off.iter().all(|x| x.abs() <= 1e-4) || matrix.determinant() < 0.0 {
         return Err(Error::argument(format!(
             "R: expected a rotation matrix of world to camera, row-major, found {rows:?}"
         )));

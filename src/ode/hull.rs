@@ -84,21 +84,19 @@ impl World {
     /// Brings the latest published frames into force. Runs before each collide, when no space is locked.
     pub(super) fn adopt_frames(&mut self) {
         for (_, record) in self.geoms.iter() {
-            // SAFETY: the record is alive, and the world is borrowed mutably, so that nothing collides.
-            unsafe {
-                if let Some(hull) = hull_class::data(record.raw) {
-                    hull_geom::adopt(record.raw, hull);
-                }
+            if let Some(hull) = hull_class::find(record.raw) {
+                // SAFETY: the record is alive, and the world is borrowed mutably, so that nothing collides.
+                unsafe { hull_geom::adopt(record.raw, &hull) };
             }
         }
     }
 }
 
 /// A hull geom to ask, in world coordinates: it answers by the frame in force, that of the last collide.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct HullView<'w> {
     world: &'w World,
-    hull: RawHull<'w>,
+    hull: RawHull,
 }
 
 impl HullView<'_> {
@@ -159,7 +157,7 @@ pub struct HullMut<'w> {
 impl HullMut<'_> {
     /// The same geom to ask.
     pub fn view(&self) -> HullView<'_> {
-        self.view
+        self.view.clone()
     }
 
     /// Binds the geom to other data, from the next collide on.

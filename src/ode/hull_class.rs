@@ -12,20 +12,21 @@ use ode_sys::{
     dGeomGetClass, dGeomGetClassData, dGeomID, dPlaneClass, dRayClass, dReal, dSetColliderOverride,
 };
 use std::cell::Cell;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::ffi::c_int;
 use std::mem::size_of;
-use std::ptr::null_mut;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::ptr::{null, null_mut};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What ODE keeps in a geom of the class: the geom's data, or null before it is filled in.
-type ClassData = *mut HullGeom;
+/// What ODE keeps in a geom of the class: the geom's data, which `LIVING` owns, or null before it is filled in.
+type ClassData = *const HullGeom;
 
 /// The number under which the class was registered last.
 static NUMBER: Mutex<Option<c_int>> = Mutex::new(None);
 
-/// The addresses of the hull geoms that were made and not destroyed, in their order.
-static LIVING: Mutex<BTreeSet<usize>> = Mutex::new(BTreeSet::new());
+/// The hull geoms that were made and not destroyed, by their addresses, which are not followed here: another thread
+/// may be about to destroy one.
+static LIVING: Mutex<BTreeMap<usize, Arc<HullGeom>>> = Mutex::new(BTreeMap::new());
 
 fn lock<T>(mutex: &'static Mutex<T>) -> MutexGuard<'static, T> {
     // Both are valid after each single change.
@@ -69,10 +70,10 @@ pub(super) fn number() -> Result<c_int> {
     Ok(fresh)
 }
 
-/// Whether ODE has stayed open since the class was registered. ODE does not tell, and asking it for a geom of a stale
+/// Whether ODE, which must be open, has stayed so since the class was registered. ODE does not tell, and asking it for a geom of a stale
 /// number may reach somebody else's class; but a collider between two rays, which nobody else has a use for, is
 /// forgotten together with the class.
-fn is_still_registered() -> bool {
+pub(super) fn is_still_registered() -> bool {
     MARKER_RAN.set(false);
     // SAFETY: ODE is open; the rays are in no space and destroyed here; the buffer holds the one contact asked for.
     unsafe {
@@ -94,20 +95,21 @@ extern "C" fn marker(_: dGeomID, _: dGeomID, _: c_int, _: *mut dContactGeom, _: 
 ///
 /// # Safety
 /// `geom` is a living geom of the class without data.
-pub(super) unsafe fn give_data(geom: dGeomID, data: Box<HullGeom>) {
+pub(super) unsafe fn give_data(geom: dGeomID, data: HullGeom) {
+    let data = Arc::new(data);
     // SAFETY: the caller vouches for the geom's class, whose data is one pointer.
-    unsafe { *dGeomGetClassData(geom).cast::<ClassData>() = Box::into_raw(data) };
-    lock(&LIVING).insert(geom as usize);
+    unsafe { *dGeomGetClassData(geom).cast::<ClassData>() = Arc::as_ptr(&data) };
+    lock(&LIVING).insert(geom as usize, data);
 }
 
-/// Whether a hull geom lives at this address, which is not followed.
-pub(super) fn lives(geom: dGeomID) -> bool {
-    lock(&LIVING).contains(&(geom as usize))
+/// The data of the hull geom that lives at this address, which is not followed.
+pub(super) fn find(geom: dGeomID) -> Option<Arc<HullGeom>> {
+    lock(&LIVING).get(&(geom as usize)).cloned()
 }
 
-/// All hull geoms of the process.
-pub(super) fn living() -> Vec<dGeomID> {
-    lock(&LIVING).iter().map(|&geom| geom as dGeomID).collect()
+/// All hull geoms of the process, in the order of their addresses.
+pub(super) fn living() -> Vec<(dGeomID, Arc<HullGeom>)> {
+    lock(&LIVING).iter().map(|(&geom, data)| (geom as dGeomID, data.clone())).collect()
 }
 
 /// The data of a geom; `None` where it is not of the class.
@@ -173,15 +175,10 @@ extern "C" fn aabb(geom: dGeomID, into: *mut dReal) {
 
 extern "C" fn destroy(geom: dGeomID) {
     fence((), || {
-        lock(&LIVING).remove(&(geom as usize));
-        // SAFETY: ODE passes a living geom of the class, once, while its data can still be read; the data came from
-        // `give_data`, or is still null.
-        unsafe {
-            let slot = dGeomGetClassData(geom).cast::<ClassData>();
-            if !(*slot).is_null() {
-                drop(Box::from_raw(*slot));
-                *slot = null_mut();
-            }
-        }
+        // SAFETY: ODE passes a living geom of the class, once, while its data can still be reached.
+        unsafe { *dGeomGetClassData(geom).cast::<ClassData>() = null() };
+        // Outside the lock, since it may free a data object with all its frames.
+        let data = lock(&LIVING).remove(&(geom as usize));
+        drop(data);
     });
 }

@@ -7,10 +7,29 @@ use ode_sys::{dAllocateMaskAll, dAllocateODEDataForThread};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// How often the class was opened, and the reference on ODE that the openings share.
-static OPENINGS: Mutex<(usize, Option<Ode>)> = Mutex::new((0, None));
+#[derive(Debug)]
+struct Openings {
+    count: usize,
+    ode: Option<Ode>,
+}
 
-fn openings() -> MutexGuard<'static, (usize, Option<Ode>)> {
+static OPENINGS: Mutex<Openings> = Mutex::new(Openings { count: 0, ode: None });
+
+fn openings() -> MutexGuard<'static, Openings> {
     OPENINGS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Openings {
+    /// Lets go of a reference that callers took from us: by one `dCloseODE` too many they closed ODE beneath the
+    /// class. They may have opened it again since, so that giving ours back would close theirs.
+    fn drop_if_stolen(&mut self) {
+        if self.ode.is_some()
+            && !(ode_is_open() && hull_class::is_still_registered())
+            && let Some(ode) = self.ode.take()
+        {
+            ode.forget();
+        }
+    }
 }
 
 /// Opens the class once more.
@@ -19,9 +38,13 @@ fn openings() -> MutexGuard<'static, (usize, Option<Ode>)> {
 /// As [`Ode::init`], and a full table of user classes.
 pub(crate) fn open() -> Result<()> {
     let mut openings = openings();
-    let ode = openings.1.take().map_or_else(Ode::init, Ok)?;
-    hull_class::number()?;
-    *openings = (openings.0 + 1, Some(ode));
+    openings.drop_if_stolen();
+    if openings.ode.is_none() {
+        let ode = Ode::init()?;
+        hull_class::number()?;
+        openings.ode = Some(ode);
+    }
+    openings.count += 1;
     Ok(())
 }
 
@@ -31,10 +54,10 @@ pub(crate) fn open() -> Result<()> {
 /// None is left.
 pub(crate) fn close() -> Result<()> {
     let mut openings = openings();
-    match openings.0 {
-        0 => return Err(closed()),
-        1 => *openings = (0, None),
-        n => openings.0 = n - 1,
+    openings.count = openings.count.checked_sub(1).ok_or_else(closed)?;
+    if openings.count == 0 {
+        openings.drop_if_stolen();
+        openings.ode = None;
     }
     Ok(())
 }
@@ -44,16 +67,24 @@ pub(crate) fn close() -> Result<()> {
 /// # Errors
 /// It was not opened, or ODE was closed beneath it.
 pub(crate) fn number() -> Result<i32> {
-    let openings = openings();
-    if openings.1.is_none() {
+    let mut openings = openings();
+    if openings.count == 0 {
         return Err(closed());
     }
-    // SAFETY: where ODE is closed it refuses before it changes anything, else it makes sure of what is there.
-    let alive = unsafe { abort::guarded(|| dAllocateODEDataForThread(dAllocateMaskAll as u32)) };
-    alive.map_err(|words| {
-        Error::Ode(format!("expected ODE open, found it closed beneath the class ({words})"))
-    })?;
+    openings.drop_if_stolen();
+    if openings.ode.is_none() {
+        return Err(Error::Ode(
+            "expected ODE open, found that it was closed beneath the class; call dInitVisualHull again, and \
+             dCloseODE once for each dInitODE2 of your own"
+                .into(),
+        ));
+    }
     hull_class::number()
+}
+
+fn ode_is_open() -> bool {
+    // SAFETY: where ODE is closed it refuses before it changes anything, else it makes sure of what is there.
+    unsafe { abort::guarded(|| dAllocateODEDataForThread(dAllocateMaskAll as u32)) }.is_ok()
 }
 
 fn closed() -> Error {

@@ -10,10 +10,10 @@ use ode_sys::{dCreateGeom, dGeomID, dSpaceAdd, dSpaceID};
 use std::sync::Arc;
 
 /// A living hull geom.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct RawHull<'a> {
+#[derive(Debug, Clone)]
+pub(crate) struct RawHull {
     raw: dGeomID,
-    geom: &'a HullGeom,
+    geom: Arc<HullGeom>,
 }
 
 /// A geom of the class with this number, in no space, bound to `data`.
@@ -24,7 +24,7 @@ pub(super) unsafe fn create(number: i32, data: Arc<HullData>) -> dGeomID {
     // SAFETY: the caller vouches for the number; the data is given before the geom comes into a space.
     unsafe {
         let raw = dCreateGeom(number);
-        hull_class::give_data(raw, Box::new(HullGeom::new(data)));
+        hull_class::give_data(raw, HullGeom::new(data));
         raw
     }
 }
@@ -54,32 +54,29 @@ pub(crate) unsafe fn create_in(space: dSpaceID, data: Arc<HullData>) -> Result<d
 /// Brings the latest frame of `data` into force in all hull geoms bound to it.
 ///
 /// # Safety
-/// No space that holds one of them is being collided, nor is one of them being destroyed.
+/// No space that holds one of them is being collided, nor is one of them being destroyed. Geoms bound to other data
+/// may be.
 pub(crate) unsafe fn adopt_everywhere(data: &Arc<HullData>) {
-    for raw in hull_class::living() {
-        // SAFETY: the geom is on the list of the living; the caller vouches that it stays there, and for its space.
-        unsafe {
-            if let Some(geom) = hull_class::data(raw).filter(|geom| Arc::ptr_eq(&geom.data(), data)) {
-                hull_geom::adopt(raw, geom);
-            }
+    for (raw, geom) in hull_class::living() {
+        if Arc::ptr_eq(&geom.data(), data) {
+            // SAFETY: the geom is on the list of the living; the caller vouches that it stays there, and for its
+            // space.
+            unsafe { hull_geom::adopt(raw, &geom) };
         }
     }
 }
 
-impl<'a> RawHull<'a> {
+impl RawHull {
     /// The hull geom `raw`.
     ///
     /// # Errors
     /// An address at which no hull geom lives; it is not followed.
     pub(crate) fn find(raw: dGeomID) -> Result<Self> {
-        if !hull_class::lives(raw) {
+        let geom = hull_class::find(raw).ok_or_else(|| {
             let found =
                 if raw.is_null() { "NULL" } else { "a geom of another class, or one that was destroyed" };
-            return Err(Error::argument(format!("geom: expected a visual hull, found {found}")));
-        }
-        // SAFETY: it lives, and stays as long as its owner does not destroy it.
-        let geom = unsafe { hull_class::data(raw) };
-        let geom = geom.ok_or_else(|| Error::Ode("a hull geom lost its class".into()))?;
+            Error::argument(format!("geom: expected a visual hull, found {found}"))
+        })?;
         Ok(Self { raw, geom })
     }
 
@@ -135,7 +132,8 @@ impl<'a> RawHull<'a> {
     }
 
     fn pose(&self) -> Isometry3<f64> {
-        // SAFETY: the geom lives; the class is placeable.
+        // SAFETY: the geom was found among the living, and its owner does not destroy it meanwhile; the class is
+        // placeable.
         unsafe { hull_geom::pose(self.raw) }
     }
 

@@ -1,0 +1,77 @@
+/* A capture thread sets masks while another steps, and two threads have a world each. */
+#include "check.h"
+#include "scene.h"
+
+#include <math.h>
+#include <pthread.h>
+
+enum { FRAMES = 20 };
+
+/* Masks that show the table at rest, drawn once: the threads share them and only read. */
+static unsigned char masks[VIEWS][HEIGHT * WIDTH];
+
+static void *capture(void *data) {
+  int frame, view;
+  for (frame = 0; frame < FRAMES; frame++)
+    for (view = 0; view < VIEWS; view++)
+      if (!dGeomVisualHullDataSetMask((dVisualHullDataID)data, view, masks[view], WIDTH)) return NULL;
+  return data;
+}
+
+/* Drops a cube on data's table and returns the height it comes to rest at. */
+static dReal rest_on(dVisualHullDataID data) {
+  dSpaceID space = dHashSpaceCreate(0);
+  dGeomID hull = dCreateVisualHull(space, data), cube;
+  dReal height;
+  Contacts contacts;
+  int k;
+  CHECK(hull);
+  contacts.world = table_world();
+  contacts.joints = dJointGroupCreate(0);
+  contacts.calls = 0;
+  cube = add_cube(contacts.world, space, 0.02, 0.01, TOP + 0.101);
+  for (k = 0; k < 100; k++) {
+    CHECK(dGeomVisualHullDataUpdate(data, 0.005 * k));
+    step(&contacts, space);
+  }
+  height = dGeomGetPosition(cube)[2];
+  dJointGroupDestroy(contacts.joints);
+  dSpaceDestroy(space);
+  dWorldDestroy(contacts.world);
+  return height;
+}
+
+static void *own_world(void *own) {
+  dVisualHullDataID data = table_data();
+  int k;
+  CHECK(dAllocateODEDataForThread(dAllocateMaskAll)); /* as ODE asks of each thread that collides */
+  CHECK(fabs(rest_on(data) - TOP - 0.1) < 0.001 + 0.5 * PIXEL);
+  for (k = 0; k < 50; k++) dGeomDestroy(dCreateVisualHull(0, data));
+  dGeomVisualHullDataDestroy(data);
+  /* Each thread has a message of its own. */
+  CHECK(strcmp(dVisualHullGetErrorMessage(), "") == 0);
+  CHECK(dGeomVisualHullDataUpdate(data, 0) == 0 && strcmp(dVisualHullGetErrorMessage(), "") != 0);
+  dCleanupODEAllDataForThread();
+  return own;
+}
+
+int main(void) {
+  dVisualHullDataID data;
+  pthread_t threads[2];
+  void *result;
+  int k;
+  CHECK(dInitODE2(0) && dInitVisualHull());
+  for (k = 0; k < VIEWS; k++) draw_table(k, 0, masks[k]);
+
+  data = table_data();
+  for (k = 0; k < 2; k++) CHECK(pthread_create(&threads[k], NULL, capture, data) == 0);
+  CHECK(fabs(rest_on(data) - TOP - 0.1) < 0.001 + 0.5 * PIXEL);
+  for (k = 0; k < 2; k++) CHECK(pthread_join(threads[k], &result) == 0 && result == data);
+  dGeomVisualHullDataDestroy(data);
+
+  for (k = 0; k < 2; k++) CHECK(pthread_create(&threads[k], NULL, own_world, masks) == 0);
+  for (k = 0; k < 2; k++) CHECK(pthread_join(threads[k], &result) == 0 && result == masks);
+  dCloseVisualHull();
+  dCloseODE();
+  return 0;
+}

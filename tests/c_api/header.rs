@@ -1,0 +1,81 @@
+//! The header, the exported functions and the package agree.
+
+use crate::program::*;
+use std::collections::BTreeSet;
+use std::fs;
+use std::process::Command;
+
+fn header() -> String {
+    fs::read_to_string(root().join("include/ode_visual_hull.h")).unwrap()
+}
+
+/// The names of the functions that the header declares, in its order.
+fn declared() -> Vec<String> {
+    let header = header();
+    let code = without_comments(&header);
+    // Each declaration ends in `name(arguments);`.
+    let declarations = code.split(';').filter_map(|declaration| {
+        let before = declaration.split_once('(')?.0;
+        let name = before.rsplit(|c: char| !c.is_alphanumeric() && c != '_').next()?;
+        (before.split_whitespace().count() > 1 && name.starts_with('d')).then(|| name.to_owned())
+    });
+    declarations.collect()
+}
+
+fn without_comments(code: &str) -> String {
+    let mut parts = code.split("/*");
+    let mut bare = parts.next().unwrap().to_owned();
+    bare.extend(parts.map(|part| part.split_once("*/").unwrap().1));
+    bare
+}
+
+/// The names that follow `before` in `text`, in their order.
+fn names_after(text: &str, before: &str) -> Vec<String> {
+    let names = text
+        .split(before)
+        .skip(1)
+        .map(|rest| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect());
+    names.collect()
+}
+
+#[test]
+fn the_header_declares_the_functions_that_the_shared_library_exports_and_no_others() {
+    let output = succeed(Command::new("nm").args(["-D", "--defined-only"]).arg(shared_library()));
+    let listing = String::from_utf8(output.stdout).unwrap();
+    let exported: BTreeSet<String> =
+        listing.lines().map(|line| line.rsplit(' ').next().unwrap().to_owned()).collect();
+    let declared = declared();
+    assert!(declared.len() >= 29, "{declared:?}");
+    assert_eq!(declared.iter().cloned().collect::<BTreeSet<_>>(), exported);
+}
+
+#[test]
+fn the_source_has_the_functions_in_the_headers_order() {
+    let source = fs::read_to_string(root().join("src/capi.rs")).unwrap();
+    assert_eq!(names_after(&source, "extern \"C\" fn "), declared());
+}
+
+#[test]
+fn the_header_has_the_packages_version() {
+    let line = format!("#define dVISUAL_HULL_VERSION \"{}\"\n", env!("CARGO_PKG_VERSION"));
+    assert!(header().contains(&line), "expected {line}");
+}
+
+#[test]
+fn the_header_compiles_alone_in_c99_and_cpp11() {
+    for language in [Language::C99, Language::Cpp11] {
+        let mut compile = compiler(language);
+        compile.args(["-pedantic", "-fsyntax-only"]).arg(root().join("include/ode_visual_hull.h"));
+        succeed(&mut compile);
+    }
+}
+
+#[test]
+fn the_shared_library_has_the_interface_version_in_its_name() {
+    let output = succeed(Command::new("readelf").arg("-d").arg(shared_library()));
+    let listing = String::from_utf8(output.stdout).unwrap();
+    let name = concat!("[libode_visual_hull.so.", env!("CARGO_PKG_VERSION_MAJOR"), "]");
+    assert!(listing.lines().any(|line| line.contains("SONAME") && line.contains(name)), "{listing}");
+    // One ODE in the process: it is the caller's too.
+    assert!(listing.lines().any(|line| line.contains("NEEDED") && line.contains("libode.so")), "{listing}");
+}

@@ -1,0 +1,132 @@
+//! C programs, compiled and run.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+#[derive(Debug, Clone, Copy)]
+pub enum Language {
+    C99,
+    Cpp11,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub enum Linkage {
+    Shared,
+    Static,
+}
+
+/// A program of `tests/c`, built.
+pub struct Program {
+    path: PathBuf,
+}
+
+impl Program {
+    /// Compiles `tests/c/<name>.c` with the scene that all share, and links it.
+    pub fn build(name: &str, language: Language, linkage: Linkage) -> Self {
+        let path = scratch().join(format!("{name}_{language:?}_{linkage:?}_{}", thread_name()));
+        let sources = root().join("tests/c");
+        let mut compile = compiler(language);
+        compile.arg(sources.join(format!("{name}.c"))).arg(sources.join("scene.c")).arg("-o").arg(&path);
+        // What follows are libraries, not sources.
+        compile.args(["-x", "none"]);
+        let libraries = libraries();
+        match linkage {
+            Linkage::Shared => {
+                compile.arg(shared_library());
+                // By its soname, as an installed one is found.
+                compile.arg(format!("-Wl,-rpath,{}", soname_folder().display()));
+            }
+            Linkage::Static => {
+                compile.arg(libraries.join("libode_visual_hull.a"));
+            }
+        }
+        compile.args(pkg_config(&["--libs", "ode"])).args(native_libraries());
+        succeed(&mut compile);
+        Self { path }
+    }
+
+    /// Runs it; it prints what is not as it should be.
+    pub fn run(&self) {
+        succeed(&mut Command::new(&self.path));
+    }
+
+    /// Runs it under valgrind, or says that there is none.
+    pub fn run_under_valgrind(&self) {
+        if Command::new("valgrind").arg("--version").output().is_err() {
+            eprintln!("skipped: no valgrind; make setup installs it");
+            return;
+        }
+        let mut valgrind = Command::new("valgrind");
+        valgrind.args(["--quiet", "--error-exitcode=9", "--leak-check=full"]);
+        valgrind.args(["--show-leak-kinds=definite,indirect", "--errors-for-leak-kinds=definite,indirect"]);
+        succeed(valgrind.arg(&self.path));
+    }
+}
+
+/// The system's compiler, all warnings errors, with the header and ODE's within reach.
+pub fn compiler(language: Language) -> Command {
+    let mut build = cc::Build::new();
+    build.target(env!("TEST_TARGET")).host(env!("TEST_HOST")).opt_level(1).cargo_metadata(false);
+    let arguments = match language {
+        Language::C99 => ["-std=c99", "-x", "c"],
+        Language::Cpp11 => ["-std=c++11", "-x", "c++"],
+    };
+    let mut command = build.cpp(matches!(language, Language::Cpp11)).get_compiler().to_command();
+    command.args(arguments).args(["-g", "-pthread", "-Wall", "-Wextra", "-Werror"]);
+    command.arg("-I").arg(root().join("include")).args(pkg_config(&["--cflags", "ode"]));
+    command
+}
+
+/// Runs `command` to its end.
+pub fn succeed(command: &mut Command) -> Output {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {}\n{said}", output.status);
+    output
+}
+
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+pub fn scratch() -> &'static Path {
+    Path::new(env!("CARGO_TARGET_TMPDIR"))
+}
+
+/// The folder of this test's binary. cargo builds the library for it with all of its crate types, and puts them there.
+fn libraries() -> PathBuf {
+    env::current_exe().unwrap().parent().unwrap().to_owned()
+}
+
+pub fn shared_library() -> PathBuf {
+    libraries().join("libode_visual_hull.so")
+}
+
+/// A folder in which the library has the name that programs ask for.
+fn soname_folder() -> PathBuf {
+    let folder = scratch().join("soname").join(thread_name());
+    std::fs::create_dir_all(&folder).unwrap();
+    let major = env!("CARGO_PKG_VERSION_MAJOR");
+    let link = folder.join(format!("libode_visual_hull.so.{major}"));
+    let _ = std::fs::remove_file(&link);
+    std::os::unix::fs::symlink(shared_library(), link).unwrap();
+    folder
+}
+
+/// Tests run on threads of their own names.
+fn thread_name() -> String {
+    std::thread::current().name().unwrap_or("main").replace(':', "_")
+}
+
+pub fn pkg_config(arguments: &[&str]) -> Vec<String> {
+    let output = succeed(Command::new("pkg-config").args(arguments));
+    String::from_utf8(output.stdout).unwrap().split_whitespace().map(str::to_owned).collect()
+}
+
+/// What a program needs besides the static library and ODE, as the pkg-config file has it.
+fn native_libraries() -> Vec<String> {
+    let template = std::fs::read_to_string(root().join("ode_visual_hull.pc.in")).unwrap();
+    let line = template.lines().find_map(|line| line.strip_prefix("Libs.private:")).unwrap();
+    line.split_whitespace().map(str::to_owned).collect()
+}

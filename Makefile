@@ -29,6 +29,7 @@ test: setup ## formatting, lints, documentation and all tests
 	cargo clippy --workspace --all-targets -- --deny warnings
 	RUSTDOCFLAGS="--deny warnings" cargo doc --workspace --no-deps
 	cargo test --workspace
+	tests/install.sh
 
 figures: setup ## measures every quality figure: a table, and target/figures.json
 	cargo run --release --example figures

@@ -8,6 +8,8 @@
 
 mod data;
 mod fence;
+#[cfg(test)]
+mod tests;
 
 pub use data::DataId;
 

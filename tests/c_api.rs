@@ -6,7 +6,7 @@ mod header;
 #[path = "c_api/program.rs"]
 mod program;
 
-use program::{Language, Linkage, Program};
+use program::{Language, Linkage, Program, root, scratch};
 
 /// A test for each way to build and run a program of `tests/c`.
 macro_rules! programs {
@@ -38,3 +38,16 @@ macro_rules! programs {
 }
 
 programs! { falling_box ode_habits bad_input classes threads }
+
+#[test]
+fn the_program_in_the_documentation_does_what_it_says() {
+    let page = std::fs::read_to_string(root().join("docs/c.md")).unwrap();
+    let code = page.split_once("```c\n").unwrap().1.split_once("```").unwrap().0;
+    let source = scratch().join("documented.c");
+    std::fs::write(&source, code).unwrap();
+    let program = Program::build_from("documented", &[source], Language::C99, Linkage::Shared);
+    let last = program.run().lines().last().unwrap().to_owned();
+    let height: f64 = last.split_whitespace().rev().nth(1).unwrap().parse().unwrap();
+    // "rests at 0.3 m", less the surface layer's millimetre.
+    assert!((height - 0.3).abs() < 0.002, "{last}");
+}

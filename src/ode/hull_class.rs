@@ -148,7 +148,11 @@ extern "C" fn collide_body(
 ) -> c_int {
     // SAFETY: ODE passes living geoms, ours first (dispatch is by class number), and room for as many contacts as
     // the low 16 bits of `flags` say, `skip` bytes apart.
-    fence(0, || unsafe { hull_collider::collide_body(hull, body, flags, contacts, skip) })
+    fence(0, || unsafe {
+        #[cfg(test)]
+        super::fault::strike();
+        hull_collider::collide_body(hull, body, flags, contacts, skip)
+    })
 }
 
 extern "C" fn collide_ray(
@@ -166,6 +170,8 @@ extern "C" fn collide_ray(
 /// ODE's order: min x, max x, min y, max y, min z, max z. Never NaN, which aborts a hash space.
 extern "C" fn aabb(geom: dGeomID, into: *mut dReal) {
     let bounds = fence([0.0; 6], || {
+        #[cfg(test)]
+        super::fault::strike();
         // SAFETY: ODE passes a living geom of the class; its data may not be filled in yet.
         unsafe { data(geom).map_or([0.0; 6], |hull| hull.world_aabb(geom)) }
     });

@@ -54,6 +54,8 @@ mod check;
 mod collide;
 mod convert;
 mod convex;
+#[cfg(test)]
+pub(crate) mod fault;
 mod geom;
 mod hull;
 mod hull_class;

@@ -24,10 +24,16 @@ pub struct Program {
 impl Program {
     /// Compiles `tests/c/<name>.c` with the scene that all share, and links it.
     pub fn build(name: &str, language: Language, linkage: Linkage) -> Self {
-        let path = scratch().join(format!("{name}_{language:?}_{linkage:?}_{}", thread_name()));
         let sources = root().join("tests/c");
+        let sources = [sources.join(format!("{name}.c")), sources.join("scene.c")];
+        Self::build_from(name, &sources, language, linkage)
+    }
+
+    /// Compiles and links `sources`.
+    pub fn build_from(name: &str, sources: &[PathBuf], language: Language, linkage: Linkage) -> Self {
+        let path = scratch().join(format!("{name}_{language:?}_{linkage:?}_{}", thread_name()));
         let mut compile = compiler(language);
-        compile.arg(sources.join(format!("{name}.c"))).arg(sources.join("scene.c")).arg("-o").arg(&path);
+        compile.args(sources).arg("-o").arg(&path);
         // What follows are libraries, not sources.
         compile.args(["-x", "none"]);
         let libraries = libraries();
@@ -46,9 +52,9 @@ impl Program {
         Self { path }
     }
 
-    /// Runs it; it prints what is not as it should be.
-    pub fn run(&self) {
-        succeed(&mut Command::new(&self.path));
+    /// Runs it; it prints to stderr what is not as it should be. Returns the rest that it prints.
+    pub fn run(&self) -> String {
+        String::from_utf8(succeed(&mut Command::new(&self.path)).stdout).unwrap()
     }
 
     /// Runs it under valgrind, or says that there is none.

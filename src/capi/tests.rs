@@ -1,0 +1,46 @@
+use super::*;
+use crate::ode::fault;
+use ode_sys::{
+    dCloseODE, dCollide, dContactGeom, dCreateSphere, dGeomDestroy, dGeomGetAABB, dGeomSetPosition, dInitODE2,
+};
+use std::ffi::CStr;
+use std::ptr::null_mut;
+
+fn message() -> String {
+    // SAFETY: the function returns a C string that stands until the thread's next call.
+    unsafe { CStr::from_ptr(dVisualHullGetErrorMessage()) }.to_string_lossy().into_owned()
+}
+
+#[test]
+fn a_panic_in_a_callback_is_no_contact_and_a_message_and_the_next_call_works() {
+    // SAFETY: ODE is open; the geoms are destroyed before it closes; the arrays have the room that ODE is told of.
+    unsafe {
+        assert_ne!(dInitODE2(0), 0);
+        assert_eq!(dInitVisualHull(), OK);
+        let data = dGeomVisualHullDataCreate();
+        let (hull, ball) = (dCreateVisualHull(null_mut(), data), dCreateSphere(null_mut(), 1.0));
+        let mut contacts = [dContactGeom::default(); 8];
+        let mut collide =
+            || dCollide(ball, hull, 8, contacts.as_mut_ptr(), size_of::<dContactGeom>() as c_int);
+        fault::arm();
+        assert_eq!(collide(), 0);
+        assert!(message().contains("a fault put in by a test"), "{}", message());
+        assert_eq!(collide(), 0);
+        fault::arm();
+        let mut aabb = [f64::NAN; 6];
+        dGeomSetPosition(hull, 1.0, 0.0, 0.0);
+        dGeomGetAABB(hull, aabb.as_mut_ptr());
+        assert!(aabb.iter().all(|x| x.is_finite()), "{aabb:?}");
+        dGeomDestroy(ball);
+        dGeomDestroy(hull);
+        dGeomVisualHullDataDestroy(data);
+        dCloseVisualHull();
+        dCloseODE();
+    }
+}
+
+#[test]
+fn a_panic_in_an_exported_function_is_its_failure_and_a_message() {
+    assert_eq!(fence::fenced(NONE, || -> Result<c_int> { panic!("in the function") }), NONE);
+    assert!(message().contains("in the function") && message().contains("please report it"), "{}", message());
+}

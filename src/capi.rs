@@ -399,7 +399,7 @@ unsafe fn numbers<'a>(from: *const dReal, n: usize, what: &str) -> Result<&'a [d
 /// `from` is NULL or `n` vectors of three numbers, `stride` bytes apart.
 unsafe fn vectors(from: *const dReal, n: usize, stride: c_int, what: &str) -> Result<Vec<Vector3<f64>>> {
     const LEAST: c_int = 3 * size_of::<dReal>() as c_int;
-    if from.is_null() || stride < LEAST || stride as usize % align_of::<dReal>() != 0 {
+    if from.is_null() || stride < LEAST || !(stride as usize).is_multiple_of(align_of::<dReal>()) {
         let found = if from.is_null() { "NULL".to_owned() } else { format!("a stride of {stride} bytes") };
         return Err(Error::argument(format!(
             "{what}: expected vectors of dReal at least {LEAST} bytes apart, found {found}"

@@ -31,9 +31,12 @@ pub(super) unsafe fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     let unwinding: dMessageFunction =
         Some(unsafe { std::mem::transmute::<Handler, unsafe extern "C" fn(_, _, _)>(refuse) });
     let one_at_a_time = STANDING.lock().unwrap_or_else(PoisonError::into_inner);
-    // SAFETY: stores a function that lives as long as the process.
-    let before = unsafe { dGetDebugHandler() };
-    unsafe { dSetDebugHandler(unwinding) };
+    // SAFETY: reads and stores a function that lives as long as the process.
+    let before = unsafe {
+        let before = dGetDebugHandler();
+        dSetDebugHandler(unwinding);
+        before
+    };
     GUARDED.set(true);
     let outcome = catch_unwind(AssertUnwindSafe(call));
     GUARDED.set(false);

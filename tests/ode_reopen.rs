@@ -1,8 +1,13 @@
 //! ODE closes with the last reference on it, and opens again. Alone in its process: others would hold ODE open.
 
+mod scene;
+
 use nalgebra::Vector3;
 use ode_sys::{dCreateGeomClass, dGeomClass, dGeomID, dInfiniteAABB, dReal};
+use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{Ode, Shape, Surface, World, random_seed, set_random_seed};
+use scene::{TOP, drop_box_on, height, step, table};
+use std::sync::Arc;
 
 unsafe extern "C" fn no_box(geom: dGeomID, bounds: *mut dReal) {
     // SAFETY: ODE passes a geom and six numbers.
@@ -35,6 +40,20 @@ fn simulate(ode: &Ode) -> f64 {
     world.body(body).position().z
 }
 
+/// How high a box comes to rest on the hull of `data`, whose class is registered after `others` classes of others.
+fn rest_on_hull(data: &Arc<HullData>, others: usize) -> f64 {
+    let _ode = Ode::init().unwrap();
+    for _ in 0..others {
+        register_class();
+    }
+    let (mut world, body) = drop_box_on(data);
+    (0..200).for_each(|_| step(&mut world, 0.005));
+    let root = world.root_space();
+    let second = world.add_hull(root, data).unwrap();
+    assert!(world.hull(second).frame().is_none(), "takes up its frame with the next collide");
+    height(&world, body)
+}
+
 #[test]
 fn ode_closes_with_its_last_reference_and_opens_again() {
     for _ in 0..3 {
@@ -55,6 +74,12 @@ fn ode_closes_with_its_last_reference_and_opens_again() {
         // A thread that entered ODE when it was open before.
         let there = std::thread::spawn(move || simulate(&again)).join().unwrap();
         assert_eq!(here, there);
+    }
+    // Hulls register their class anew, each time under another number, and find contacts again.
+    let data = table();
+    for others in [0, 1, 0, 3, 2, 0] {
+        let above = rest_on_hull(&data, others) - TOP - 0.1;
+        assert!(above.abs() < 0.002, "{others} classes of others: rests {above} m off the top");
     }
     set_random_seed(1234);
     assert_eq!(random_seed(), 1234);

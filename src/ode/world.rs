@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use ode_sys::{
     dBodyCreate, dBodyDestroy, dBodyGetData, dBodyID, dBodySetData, dContactGeom, dGeomDestroy, dGeomGetData,
-    dGeomID, dJointDestroy, dJointGroupCreate, dJointGroupDestroy, dJointGroupID, dSpaceDestroy, dSpaceID,
+    dGeomID, dJointDestroy, dJointGroupCreate, dJointGroupDestroy, dJointGroupID, dSpaceDestroy,
     dThreadingAllocateSelfThreadedImplementation, dThreadingFreeImplementation,
     dThreadingImplementationGetFunctions, dThreadingImplementationID, dWorldCreate, dWorldDestroy, dWorldID,
     dWorldSetStepThreadingImplementation,

@@ -2,7 +2,7 @@
 
 mod scene;
 
-use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, point, vector};
+use nalgebra::{Point3, UnitQuaternion, Vector3, point, vector};
 use ode_visual_hull::contact::Mode;
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{ContactGeom, GeomId, RayFlags, Shape, SpaceKind, Surface, TriMesh, World};

@@ -402,6 +402,12 @@ fn sizes_whose_product_overflows_are_refused_before_any_memory_is_taken() {
         let found = format!("found {} x {}", size.0, size.1);
         assert_says(refused, &["camera \"huge\"", "pixels", &found]);
     }
+    // As large as can be, but its lens makes it larger.
+    let largest = Camera::new("wide", (16_384, 16_384), k, lens, at(0.0, 0.0, 3.0)).unwrap();
+    assert_says(
+        HullData::new().add_view(largest),
+        &["view \"wide\"", "found 16384 x 16384", "scale the images down"],
+    );
     // The header of an image that says so, with nothing behind it.
     let folder = Folder::new("sizes");
     for (name, header) in [

@@ -1,9 +1,10 @@
 //! ODE has room for four user classes in a process and aborts at a fifth. The hull takes one, once, and says so where
 //! there is none left. Alone in its process: the classes of other tests would count.
 
+mod foreign_class;
 mod scene;
 
-use ode_sys::{dCloseODE, dCreateGeomClass, dGeomClass, dGeomID, dInfiniteAABB, dInitODE2, dReal};
+use ode_sys::{dCloseODE, dInitODE2};
 use ode_visual_hull::ode::{Ode, World};
 use scene::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -14,30 +15,13 @@ fn alone() -> MutexGuard<'static, ()> {
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-unsafe extern "C" fn no_box(geom: dGeomID, bounds: *mut dReal) {
-    // SAFETY: ODE passes a geom and six numbers.
-    unsafe { dInfiniteAABB(geom, bounds) };
-}
-
-unsafe extern "C" fn no_collider(_: i32) -> ode_sys::dColliderFn {
-    None
-}
-
-/// Registers a class of somebody else's; its number counts up from 14.
-fn register_class() -> i32 {
-    let class =
-        dGeomClass { bytes: 8, collider: Some(no_collider), aabb: Some(no_box), aabb_test: None, dtor: None };
-    // SAFETY: ODE is open, the structure is whole, and ODE copies it.
-    unsafe { dCreateGeomClass(&class) }
-}
-
 #[test]
 fn a_hull_beside_four_other_classes_is_refused_and_the_process_lives() {
     let _turn = alone();
     let data = table();
     {
         let mut world = World::new(&Ode::init().unwrap()).unwrap();
-        (14..18).for_each(|number| assert_eq!(register_class(), number));
+        (14..18).for_each(|number| assert_eq!(foreign_class::register(), number));
         let root = world.root_space();
         for _ in 0..2 {
             let refused = world.add_hull(root, &data).unwrap_err().to_string();
@@ -59,7 +43,7 @@ fn a_hull_beside_four_other_classes_is_refused_and_the_process_lives() {
 fn beside_three_other_classes_there_is_room() {
     let _turn = alone();
     let _ode = Ode::init().unwrap();
-    (14..17).for_each(|number| assert_eq!(register_class(), number));
+    (14..17).for_each(|number| assert_eq!(foreign_class::register(), number));
     let (mut world, body) = drop_box_on(&table());
     (0..200).for_each(|_| step(&mut world, 0.005));
     assert!((height(&world, body) - TOP - 0.1).abs() < 0.002);
@@ -75,7 +59,7 @@ fn the_class_is_registered_once_over_many_worlds() {
         let root = world.root_space();
         world.add_hull(root, &data).unwrap();
     }
-    assert_eq!(register_class(), 15, "only the hull's class stands before this one");
+    assert_eq!(foreign_class::register(), 15, "only the hull's class stands before this one");
     drop(ode);
 }
 
@@ -90,15 +74,15 @@ fn the_class_is_found_again_while_only_others_keep_ode_open() {
         (0..40).for_each(|_| step(&mut world, 0.005));
         assert!(height(&world, body) > TOP + 0.09, "the hull holds it");
     }
-    assert_eq!(register_class(), 15);
+    assert_eq!(foreign_class::register(), 15);
     // SAFETY: pairs with the dInitODE2 above.
     unsafe { dCloseODE() };
 
     // With the last reference gone the number is anybody's: a class of others takes it, and the hull another.
     let _ode = Ode::init().unwrap();
-    assert_eq!(register_class(), 14);
+    assert_eq!(foreign_class::register(), 14);
     let (mut world, body) = drop_box_on(&data);
     (0..200).for_each(|_| step(&mut world, 0.005));
     assert!((height(&world, body) - TOP - 0.1).abs() < 0.002);
-    assert_eq!(register_class(), 16);
+    assert_eq!(foreign_class::register(), 16);
 }

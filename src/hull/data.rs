@@ -65,9 +65,9 @@ impl HullData {
     /// Adds a view and returns its index.
     ///
     /// # Errors
-    /// A name that another view has.
+    /// A name that another view has; a lens whose undistorted image would have too many pixels.
     pub fn add_view(&self, camera: Camera) -> Result<usize> {
-        let slot = Slot::new(camera);
+        let slot = Slot::new(camera)?;
         let mut state = self.lock();
         if state.views.iter().any(|other| other.name() == slot.name()) {
             return Err(Error::view(
@@ -223,13 +223,22 @@ impl State {
 }
 
 impl Slot {
-    fn new(camera: Camera) -> Self {
+    fn new(camera: Camera) -> Result<Self> {
         let lens = Undistortion::new(&camera).map(Arc::new);
+        if lens.is_none() && !camera.distortion().is_none() {
+            let (width, height) = camera.size();
+            let problem = format!(
+                "expected a lens that can be undistorted within the largest image, found {width} x {height} pixels \
+                 with distortion {:?}; scale the images down or undistort them first",
+                camera.distortion().coefficients()
+            );
+            return Err(Error::view(camera.name(), problem));
+        }
         let seen =
             lens.as_ref().map(|lens| Arc::new(Silhouette::new(lens.seen().clone(), Border::Background)));
         let camera = Arc::new(camera);
         let pinhole = lens.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
-        Self { camera, pinhole, lens, seen, mask: None, silhouette: None, enabled: true }
+        Ok(Self { camera, pinhole, lens, seen, mask: None, silhouette: None, enabled: true })
     }
 
     fn name(&self) -> &str {

@@ -94,7 +94,7 @@ impl Rig {
 }
 
 fn camera_to_toml(camera: &Camera) -> String {
-    let name = quoted(camera.name());
+    let name = toml::Value::from(camera.name());
     let (width, height) = camera.size();
     let mut k = *camera.intrinsics();
     k[(0, 2)] -= HALF_PIXEL;
@@ -112,19 +112,6 @@ fn camera_to_toml(camera: &Camera) -> String {
          rotation = {rotation:?}\ntranslation = {translation:?}\nfisheye = false\n",
         [row(0), row(1), row(2)]
     )
-}
-
-/// A TOML basic string.
-fn quoted(text: &str) -> String {
-    let mut quoted = String::from('"');
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => quoted.extend(['\\', c]),
-            c if c.is_control() => quoted += &format!("\\u{:04X}", u32::from(c)),
-            c => quoted.push(c),
-        }
-    }
-    quoted + "\""
 }
 
 fn line_of(text: &str, offset: usize) -> usize {

@@ -1,8 +1,8 @@
 //! Background subtraction against an image of the empty room.
 
-use super::region::{Neighbours, drop_small};
 use crate::{Error, Result};
 use image::{GrayImage, Luma, RgbImage};
+use imageproc::region_labelling::{Connectivity, connected_components};
 
 /// When a pixel or a region counts as the subject.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,10 +77,8 @@ impl CleanPlate {
             *value = if *value > self.thresholds.difference { 255 } else { 0 };
         }
         halve_outline(&mut mask, &difference);
-        // Diagonal neighbours are one region for the subject and two for the background, else two diagonals could
-        // cross.
-        drop_small(&mut mask, 255, self.thresholds.smallest_region_px, Neighbours::Eight);
-        drop_small(&mut mask, 0, self.thresholds.smallest_hole_px, Neighbours::Four);
+        drop_small(&mut mask, 255, self.thresholds.smallest_region_px);
+        drop_small(&mut mask, 0, self.thresholds.smallest_hole_px);
         Ok(mask)
     }
 }
@@ -107,6 +105,23 @@ fn halve_outline(mask: &mut GrayImage, difference: &GrayImage) {
             if 2 * u32::from(difference.get_pixel(x, y).0[0]) < u32::from(full) {
                 value.0[0] = 0;
             }
+        }
+    }
+}
+
+/// Gives connected regions of `kind` (0 or 255) with fewer than `area_px` pixels to their surroundings.
+fn drop_small(mask: &mut GrayImage, kind: u8, area_px: u32) {
+    // Diagonal neighbours are one region for the subject and two for the background, else two diagonals could cross.
+    let connectivity = if kind == 255 { Connectivity::Eight } else { Connectivity::Four };
+    let labels = connected_components(mask, connectivity, Luma([255 - kind]));
+    let regions = labels.iter().max().map_or(0, |&last| last as usize);
+    let mut areas = vec![0u32; regions + 1];
+    for &label in labels.iter() {
+        areas[label as usize] += 1;
+    }
+    for (value, &label) in mask.iter_mut().zip(labels.iter()) {
+        if label != 0 && areas[label as usize] < area_px {
+            *value = 255 - kind;
         }
     }
 }

@@ -5,6 +5,5 @@
 //! [`image::GrayImage`] that is at least 128 on the subject.
 
 mod clean_plate;
-mod region;
 
 pub use clean_plate::{CleanPlate, Thresholds};

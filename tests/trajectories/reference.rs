@@ -45,7 +45,8 @@ impl Reference {
         let text = std::fs::read_to_string(&path).unwrap_or_else(|error| {
             panic!("{}: {error}; record it with RECORD_TRAJECTORIES=1", path.display())
         });
-        Self::parse(&text).unwrap_or_else(|| panic!("{}: expected header and rows as written", path.display()))
+        Self::parse(&text)
+            .unwrap_or_else(|| panic!("{}: expected header and rows as written", path.display()))
     }
 
     pub fn write(&self, scene: &Scene, run: &Run) {
@@ -60,7 +61,10 @@ impl Reference {
         for line in [
             format!("{}: {}", scene.name, scene.about),
             format!("native geoms of ODE 0.16.2 on a box of {} x {} x {} m ({})", l.x, l.y, l.z, rig.name),
-            format!("1 kg a body, gravity 9.81 m/s^2, friction {}, dt {DT} s, quick step of 50 iterations, erp 0.2, cfm 1e-5, surface layer 1 mm, {CONTACTS} contacts a pair, seed {SEED}", scene.surface.mu),
+            format!(
+                "1 kg a body, gravity 9.81 m/s^2, friction {}, dt {DT} s, quick step of 50 iterations, erp 0.2, cfm 1e-5, surface layer 1 mm, {CONTACTS} contacts a pair, seed {SEED}",
+                scene.surface.mu
+            ),
             format!("from the first impact at {first:.3} s to {last:.3} s: {}", run.ending),
             format!("pixel_m = {:e}", self.pixel),
             format!("tolerance_px = {}", self.tolerance_px),
@@ -84,7 +88,9 @@ impl Reference {
 
     fn parse(text: &str) -> Option<Self> {
         let header = |name: &str| {
-            let line = text.lines().find_map(|line| line.strip_prefix("# ")?.strip_prefix(name)?.strip_prefix(" = "));
+            let line = text
+                .lines()
+                .find_map(|line| line.strip_prefix("# ")?.strip_prefix(name)?.strip_prefix(" = "));
             line?.parse().ok()
         };
         let mut rows: Vec<(usize, Vec<Isometry3<f64>>)> = Vec::new();

@@ -24,14 +24,19 @@ pub struct Rig {
 }
 
 /// A table of 0.5 x 0.5 x 0.4 m around the origin, 2.2 mm a pixel.
-pub static TABLE: LazyLock<Rig> = LazyLock::new(|| {
-    Rig::new("table", vector![0.5, 0.5, 0.4], Isometry3::identity(), 2.8, 0.45)
-});
+pub static TABLE: LazyLock<Rig> =
+    LazyLock::new(|| Rig::new("table", vector![0.5, 0.5, 0.4], Isometry3::identity(), 2.8, 0.45));
 
 /// A ramp of 1.5 x 0.5 x 0.3 m that goes down towards x at 20 degrees, 4.2 mm a pixel.
 pub static RAMP: LazyLock<Rig> = LazyLock::new(|| {
     let down = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 20f64.to_radians());
-    Rig::new("ramp", vector![1.5, 0.5, 0.3], Isometry3::from_parts(point![0.0, 0.0, 0.5].into(), down), 3.0, 0.7)
+    Rig::new(
+        "ramp",
+        vector![1.5, 0.5, 0.3],
+        Isometry3::from_parts(point![0.0, 0.0, 0.5].into(), down),
+        3.0,
+        0.7,
+    )
 });
 
 impl Rig {
@@ -56,7 +61,8 @@ impl Rig {
     /// Metres that a pixel covers at the support's centre, in the camera that sees it finest.
     pub fn pixel(&self) -> f64 {
         let centre = Point3::from(self.world_from_box.translation.vector);
-        let footprint = |camera: &Camera| camera.project(&centre).unwrap().depth / camera.intrinsics()[(0, 0)];
+        let footprint =
+            |camera: &Camera| camera.project(&centre).unwrap().depth / camera.intrinsics()[(0, 0)];
         self.cameras.iter().map(footprint).fold(f64::INFINITY, f64::min)
     }
 

@@ -73,16 +73,8 @@ fn drops() -> Vec<Scene> {
     );
     bouncing.surface = Surface { bounce: Some(0.5), bounce_velocity: 0.1, ..Surface::default() };
     vec![
-        drop(
-            "box_dropped",
-            "a cube dropped from 10 cm on its face",
-            onto(&CUBE, 0.1, euler(0.0, 0.0, 0.3)),
-        ),
-        drop(
-            "sphere_dropped",
-            "a sphere dropped from 10 cm",
-            onto(&BALL, 0.08, euler(0.0, 0.0, 0.0)),
-        ),
+        drop("box_dropped", "a cube dropped from 10 cm on its face", onto(&CUBE, 0.1, euler(0.0, 0.0, 0.3))),
+        drop("sphere_dropped", "a sphere dropped from 10 cm", onto(&BALL, 0.08, euler(0.0, 0.0, 0.0))),
         drop(
             "capsule_dropped",
             "a capsule dropped from 10 cm on its side",
@@ -98,7 +90,11 @@ fn drops() -> Vec<Scene> {
             "a cylinder dropped from 10 cm on its side",
             onto(&CYLINDER, 0.08, euler(FRAC_PI_2, 0.0, 0.4)),
         ),
-        drop("box_thrown", "a cube thrown level at 0.67 m/s from 10 cm, lands on its face and slides", thrown),
+        drop(
+            "box_thrown",
+            "a cube thrown level at 0.67 m/s from 10 cm, lands on its face and slides",
+            thrown,
+        ),
         bouncing,
     ]
 }
@@ -113,7 +109,11 @@ fn edge_first_drops() -> Vec<Scene> {
     let corner = euler(0.4, 0.5, 0.2);
     let corner_low = 0.1 * (corner.inverse() * Vector3::z()).abs().sum();
     let scenes = [
-        drop("box_edge_first", "a cube tilted by 30 degrees, dropped from 10 cm on an edge", onto(&CUBE, edge_low, edge)),
+        drop(
+            "box_edge_first",
+            "a cube tilted by 30 degrees, dropped from 10 cm on an edge",
+            onto(&CUBE, edge_low, edge),
+        ),
         drop(
             "box_corner_first",
             "a cube tilted about two axes, dropped from 10 cm on a corner",
@@ -148,7 +148,11 @@ fn slides() -> Vec<Scene> {
         ramp("box_holds_ramp", "a cube stays on the ramp, friction 0.6", 0.6, Ends::AtRest),
         Scene {
             surface: Surface::with_friction(0.3),
-            ..drop("box_slides_table", "a cube slides at 1 m/s over the table and stops, friction 0.3", pushed)
+            ..drop(
+                "box_slides_table",
+                "a cube slides at 1 m/s over the table and stops, friction 0.3",
+                pushed,
+            )
         },
     ]
 }
@@ -168,10 +172,22 @@ fn rolls() -> Vec<Scene> {
     let none = UnitQuaternion::identity();
     vec![
         ramp("sphere_rolls_ramp", "a sphere rolls down the ramp from rest", &BALL, 0.08, none),
-        ramp("cylinder_rolls_ramp", "a lying cylinder rolls down the ramp from rest", &CYLINDER, 0.08, lying()),
+        ramp(
+            "cylinder_rolls_ramp",
+            "a lying cylinder rolls down the ramp from rest",
+            &CYLINDER,
+            0.08,
+            lying(),
+        ),
         ramp("capsule_rolls_ramp", "a lying capsule rolls down the ramp from rest", &CAPSULE, 0.05, lying()),
         table("sphere_rolls_table", "a sphere rolls over the table at 0.4 m/s", &BALL, 0.08, none),
-        table("cylinder_rolls_table", "a lying cylinder rolls over the table at 0.4 m/s", &CYLINDER, 0.08, lying()),
+        table(
+            "cylinder_rolls_table",
+            "a lying cylinder rolls over the table at 0.4 m/s",
+            &CYLINDER,
+            0.08,
+            lying(),
+        ),
     ]
 }
 
@@ -183,7 +199,11 @@ fn stack() -> Scene {
     });
     Scene {
         bodies: bodies.collect(),
-        ..drop("stack", "three cubes, each turned by 0.2 rad against the one below, fall by 1 cm each on one another", above(&TABLE, &CUBE, 0.0, 0.0, 0.0, euler(0.0, 0.0, 0.0)))
+        ..drop(
+            "stack",
+            "three cubes, each turned by 0.2 rad against the one below, fall by 1 cm each on one another",
+            above(&TABLE, &CUBE, 0.0, 0.0, 0.0, euler(0.0, 0.0, 0.0)),
+        )
     }
 }
 
@@ -203,7 +223,11 @@ fn pendulum_ball() -> Scene {
     let (start, pivot) = bob(&BALL, 0.08);
     Scene {
         joint: Some(JointKind::Ball { anchor: pivot }),
-        ..drop("pendulum_ball", "a sphere on a ball joint swings from 40 degrees into the table's side", start)
+        ..drop(
+            "pendulum_ball",
+            "a sphere on a ball joint swings from 40 degrees into the table's side",
+            start,
+        )
     }
 }
 

@@ -6,6 +6,10 @@ use super::Contact;
 /// choice, so that noise in the depths of a body at rest does not change it from step to step.
 const AS_DEEP: f64 = 0.8;
 
+/// A contact counts as farther only by more than this ratio of squared distances: what rounding decides differs from
+/// pose to pose.
+const FARTHER: f64 = 1.0 + 1e-6;
+
 /// At most `most` contacts: clusters take turns, the deepest first; within one its deepest contact, then always the
 /// one farthest from those kept. Ties go to the first. `clusters` hold contacts in the order of their samples.
 pub(super) fn spread(mut clusters: Vec<Vec<Contact>>, most: usize) -> Vec<Contact> {
@@ -56,7 +60,7 @@ impl Iterator for FarthestFirst {
         let mut farthest: Option<usize> = None;
         for (k, contact) in self.contacts.iter().enumerate() {
             self.to_kept[k] = self.to_kept[k].min((contact.point - kept.point).norm_squared());
-            let is_farther = |other: usize| self.to_kept[k] > self.to_kept[other];
+            let is_farther = |other: usize| self.to_kept[k] > FARTHER * self.to_kept[other];
             if self.to_kept[k] >= 0.0 && k != chosen && farthest.is_none_or(is_farther) {
                 farthest = Some(k);
             }

@@ -162,6 +162,24 @@ fn reduction_keeps_the_deepest_and_the_spread_whatever_the_cap() {
 }
 
 #[test]
+fn the_choice_of_samples_does_not_flicker_while_a_box_trembles() {
+    let (hull, body) = (table(), cube());
+    let chosen = |tremble: f64| -> Vec<Point3<f64>> {
+        // At rest 3 mm deep; a tremble of 20 micrometres and of as many microradians.
+        let pose = at(0.03 + tremble, -0.02, 0.297 - tremble)
+            * UnitQuaternion::from_euler_angles(tremble, -0.5 * tremble, 0.3);
+        let found = collide(&hull, &body, &pose, &Settings::default(), None).contacts;
+        found.iter().map(|contact| pose.inverse_transform_point(&contact.point)).collect()
+    };
+    let still = chosen(0.0);
+    for tremble in [-2e-5, -7e-6, 3e-6, 1e-5, 2e-5] {
+        let now = chosen(tremble);
+        assert_eq!(now.len(), still.len());
+        assert!(now.iter().zip(&still).all(|(a, b)| (a - b).norm() < 1e-9), "{now:?}\n{still:?}");
+    }
+}
+
+#[test]
 fn the_same_question_has_the_same_bits_as_answer() {
     let hull = table();
     let ask = || collide(&hull, &cube(), &standing(), &Settings::default(), None);

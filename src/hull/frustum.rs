@@ -1,10 +1,21 @@
-//! The frustum of a silhouette's rectangle (paper, section 4.1), and its box inside the work volume.
+//! Planes through a camera's centre: behind an image line, and around a silhouette's rectangle (paper, section 4.1).
 
 use super::Aabb;
-use super::view::backproject_normal;
 use crate::camera::{Camera, MIN_DEPTH};
 use crate::silhouette::Rect;
 use nalgebra::{Matrix3x4, Point2, Point3, Vector2, Vector3};
+
+/// The outward normal of the plane through the camera's centre and the image line through `point` with image normal
+/// `normal`.
+pub(super) fn backproject_normal(
+    projection: &Matrix3x4<f64>,
+    point: &Point2<f64>,
+    normal: &Vector2<f64>,
+) -> Vector3<f64> {
+    let row = |r: usize| Vector3::new(projection[(r, 0)], projection[(r, 1)], projection[(r, 2)]);
+    let across = (row(0) - row(2) * point.x) * normal.x + (row(1) - row(2) * point.y) * normal.y;
+    across.normalize()
+}
 
 /// The outward normals of the four planes through the camera's centre and the sides of `rect`.
 pub(super) fn planes(projection: &Matrix3x4<f64>, rect: &Rect) -> [Vector3<f64>; 4] {

@@ -149,7 +149,7 @@ impl View {
     /// The outward normal in the world of the plane through the camera's centre and the image line through `point`
     /// with image normal `normal` (paper, section 4.2: "backprojecting the 2D silhouette normal").
     pub fn backproject_normal(&self, point: &Point2<f64>, normal: &Vector2<f64>) -> Vector3<f64> {
-        backproject_normal(&self.projection, point, normal)
+        frustum::backproject_normal(&self.projection, point, normal)
     }
 
     /// The same for an edge of the silhouette.
@@ -172,14 +172,4 @@ impl View {
 pub(super) fn whole(u: f64, v: f64) -> (i32, i32) {
     // `as` saturates, so that a point near the camera's plane lands far outside every image.
     (u.floor() as i32, v.floor() as i32)
-}
-
-pub(super) fn backproject_normal(
-    projection: &Matrix3x4<f64>,
-    point: &Point2<f64>,
-    normal: &Vector2<f64>,
-) -> Vector3<f64> {
-    let row = |r: usize| Vector3::new(projection[(r, 0)], projection[(r, 1)], projection[(r, 2)]);
-    let across = (row(0) - row(2) * point.x) * normal.x + (row(1) - row(2) * point.y) * normal.y;
-    across.normalize()
 }

@@ -153,3 +153,6 @@ pub(super) unsafe fn collide_ray(hull: dGeomID, ray: dGeomID, contacts: *mut dCo
     unsafe { contacts.write(contact) };
     1
 }
+
+#[cfg(test)]
+mod tests;

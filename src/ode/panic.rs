@@ -30,3 +30,20 @@ pub(super) fn resume_parked() {
         resume_unwind(payload);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_behind_the_fence_is_answered_by_the_default_and_parked_once() {
+        assert_eq!(fence(7, || panic!("first")), 7);
+        assert_eq!(fence(8, || panic!("second")), 8);
+        assert_eq!(
+            take_parked().and_then(|payload| payload.downcast::<&str>().ok()).as_deref(),
+            Some(&"first")
+        );
+        assert!(take_parked().is_none());
+        assert_eq!(fence(7, || 1), 1);
+    }
+}

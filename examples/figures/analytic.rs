@@ -1,0 +1,157 @@
+//! The visual hull that cameras with perfect silhouettes would give: the measure of the one from pixels.
+
+use crate::contour::Contour;
+use nalgebra::{Point2, Point3, Vector2, Vector3};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::synthetic::Placed;
+use std::f64::consts::TAU;
+
+/// Steps to look for an exit by, in pixels of the finest view: far below any feature of the solids measured.
+const STEP_PX: f64 = 0.25;
+
+/// Pixels around an edge of the hull in which no normal is measured: the contact normal's window reaches 6.
+const EDGE_PX: f64 = 7.0;
+
+/// The analytic visual hull: a point is inside iff in every camera the half-line from the camera through it meets the
+/// solid.
+pub struct AnalyticHull {
+    contours: Vec<Contour>,
+}
+
+impl AnalyticHull {
+    /// The hull of `solid`, which each camera must see whole.
+    pub fn new(cameras: &[Camera], solid: &Placed) -> Self {
+        Self { contours: cameras.iter().map(|camera| Contour::trace(camera, solid)).collect() }
+    }
+
+    /// The silhouettes' contours, by view.
+    pub fn contours(&self) -> &[Contour] {
+        &self.contours
+    }
+
+    /// Whether `p` is inside.
+    pub fn contains(&self, p: &Point3<f64>) -> bool {
+        self.contours.iter().all(|contour| contour.sees(p))
+    }
+
+    /// How deep `p`, a point inside, lies in pixels of the view in which it is shallowest.
+    pub fn depth_px(&self, p: &Point3<f64>) -> f64 {
+        let depths = self.contours.iter().map(|contour| -contour.signed_distance_of(p));
+        depths.fold(f64::INFINITY, f64::min)
+    }
+
+    /// How far outside `p` lies in pixels of the view in which it is farthest out; 0 inside.
+    pub fn stray_px(&self, p: &Point3<f64>) -> f64 {
+        let deny = self.contours.iter().filter(|contour| !contour.sees(p));
+        deny.map(|contour| contour.signed_distance_of(p)).fold(0.0, f64::max)
+    }
+
+    /// Whether `p` projects to within `reach` pixels of some view's contour.
+    pub fn near_a_contour(&self, p: &Point3<f64>, reach: f64) -> bool {
+        self.contours.iter().any(|contour| contour.is_near(p, reach))
+    }
+
+    /// The outward normal of the hull's surface nearest to `p`, a point inside; `None` where it is not smooth.
+    pub fn way_out(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
+        let metres = |contour: &&Contour| -contour.signed_distance_of(p) * footprint(contour.camera(), p);
+        let contour = self.contours.iter().min_by(|a, b| metres(a).total_cmp(&metres(b)))?;
+        contour.normal_in_world(&contour.nearest(&contour.project(p)?))
+    }
+
+    /// Where the half-line from `p`, a point inside, along the unit `direction` first leaves the hull,
+    /// to a nanometre, and which view ends it.
+    pub fn exit(&self, p: &Point3<f64>, direction: &Vector3<f64>) -> (f64, usize) {
+        let finest = self.contours.iter().map(|contour| footprint(contour.camera(), p)).fold(1.0, f64::min);
+        let at = |t: f64| p + direction * t;
+        let step = STEP_PX * finest;
+        let (mut inside, mut outside) = (0.0, step);
+        while self.contains(&at(outside)) {
+            (inside, outside) = (outside, outside + step);
+        }
+        while outside - inside > 1e-9 {
+            let middle = 0.5 * (inside + outside);
+            *(if self.contains(&at(middle)) { &mut inside } else { &mut outside }) = middle;
+        }
+        let view = self.contours.iter().position(|contour| !contour.sees(&at(outside)));
+        (outside, view.unwrap_or(0))
+    }
+
+    /// Whether the hull's surface has an edge near the contour point `on` of view `view`, at `depth` metres from it.
+    ///
+    /// This is what "away from edges" means in the figures: the surface is smooth 7 px around. It is a cone from the
+    /// camera through the contour; so the contour must not bend within 7 px ([`Contour::bends_near`]), and on a circle
+    /// of 7 px on the cone all other views must see the subject: none cuts it off before.
+    pub fn near_edge(&self, view: usize, on: &Point2<f64>, depth: f64) -> bool {
+        let contour = &self.contours[view];
+        let smooth = |across: Vector2<f64>| {
+            let around = (0..8).map(|k| (f64::from(k) * TAU / 8.0).sin_cos());
+            let others = || self.contours.iter().enumerate().filter(|(other, _)| *other != view);
+            around.into_iter().all(|(sin, cos)| {
+                let at = on + Vector2::new(-across.y, across.x) * (EDGE_PX * cos);
+                let focal = contour.camera().intrinsics()[(0, 0)];
+                let p = contour.camera().unproject(at.x, at.y, depth * (1.0 + EDGE_PX * sin / focal));
+                p.is_some_and(|p| others().all(|(_, other)| other.sees(&p)))
+            })
+        };
+        contour.bends_near(on, EDGE_PX) || !contour.normal(on).is_some_and(smooth)
+    }
+}
+
+/// Metres that a pixel covers at `p`.
+pub fn footprint(camera: &Camera, p: &Point3<f64>) -> f64 {
+    let depth = camera.project(p).map_or(f64::INFINITY, |pixel| pixel.depth);
+    let k = camera.intrinsics();
+    depth / k[(0, 0)].max(k[(1, 1)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Isometry3, point, vector};
+    use ode_visual_hull::synthetic::{Paint, Solid, layout};
+
+    fn sphere_hull() -> AnalyticHull {
+        let cameras = layout::hemisphere(5, 2.75, Point3::origin(), (160, 120), 0.5).unwrap();
+        let sphere = Solid::sphere(0.25).unwrap();
+        AnalyticHull::new(&cameras, &Placed::new(sphere, Isometry3::identity(), Paint::plain([200; 3])))
+    }
+
+    /// Whether `p` lies in the cone from `camera` around the sphere.
+    fn in_cone(camera: &Camera, p: &Point3<f64>) -> bool {
+        let (axis, eye) = (-camera.centre().coords, camera.centre());
+        (p - eye).angle(&axis) <= (0.25 / axis.norm()).asin()
+    }
+
+    #[test]
+    fn the_hull_of_a_sphere_is_where_the_cones_meet() {
+        let hull = sphere_hull();
+        for k in 0..1000 {
+            let p = point![f64::from(k % 10), f64::from(k / 10 % 10), f64::from(k / 100)] / 15.0;
+            let cones = hull.contours().iter().all(|contour| in_cone(contour.camera(), &p));
+            assert_eq!(hull.contains(&p), cones, "{p}");
+        }
+    }
+
+    #[test]
+    fn an_exit_is_where_the_named_view_ends() {
+        let hull = sphere_hull();
+        for direction in [vector![0.3, -0.5, 0.1], vector![-0.2, 0.1, 0.9], vector![0.0, 0.8, -0.6]] {
+            let direction = direction.normalize();
+            let (t, view) = hull.exit(&point![0.02, -0.04, 0.1], &direction);
+            let at = |t: f64| point![0.02, -0.04, 0.1] + direction * t;
+            assert!(hull.contains(&at(t - 1e-8)) && !hull.contains(&at(t + 1e-8)));
+            assert!(!hull.contours()[view].sees(&at(t + 1e-8)));
+            assert!(hull.depth_px(&at(t - 1e-8)) < 1e-5 && hull.stray_px(&at(t + 1e-8)) < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_way_out_is_square_to_the_nearest_cone() {
+        let hull = sphere_hull();
+        let p = hull.contours()[0].camera().centre() * 0.08;
+        let way = hull.way_out(&p).unwrap();
+        let camera = hull.contours()[hull.exit(&p, &way).1].camera();
+        // A plane through the camera that touches the sphere has its centre 0.25 m behind.
+        assert!(((camera.centre().coords).dot(&way) - 0.25).abs() < 1e-4);
+    }
+}

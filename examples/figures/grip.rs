@@ -1,0 +1,84 @@
+//! Bodies deep in the hull, pierced by it, and held by it.
+
+use crate::figure::{
+    Bound::{AtLeast, AtMost},
+    Figure,
+};
+use crate::studio::*;
+use nalgebra::{UnitQuaternion, Vector3, vector};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::ode::Shape;
+use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, coverage, layout};
+
+pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+    progress("bodies inside, pierced and held");
+    let arm = Placed::new(
+        Solid::capsule(0.04, 0.8).expect("positive sizes"),
+        at(0.0, 0.0, 0.0) * UnitQuaternion::from_euler_angles(0.0, std::f64::consts::FRAC_PI_2, 0.0),
+        Paint::plain([210, 160, 130]),
+    );
+    let plate = cuboid(vector![0.8, 0.5, 0.03], at(0.0, 0.0, 0.0));
+    let swallowed = exit_speed(&table(), 0.15, vector![0.03, 0.01, 0.0]);
+    let pierced = exit_speed(&Subject::new(vec![arm]), 0.2, vector![0.0, 0.02, 0.01]);
+    let cut = exit_speed(&Subject::new(vec![plate]), 0.2, vector![0.0, 0.0, 0.02]);
+    vec![
+        Figure::asked("swallowed_exit_speed_m_s", swallowed.max(pierced).max(cut), AtMost(2.0)),
+        Figure::reported("swallowed_exit_speed_m_s_inside", swallowed),
+        Figure::reported("swallowed_exit_speed_m_s_arm", pierced),
+        Figure::reported("swallowed_exit_speed_m_s_plate", cut),
+        Figure::asked("pinch_holds", f64::from(u8::from(pinch_holds())), AtLeast(1.0)),
+    ]
+}
+
+/// Eight cameras around the middle, every other one level with it: two of them look through between the hands. Where
+/// none does, the hull bulges into the gap from either side, and what is held is held between two wedges.
+fn cameras() -> Vec<Camera> {
+    layout::staggered(8, 3.0, &[0.0, 1.0], ORIGIN, (640, 480), 0.5).expect("a ring")
+}
+
+/// The greatest speed, m/s, within two seconds of a cube that appears at `place` in `subject`; the median over seeds.
+/// Without gravity: what is measured is what the hull gives.
+fn exit_speed(subject: &Subject, side: f64, place: Vector3<f64>) -> f64 {
+    let cameras = cameras();
+    let masks = masks(&cameras, subject, coverage);
+    let once = |seed| {
+        let data = data(&cameras);
+        publish(&data, &masks, 0.0);
+        let mut world = world(seed, 0.001);
+        world.set_gravity(&Vector3::zeros()).expect("finite");
+        let root = world.root_space();
+        world.add_hull(root, &data).expect("room for the class");
+        let cube = Shape::cuboid(side, side, side);
+        let (body, _) = add_body(&mut world, &cube, &at(place.x, place.y, place.z));
+        let mut fastest = 0.0_f64;
+        for _ in 0..(2.0 / DT) as usize {
+            step(&mut world);
+            fastest = fastest.max(speed(&world, body));
+        }
+        fastest
+    };
+    median(SEEDS.map(once).collect())
+}
+
+/// Whether two hands, 4 mm nearer to each other than the box between them is wide, hold it for three seconds.
+fn pinch_holds() -> bool {
+    let wide = 0.2;
+    let hand =
+        |side: f64| cuboid(vector![0.08, 0.12, 0.16], at(side * (0.5 * wide + 0.04 - 0.002), 0.0, 0.0));
+    let subject = Subject::new(vec![hand(-1.0), hand(1.0)]);
+    let cameras = cameras();
+    let masks = masks(&cameras, &subject, coverage);
+    let holds = |seed| {
+        let data = data(&cameras);
+        publish(&data, &masks, 0.0);
+        let mut world = world(seed, 0.0005);
+        let root = world.root_space();
+        world.add_hull(root, &data).expect("room for the class");
+        let (body, _) = add_body(&mut world, &Shape::cuboid(wide, 0.15, 0.15), &at(0.0, 0.0, 0.0));
+        for _ in 0..(3.0 / DT) as usize {
+            step(&mut world);
+        }
+        world.body(body).position().coords.norm() < 0.02
+    };
+    SEEDS.map(holds).filter(|&held| held).count() == SEEDS.count()
+}

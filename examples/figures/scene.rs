@@ -1,0 +1,77 @@
+//! The solids and cameras that the hull is measured on.
+
+use crate::analytic::AnalyticHull;
+use image::GrayImage;
+use nalgebra::{Isometry3, Point3, Vector3, point, vector};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::hull::{Aabb, Hull, Unseen, View};
+use ode_visual_hull::silhouette::{Border, Silhouette};
+use ode_visual_hull::synthetic::{self, Paint, Placed, Solid, Subject, layout};
+use std::sync::Arc;
+
+const SIZE: (u32, u32) = (640, 480);
+const FIELD_OF_VIEW: f64 = 0.55;
+const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.5);
+
+/// Heights of the seven cameras in metres, from below the subject's middle to far above its top.
+const HEIGHTS: [f64; 7] = [0.15, 1.1, 0.45, 1.7, 0.0, 1.35, 0.8];
+
+/// A subject before cameras: the hull as it should be, and as pixels have it.
+pub struct Scene {
+    /// Shape and number of cameras, as in `torus_7`.
+    pub name: String,
+    pub analytic: AnalyticHull,
+    /// From binary masks.
+    pub binary: Hull,
+    /// From masks that carry coverage.
+    pub coverage: Hull,
+}
+
+/// Sphere, box and torus, half a metre wide, before five cameras on a hemisphere and seven around at various heights.
+pub fn all() -> impl Iterator<Item = Scene> {
+    ["sphere", "box", "torus"].into_iter().flat_map(|shape| [5, 7].map(|n| scene(shape, n)))
+}
+
+/// `shape` (sphere, box or torus) before `n` (5 or 7) cameras.
+pub fn scene(shape: &str, n: usize) -> Scene {
+    let solid = placed(shape);
+    let cameras = cameras(n);
+    let subject = Subject::new(vec![solid.clone()]);
+    Scene {
+        name: format!("{shape}_{n}"),
+        analytic: AnalyticHull::new(&cameras, &solid),
+        binary: hull(&cameras, |camera| synthetic::silhouette(camera, &subject)),
+        coverage: hull(&cameras, |camera| synthetic::coverage(camera, &subject)),
+    }
+}
+
+fn placed(shape: &str) -> Placed {
+    let (solid, turn) = match shape {
+        "sphere" => (Solid::sphere(0.25), Vector3::zeros()),
+        "box" => (Solid::cuboid(vector![0.5, 0.4, 0.3]), vector![0.35, -0.2, 0.6]),
+        _ => (Solid::torus(0.25, 0.09), vector![0.5, 0.3, 0.0]),
+    };
+    // A little off the cameras' target, so that no silhouette is symmetric about its image's middle.
+    let pose = Isometry3::new(vector![0.031, -0.017, 0.489], turn);
+    Placed::new(solid.expect("positive lengths"), pose, Paint::plain([200; 3]))
+}
+
+fn cameras(n: usize) -> Vec<Camera> {
+    let cameras = match n {
+        5 => layout::hemisphere(5, 2.75, TARGET, SIZE, FIELD_OF_VIEW),
+        _ => layout::staggered(n, 2.6, &HEIGHTS, TARGET, SIZE, FIELD_OF_VIEW),
+    };
+    cameras.expect("a valid layout")
+}
+
+fn hull(cameras: &[Camera], mask: impl Fn(&Camera) -> GrayImage) -> Hull {
+    let view = |camera: &Camera| {
+        let silhouette = Silhouette::new(mask(camera), Border::Background);
+        View::new(Arc::new(camera.clone()), Arc::new(silhouette), None)
+    };
+    let bounds = Aabb::new(point![-0.8, -0.8, -0.3], point![0.8, 0.8, 1.3]).expect("a valid volume");
+    let hull = Hull::new(cameras.iter().map(view).collect(), bounds, Unseen::Outside, 0.0);
+    // The analytic hull knows of no work volume.
+    assert!(bounds.grown(-1e-3).intersection(hull.aabb()) == *hull.aabb(), "the work volume cuts the hull");
+    hull
+}

@@ -1,0 +1,50 @@
+//! Five boxes on the table: how far the top one creeps, beside ODE's own table.
+
+use crate::figure::{Bound::AtMost, Figure};
+use crate::studio::*;
+use nalgebra::{Vector2, vector};
+use ode_visual_hull::ode::{BodyId, Shape, World};
+use ode_visual_hull::synthetic::coverage;
+
+const SIDE: f64 = 0.15;
+
+pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+    progress("five boxes on the table");
+    let native = median(SEEDS.map(|seed| creep(seed, false)).collect());
+    let hull = median(SEEDS.map(|seed| creep(seed, true)).collect());
+    vec![
+        Figure::asked("stack5_creep_over_native", hull / native, AtMost(1.5)),
+        Figure::reported("stack5_creep_mm", hull),
+        Figure::reported("stack5_creep_mm_native", native),
+    ]
+}
+
+/// Millimetres that the top box moves sideways from 5 to 30 s.
+fn creep(seed: u64, on_hull: bool) -> f64 {
+    let mut world = world(seed, 0.001);
+    let root = world.root_space();
+    if on_hull {
+        let cameras = level_ring(TOP);
+        let data = data(&cameras);
+        publish(&data, &masks(&cameras, &table(), coverage), 0.0);
+        world.add_hull(root, &data).expect("room for the class");
+    } else {
+        world.add_geom(root, &Shape::Box { sides: TABLE }).expect("positive sizes");
+    }
+    let cube = Shape::Box { sides: vector![SIDE, SIDE, SIDE] };
+    let boxes: Vec<BodyId> = (0..5)
+        .map(|k| add_body(&mut world, &cube, &at(0.0, 0.0, TOP + SIDE * (f64::from(k) + 0.5) + 0.0005)).0)
+        .collect();
+    let aside = |world: &World| {
+        let p = world.body(boxes[4]).position();
+        Vector2::new(p.x, p.y)
+    };
+    let mut at_five = Vector2::zeros();
+    for k in 0..(30.0 / DT) as usize {
+        step(&mut world);
+        if k == (5.0 / DT) as usize {
+            at_five = aside(&world);
+        }
+    }
+    1000.0 * (aside(&world) - at_five).norm()
+}

@@ -1,0 +1,120 @@
+//! The studio of the physical figures: subjects, rigs, masks, and worlds on their hulls.
+
+use image::GrayImage;
+use nalgebra::{Isometry3, Point3, Vector3, point, vector};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::hull::{Aabb, HullData};
+use ode_visual_hull::ode::{
+    Amount, BodyId, GeomId, Mass, Ode, Shape, SpaceKind, Surface, World, set_random_seed,
+};
+use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, layout};
+use std::sync::Arc;
+
+/// Seeds over which medians are taken, of ODE's random numbers and of the masks' noise alike.
+pub const SEEDS: std::ops::Range<u64> = 0..8;
+
+/// The step of all simulations, in seconds: what most programs of ODE use.
+pub const DT: f64 = 0.01;
+
+/// Height of the table's top above its middle, in metres; the table is a box of 0.5 x 0.5 x 0.4 m.
+pub const TOP: f64 = 0.2;
+
+pub const TABLE: Vector3<f64> = Vector3::new(0.5, 0.5, 2.0 * TOP);
+
+pub fn cuboid(lengths: Vector3<f64>, pose: Isometry3<f64>) -> Placed {
+    let solid = Solid::cuboid(lengths).expect("positive sizes");
+    Placed::new(solid, pose, Paint::plain([200, 60, 40]))
+}
+
+pub fn at(x: f64, y: f64, z: f64) -> Isometry3<f64> {
+    Isometry3::translation(x, y, z)
+}
+
+/// Seven cameras of 640x480 pixels on a ring of 3 m, level with `height`: about 4 mm a pixel.
+pub fn level_ring(height: f64) -> Vec<Camera> {
+    let target = point![0.0, 0.0, height - 0.1];
+    layout::ring(7, 3.0, height, target, (640, 480), 0.8).expect("a ring of seven")
+}
+
+/// What a pixel of [`level_ring`] covers at the middle, in metres.
+pub fn pixel() -> f64 {
+    3.0 * 2.0 * (0.8_f64 / 2.0).tan() / 640.0
+}
+
+/// Data for `cameras` with a work volume of 2 m.
+pub fn data(cameras: &[Camera]) -> Arc<HullData> {
+    let data = HullData::new();
+    for camera in cameras {
+        data.add_view(camera.clone()).expect("names of their own");
+    }
+    let bounds = Aabb::new(point![-1.0, -1.0, -1.0], point![1.0, 1.0, 1.0]).expect("a volume");
+    data.set_bounds(bounds).expect("a volume");
+    Arc::new(data)
+}
+
+/// Publishes `masks` as the frame of `time`.
+pub fn publish(data: &HullData, masks: &[GrayImage], time: f64) {
+    for (view, mask) in masks.iter().enumerate() {
+        data.set_mask(view, mask).expect("a mask of the camera's size");
+    }
+    data.update(time).expect("all views have masks");
+}
+
+pub fn masks(
+    cameras: &[Camera],
+    subject: &Subject,
+    draw: fn(&Camera, &Subject) -> GrayImage,
+) -> Vec<GrayImage> {
+    cameras.iter().map(|camera| draw(camera, subject)).collect()
+}
+
+pub fn table() -> Subject {
+    Subject::new(vec![cuboid(TABLE, Isometry3::identity())])
+}
+
+/// A world as callers of a hull set it up.
+pub fn world(seed: u64, surface_layer: f64) -> World {
+    set_random_seed(seed as u32 + 1);
+    let ode = Ode::init().expect("ODE in double precision");
+    let mut world = World::with_space(&ode, SpaceKind::default()).expect("memory");
+    world.set_gravity(&vector![0.0, 0.0, -9.81]).expect("finite");
+    world.set_erp(0.2).expect("in range");
+    world.set_cfm(1e-5).expect("in range");
+    world.set_contact_surface_layer(surface_layer).expect("in range");
+    world.set_quick_step_iterations(50).expect("positive");
+    world
+}
+
+/// A body of density 100 kg/m3 with one geom.
+pub fn add_body(world: &mut World, shape: &Shape, pose: &Isometry3<f64>) -> (BodyId, GeomId) {
+    let body = world.add_body();
+    let root = world.root_space();
+    let geom = world.add_geom(root, shape).expect("positive sizes");
+    world.geom_mut(geom).set_body(Some(body)).expect("placeable");
+    let mass = Mass::of(shape, Amount::Density(100.0)).expect("positive");
+    world.body_mut(body).set_mass(&mass).expect("positive");
+    world.body_mut(body).set_pose(pose).expect("finite");
+    (body, geom)
+}
+
+pub fn step(world: &mut World) {
+    world.default_collide(&Surface::with_friction(0.8), 8).expect("a valid surface");
+    world.quick_step(DT).expect("finite states");
+}
+
+/// Metres a second of `body`.
+pub fn speed(world: &World, body: BodyId) -> f64 {
+    world.body(body).linear_velocity().norm()
+}
+
+pub fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    0.5 * (values[(n - 1) / 2] + values[n / 2])
+}
+
+pub const ORIGIN: Point3<f64> = Point3::new(0.0, 0.0, 0.0);

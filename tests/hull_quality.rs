@@ -1,0 +1,57 @@
+//! The hull from pixels against the analytic hull of the same cameras: the quick part of `examples/figures.rs`.
+
+#[allow(dead_code, reason = "the figures measure more")]
+#[path = "../examples/figures/accuracy.rs"]
+mod accuracy;
+#[path = "../examples/figures/analytic.rs"]
+mod analytic;
+#[path = "../examples/figures/contour.rs"]
+mod contour;
+#[path = "../examples/figures/random.rs"]
+mod random;
+#[allow(dead_code, reason = "the figures measure more")]
+#[path = "../examples/figures/scene.rs"]
+mod scene;
+
+use accuracy::{exit_errors_px, mean, p99};
+use ode_visual_hull::hull::EdgeModel;
+use scene::Scene;
+use std::sync::LazyLock;
+
+static SCENES: LazyLock<[Scene; 3]> =
+    LazyLock::new(|| [("sphere", 5), ("box", 7), ("torus", 5)].map(|(shape, n)| scene::scene(shape, n)));
+
+/// Checks `measure`, named with its scene where it fails.
+fn everywhere(measure: impl Fn(&Scene) -> f64, holds: impl Fn(f64) -> bool) {
+    for scene in SCENES.iter() {
+        let value = measure(scene);
+        assert!(holds(value), "{}: {value}", scene.name);
+    }
+}
+
+#[test]
+fn a_pixel_away_from_contours_every_verdict_is_the_analytic_one() {
+    everywhere(|scene| accuracy::inside_agreement(scene, 4000, 2), |share| share == 1.0);
+}
+
+#[test]
+fn responses_are_the_references() {
+    everywhere(|scene| accuracy::reference_agree(scene, 50, 4), |share| share >= 0.999);
+}
+
+#[test]
+fn points_moved_by_their_responses_have_left() {
+    everywhere(|scene| accuracy::response_leaves(scene, 2000, 5), |share| share >= 0.999);
+}
+
+/// Binary masks know their edges to half a pixel's side, or half its diagonal; coverage knows them inside the pixel.
+#[test]
+fn exits_lie_on_the_analytic_surface() {
+    for scene in SCENES.iter() {
+        let probes = accuracy::probes(scene, 200, 1);
+        let binary = exit_errors_px(scene, &scene.binary, EdgeModel::Pixel, &probes);
+        assert!(mean(&binary) <= 0.3 && p99(&binary) <= 0.7, "{}: {}", scene.name, mean(&binary));
+        let coverage = exit_errors_px(scene, &scene.coverage, EdgeModel::Coverage, &probes);
+        assert!(mean(&coverage) <= 0.08 && p99(&coverage) <= 0.2, "{}: {}", scene.name, mean(&coverage));
+    }
+}

@@ -24,6 +24,8 @@ mod playback;
 mod plot;
 #[path = "box_stack/report.rs"]
 mod report;
+#[path = "box_stack/sensor.rs"]
+mod sensor;
 #[path = "box_stack/simulation.rs"]
 mod simulation;
 #[path = "box_stack/studio.rs"]
@@ -35,6 +37,7 @@ use easel::Easel;
 use film::Film;
 use indicatif::{ProgressBar, ProgressStyle};
 use log::Log;
+use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::set_random_seed;
 use ode_visual_hull::{Error, Result};
@@ -46,8 +49,8 @@ use std::sync::Arc;
 use std::time::Instant;
 use studio::Studio;
 
-/// Width of the film, in pixels.
-const FILM_WIDTH: u32 = 480;
+/// The longer side of the film, in pixels.
+const FILM_SIZE: u32 = 480;
 
 fn main() -> ExitCode {
     match run(&Options::parse()) {
@@ -89,8 +92,8 @@ fn play(
 ) -> Result<()> {
     let started = Instant::now();
     let frames = options.frames.unwrap_or(usize::MAX).min(capture.frames());
-    let view = options.view_of(capture)?;
-    let easel = Easel::new(&capture.cameras()[view], FILM_WIDTH, capture.lamp());
+    let view = options.view_of(capture, data)?;
+    let easel = Easel::new(&capture.cameras()[view], capture.window(view, data), FILM_SIZE, capture.lamp());
     let mut film = Film::new(FRAME_RATE);
     let mut log = Log::new(simulation);
     let progress = progress_bar(frames);
@@ -100,7 +103,9 @@ fn play(
         log.record(simulation, capture.real_top(frame));
         if !options.no_gif {
             let picture = capture.picture(frame, view)?;
-            film.push(easel.paint(&picture, &simulation.drawn(), &|ray| capture.hit(frame, ray, data)));
+            let hull = data.latest().map(|(_, hull)| hull);
+            let real = |ray: &Ray| hull.as_ref().and_then(|hull| capture.hit(ray, hull));
+            film.push(easel.paint(&picture, &simulation.drawn(), &real));
         }
         progress.set_message(simulation.summary());
         progress.inc(1);

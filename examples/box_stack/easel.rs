@@ -3,15 +3,24 @@
 //! Each box is ray-cast per pixel through the camera's own lens, so that it lands where the camera would see it.
 //! Real surfaces close to a box are shaded a little, or the box would seem to float.
 
+use super::capture::Window;
 use super::simulation::Drawn;
-use image::imageops::{FilterType, resize};
-use image::{Rgb, RgbImage};
+use image::RgbImage;
+use image::imageops::{FilterType, crop_imm, resize};
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::synthetic::Hit;
 
 /// Rays along a pixel's edge.
-const RAYS: u32 = 3;
+const RAYS: u32 = 2;
+
+const RAYS_OF_PIXEL: usize = (RAYS * RAYS) as usize;
+
+/// Parts of the picture that are painted at the same time.
+const BANDS: u32 = 4;
+
+/// Small windows are enlarged up to this.
+const LARGEST_SCALE: f64 = 2.5;
 
 /// Half the width of the dark lines along a box's edges, in metres.
 const LINE: f64 = 0.003;
@@ -22,11 +31,15 @@ const SHADE: f64 = 0.6;
 
 /// A place to paint what one camera sees, at a size of its own.
 pub struct Easel {
+    window: Window,
     size: (u32, u32),
     lamp: Point3<f64>,
-    /// The rays of each pixel, `RAYS` squared of them; `None` beyond the lens model.
+    /// The rays of each pixel, `RAYS_OF_PIXEL` of them; `None` beyond the lens model.
     rays: Vec<Option<Ray>>,
 }
+
+/// Where a ray meets the real subject.
+pub type Real<'r> = &'r (dyn Fn(&Ray) -> Option<Hit> + Sync);
 
 /// Where a ray meets a box.
 struct BoxHit {
@@ -35,57 +48,69 @@ struct BoxHit {
 }
 
 impl Easel {
-    /// For pictures of `camera`, painted `width` pixels wide and lit from `lamp`.
-    pub fn new(camera: &Camera, width: u32, lamp: Point3<f64>) -> Self {
-        let (w, h) = camera.size();
-        let width = width.min(w);
-        let height = (h * width).div_ceil(w);
-        let pixel = f64::from(w) / f64::from(width) / f64::from(RAYS);
-        let ray = |i: u32, j: u32| camera.ray((f64::from(i) + 0.5) * pixel, (f64::from(j) + 0.5) * pixel);
+    /// For the `window` of pictures of `camera`, painted with a longer side of `size` pixels and lit from `lamp`.
+    pub fn new(camera: &Camera, window: Window, size: u32, lamp: Point3<f64>) -> Self {
+        let longer = window.width.max(window.height);
+        let scale = (f64::from(size) / f64::from(longer)).min(LARGEST_SCALE);
+        let scaled = |length: u32| (f64::from(length) * scale).round().max(1.0) as u32;
+        let (width, height) = (scaled(window.width), scaled(window.height));
+        let step = 1.0 / scale / f64::from(RAYS);
+        let along = |first: u32, i: u32| f64::from(first) + (f64::from(i) + 0.5) * step;
+        let ray = |i: u32, j: u32| camera.ray(along(window.left, i), along(window.top, j));
         let of_pixel =
             |x: u32, y: u32| (0..RAYS * RAYS).map(move |k| ray(x * RAYS + k % RAYS, y * RAYS + k / RAYS));
         let rays = (0..height).flat_map(|y| (0..width).flat_map(move |x| of_pixel(x, y))).collect();
-        Self { size: (width, height), lamp, rays }
+        Self { window, size: (width, height), lamp, rays }
     }
 
-    /// `picture` with `boxes` in it; `real` tells where a ray meets the real subject.
-    pub fn paint(&self, picture: &RgbImage, boxes: &[Drawn], real: &dyn Fn(&Ray) -> Option<Hit>) -> RgbImage {
-        let (width, height) = self.size;
-        let mut image = if picture.dimensions() == self.size {
-            picture.clone()
-        } else {
-            resize(picture, width, height, FilterType::CatmullRom)
-        };
-        let rays_of_pixel = (RAYS * RAYS) as usize;
-        for (pixel, rays) in image.pixels_mut().zip(self.rays.chunks(rays_of_pixel)) {
-            let Some(middle) = &rays[rays_of_pixel / 2] else { continue };
-            let near: Vec<&Drawn> = boxes.iter().filter(|one| passes(middle, one)).collect();
-            if !near.is_empty() {
-                *pixel = self.blend(*pixel, middle, rays, &near, boxes, real);
+    /// The window of `picture` with `boxes` in it; `real` tells where a ray meets the real subject.
+    pub fn paint(&self, picture: &RgbImage, boxes: &[Drawn], real: Real) -> RgbImage {
+        let Window { left, top, width, height } = self.window;
+        let part = crop_imm(picture, left, top, width, height).to_image();
+        let mut image = resize(&part, self.size.0, self.size.1, FilterType::CatmullRom);
+        let rows = self.size.1.div_ceil(BANDS) as usize;
+        let row = self.size.0 as usize;
+        std::thread::scope(|scope| {
+            let rays = self.rays.chunks(rows * row * RAYS_OF_PIXEL);
+            for (pixels, rays) in image.chunks_mut(3 * rows * row).zip(rays) {
+                scope.spawn(move || self.paint_pixels(pixels, rays, boxes, real));
             }
-        }
+        });
         image
     }
 
+    fn paint_pixels(&self, pixels: &mut [u8], rays: &[Option<Ray>], boxes: &[Drawn], real: Real) {
+        for (pixel, rays) in pixels.chunks_mut(3).zip(rays.chunks(RAYS_OF_PIXEL)) {
+            let Some(first) = &rays[0] else { continue };
+            let near: Vec<&Drawn> = boxes.iter().filter(|one| passes(first, one)).collect();
+            if !near.is_empty() {
+                let before = Vector3::from_fn(|c, _| f64::from(pixel[c]));
+                let after = self.blend(&before, rays, first, &near, boxes, real);
+                pixel.copy_from_slice(&<[u8; 3]>::from(
+                    after.map(|value| value.round().clamp(0.0, 255.0) as u8),
+                ));
+            }
+        }
+    }
+
+    /// A pixel's colour with the boxes that are `near` its rays.
     fn blend(
         &self,
-        pixel: Rgb<u8>,
-        middle: &Ray,
+        pixel: &Vector3<f64>,
         rays: &[Option<Ray>],
+        first: &Ray,
         near: &[&Drawn],
         boxes: &[Drawn],
-        real: &dyn Fn(&Ray) -> Option<Hit>,
-    ) -> Rgb<u8> {
-        let seen = surface(middle, real);
-        let shade = seen.map_or(1.0, |point| 1.0 - shade_at(&point, near.iter().copied()));
-        let background = Vector3::from(pixel.0.map(f64::from)) * shade;
+        real: Real,
+    ) -> Vector3<f64> {
+        let seen = surface(first, real);
+        let background = pixel * seen.map_or(1.0, |point| 1.0 - shade_at(&point, near.iter().copied()));
         let colour = |ray: &Option<Ray>| {
             let Some(ray) = ray else { return background };
             let Some(hit) = self.box_hit(ray, near, boxes) else { return background };
             if real(ray).is_some_and(|real| real.t < hit.t) { background } else { hit.colour }
         };
-        let mean = rays.iter().map(colour).sum::<Vector3<f64>>() / rays.len() as f64;
-        Rgb(mean.map(|value| value.round().clamp(0.0, 255.0) as u8).into())
+        rays.iter().map(colour).sum::<Vector3<f64>>() / rays.len() as f64
     }
 
     /// The nearest of the boxes that `ray` meets.
@@ -117,7 +142,7 @@ fn passes(ray: &Ray, one: &Drawn) -> bool {
 }
 
 /// The real surface on `ray`: the subject, else the floor.
-fn surface(ray: &Ray, real: &dyn Fn(&Ray) -> Option<Hit>) -> Option<Point3<f64>> {
+fn surface(ray: &Ray, real: Real) -> Option<Point3<f64>> {
     let floor = (ray.direction.z < 0.0).then(|| -ray.origin.z / ray.direction.z).filter(|&t| t > 0.0);
     real(ray).map(|hit| hit.t).or(floor).map(|t| ray.at(t))
 }

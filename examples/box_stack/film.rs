@@ -2,7 +2,8 @@
 
 use color_quant::NeuQuant;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
-use image::imageops::replace;
+use image::codecs::png::{CompressionType, FilterType as PngFilter, PngEncoder};
+use image::imageops::{FilterType, replace, resize};
 use image::{Rgb, RgbImage};
 use ode_visual_hull::{Error, Result};
 use std::fs::File;
@@ -15,6 +16,10 @@ const AS_BEFORE: u8 = 255;
 
 /// How long the last frame stands, in hundredths of a second.
 const LAST_DELAY: u16 = 150;
+
+/// Width of a strip of stills and of the gaps in it, in pixels.
+const STRIP_WIDTH: u32 = 1200;
+const GAP: u32 = 6;
 
 /// Frames, in the order of time.
 pub struct Film {
@@ -65,16 +70,22 @@ impl Film {
         (until(k + 1) - until(k)) as u16
     }
 
-    /// The frames at these times, in seconds, side by side.
-    pub fn strip(&self, times: &[f64]) -> RgbImage {
-        let gap = 6;
-        let frame_at = |time: &f64| &self.frames[((time * self.rate) as usize).min(self.frames.len() - 1)];
-        let (width, height) = self.frames[0].dimensions();
-        let mut strip = RgbImage::from_pixel((width + gap) * times.len() as u32 - gap, height, Rgb([255; 3]));
+    /// Writes the frames at these times, in seconds, side by side into a PNG.
+    pub fn write_strip(&self, times: &[f64], path: &Path) -> Result<()> {
+        let Some(first) = self.frames.first() else { return Ok(()) };
+        let width = (STRIP_WIDTH + GAP) / times.len() as u32 - GAP;
+        let height = first.height() * width / first.width();
+        let mut strip = RgbImage::from_pixel(STRIP_WIDTH, height, Rgb([255; 3]));
         for (i, time) in times.iter().enumerate() {
-            replace(&mut strip, frame_at(time), i64::from(width + gap) * i as i64, 0);
+            let frame = &self.frames[((time * self.rate) as usize).min(self.frames.len() - 1)];
+            let still = resize(frame, width, height, FilterType::Lanczos3);
+            replace(&mut strip, &still, i64::from(width + GAP) * i as i64, 0);
         }
-        strip
+        let fail =
+            |e: &dyn std::fmt::Display| Error::file(path, format!("expected to write a picture, found: {e}"));
+        let file = BufWriter::new(File::create(path).map_err(|e| fail(&e))?);
+        let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, PngFilter::Adaptive);
+        strip.write_with_encoder(encoder).map_err(|e| fail(&e))
     }
 }
 

@@ -1,14 +1,17 @@
 //! Where on a person a box could come to rest: the level places of the hull, seen from above.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::Hull;
 
 /// Grid of the heights, in metres.
-const CELL: f64 = 0.02;
+const CELL: f64 = 0.015;
 
-/// Surfaces that differ by less carry a box together, in metres.
-const LEVEL: f64 = 0.03;
+/// Of the cells below a box, this part at least must be the subject's.
+const MOSTLY: f64 = 0.7;
+
+/// A surface this rough, in metres, carries a box no better than one of slope 1.
+const LEVEL: f64 = 0.04;
 
 /// Lower places, feet and floor, are left alone, in metres.
 const LOWEST: f64 = 0.3;
@@ -18,8 +21,8 @@ const LOWEST: f64 = 0.3;
 pub struct Landing {
     /// The middle of the place, at the height that a box of that size touches first.
     pub top: Point3<f64>,
-    /// The part of the box's base that has a level surface below it, 0 to 1.
-    pub carried: f64,
+    /// 1 for an even, level place, less for others.
+    firmness: f64,
 }
 
 /// The best `n` places for boxes with edges of `side` metres, apart from each other, the most level first.
@@ -40,7 +43,7 @@ pub fn find(hull: &Hull, n: usize, side: f64) -> Vec<Landing> {
 impl Landing {
     /// Heads before laps where both are as level.
     fn score(&self) -> f64 {
-        self.carried + 0.15 * self.top.z
+        self.firmness + 0.1 * self.top.z
     }
 }
 
@@ -75,23 +78,39 @@ impl Heights {
         places.filter_map(|(x, y)| self.landing(x, y, n)).collect()
     }
 
-    /// A box whose base covers `n` by `n` cells from (x, y) on. It must be carried around its middle, or it would tip.
+    /// A box whose base covers `n` by `n` cells from (x, y) on.
     fn landing(&self, x: usize, y: usize, n: usize) -> Option<Landing> {
-        let cells = (0..n * n).map(|k| (k % n, k / n));
-        let height = |(i, j): (usize, usize)| self.values[(y + j) * self.columns + x + i];
-        let top = cells.clone().map(height).fold(f64::NEG_INFINITY, f64::max);
-        if top < LOWEST {
+        let half = 0.5 * (n as f64 - 1.0);
+        let cells: Vec<Vector3<f64>> = (0..n * n)
+            .map(|k| (k % n, k / n))
+            .map(|(i, j)| {
+                let height = self.values[(y + j) * self.columns + x + i];
+                Vector3::new((i as f64 - half) * CELL, (j as f64 - half) * CELL, height)
+            })
+            .filter(|cell| cell.z.is_finite())
+            .collect();
+        let top = cells.iter().map(|cell| cell.z).fold(f64::NEG_INFINITY, f64::max);
+        let covered = cells.len() as f64 / (n * n) as f64;
+        if top < LOWEST || covered < MOSTLY {
             return None;
         }
-        let level: Vec<_> = cells.filter(|&cell| top - height(cell) < LEVEL).collect();
-        let middle = (n as f64 - 1.0) / 2.0;
-        let mean = |pick: fn((usize, usize)) -> usize| {
-            level.iter().map(|&cell| pick(cell) as f64 - middle).sum::<f64>() / level.len() as f64
-        };
-        let off_middle = mean(|cell| cell.0).hypot(mean(|cell| cell.1)) / n as f64;
-        let carried = level.len() as f64 / (n * n) as f64 * (1.0 - 2.0 * off_middle).max(0.0);
+        let (slope, roughness) = plane(&cells)?;
         let offset = Vector3::new(x as f64 + 0.5 * n as f64, y as f64 + 0.5 * n as f64, 0.0) * CELL;
         let corner = Point3::new(self.origin.x, self.origin.y, top);
-        Some(Landing { top: corner + offset, carried })
+        Some(Landing { top: corner + offset, firmness: covered - slope - roughness / LEVEL })
     }
+}
+
+/// The slope of the plane nearest to `points`, and the RMS of their heights above it.
+fn plane(points: &[Vector3<f64>]) -> Option<(f64, f64)> {
+    let (mut matrix, mut vector) = (Matrix3::zeros(), Vector3::zeros());
+    for point in points {
+        let row = Vector3::new(point.x, point.y, 1.0);
+        matrix += row * row.transpose();
+        vector += row * point.z;
+    }
+    let fit = matrix.try_inverse()? * vector;
+    let square = |point: &Vector3<f64>| (point.z - fit.dot(&Vector3::new(point.x, point.y, 1.0))).powi(2);
+    let mean_square = points.iter().map(square).sum::<f64>() / points.len() as f64;
+    Some((fit.x.hypot(fit.y), mean_square.sqrt()))
 }

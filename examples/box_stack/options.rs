@@ -2,7 +2,7 @@
 
 use super::capture::Capture;
 use clap::{Parser, ValueEnum};
-use ode_visual_hull::hull::{Aabb, Unseen};
+use ode_visual_hull::hull::{Aabb, HullData, Unseen};
 use ode_visual_hull::{Error, Result};
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ pub struct Options {
     /// Folder for the film, the table of states and the plot; made if need be.
     #[arg(long, value_name = "DIR", default_value = "target/demo")]
     pub out: PathBuf,
-    /// Camera whose view is drawn, by number from 0 or by name [default: the last one of the studio, else the first].
+    /// Camera whose view is drawn, by number from 0 or by name [default: the one that shows most].
     #[arg(long, value_name = "CAMERA")]
     pub view: Option<String>,
     /// Stop after so many frames, at 30 a second [default: all].
@@ -100,8 +100,8 @@ impl From<UnseenPolicy> for Unseen {
 
 impl Options {
     /// The index of the camera to draw.
-    pub fn view_of(&self, capture: &dyn Capture) -> Result<usize> {
-        let Some(wanted) = &self.view else { return Ok(capture.best_view()) };
+    pub fn view_of(&self, capture: &dyn Capture, data: &HullData) -> Result<usize> {
+        let Some(wanted) = &self.view else { return Ok(capture.best_view(data)) };
         let cameras = capture.cameras();
         let by_name = cameras.iter().position(|camera| camera.name() == wanted);
         let by_number = || wanted.parse().ok().filter(|&view: &usize| view < cameras.len());

@@ -1,13 +1,13 @@
 //! A real recording, played after its first frame has stood still for a while.
 
-use super::capture::{Capture, FRAME_RATE};
+use super::capture::{Capture, FRAME_RATE, Window};
 use super::landing;
 use super::options::Options;
 use super::simulation::Simulation;
 use image::RgbImage;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3, vector};
 use ode_visual_hull::camera::{Camera, Ray};
-use ode_visual_hull::hull::{Aabb, HullData};
+use ode_visual_hull::hull::{Aabb, Hull, HullData};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::synthetic::Hit;
 use ode_visual_hull::{Error, Result};
@@ -15,6 +15,9 @@ use std::path::Path;
 
 /// How long all frames last together at least, unless told otherwise, in seconds.
 const DURATION: f64 = 5.0;
+
+/// How much around the subject is drawn, in metres.
+const MARGIN: f64 = 0.4;
 
 const COLOURS: [[u8; 3]; 6] =
     [[222, 86, 62], [66, 118, 202], [240, 188, 60], [146, 92, 186], [236, 236, 228], [64, 168, 160]];
@@ -114,15 +117,19 @@ impl Playback {
 
 impl Capture for Playback {
     fn subject(&self) -> &str {
-        "person"
+        "subject"
     }
 
     fn cameras(&self) -> &[Camera] {
         self.recording.rig().cameras()
     }
 
-    fn best_view(&self) -> usize {
-        0
+    /// The nearest.
+    fn best_view(&self, data: &HullData) -> usize {
+        let Some((_, hull)) = data.latest() else { return 0 };
+        let middle = hull.aabb().centre();
+        let distance = |&view: &usize| (self.cameras()[view].centre() - middle).norm();
+        (0..self.cameras().len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     }
 
     fn frames(&self) -> usize {
@@ -164,11 +171,21 @@ impl Capture for Playback {
         Ok(picture)
     }
 
-    /// The hull stands for the person.
-    fn hit(&self, _: usize, ray: &Ray, data: &HullData) -> Option<Hit> {
-        let (_, hull) = data.latest()?;
-        let (entry, _) = hull.first_span(ray)?;
-        entry.map(|entry| Hit { t: entry.t, normal: entry.normal })
+    /// Around the subject and where boxes fall.
+    fn window(&self, view: usize, data: &HullData) -> Window {
+        let camera = &self.cameras()[view];
+        let Some((_, hull)) = data.latest() else { return Window::whole(camera) };
+        let mut around = hull.aabb().grown(MARGIN);
+        around.min.z = 0.0;
+        Window::around(camera, &around.corners())
+    }
+
+    /// The hull stands for the subject.
+    fn hit(&self, ray: &Ray, hull: &Hull) -> Option<Hit> {
+        // The box around the hull cuts the walk through the masks short.
+        let (near, _, _) = hull.aabb().span(&ray.origin, &ray.direction)?;
+        let (entry, _) = hull.first_span(&Ray { origin: ray.at(near), ..*ray })?;
+        entry.map(|entry| Hit { t: near + entry.t, normal: entry.normal })
     }
 
     fn real_top(&self, _: usize) -> Option<f64> {

@@ -4,7 +4,7 @@ use super::film::Film;
 use super::log::{Entry, Log};
 use super::plot;
 use super::simulation::{Simulation, State, Support, lean_deg};
-use ode_visual_hull::{Error, Result};
+use ode_visual_hull::Result;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -22,10 +22,8 @@ pub fn write(dir: &Path, film: &Film, log: &Log, still_until: f64) -> Result<Vec
         let end = log.entries.last().map_or(0.0, |entry| entry.time);
         let (path, strip) = (dir.join("box_stack.gif"), dir.join("box_stack.png"));
         film.write(&path)?;
-        let moments = [still_until - 0.2, 0.45 * still_until + 0.55 * end - 0.3, end];
-        film.strip(&moments)
-            .save(&strip)
-            .map_err(|e| Error::file(&strip, format!("expected to write a picture, found: {e}")))?;
+        let moments = [still_until - 0.1, 0.5 * (still_until + end), end];
+        film.write_strip(&moments, &strip)?;
         written.extend([(path, "film"), (strip, "three stills")]);
     }
     let (states, heights) = (dir.join("states.csv"), dir.join("heights.svg"));

@@ -4,25 +4,24 @@
 //! that the top passes, two of them on the axis of the tilt: they look along it at any angle. The eighth looks down
 //! and shows the scene.
 
-use super::capture::{Capture, FRAME_RATE};
+use super::capture::{Capture, FRAME_RATE, Window};
+use super::sensor::Sensor;
 use super::simulation::Simulation;
 use image::RgbImage;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::camera::{Camera, Ray};
-use ode_visual_hull::hull::{Aabb, HullData};
+use ode_visual_hull::hull::{Aabb, Hull, HullData};
 use ode_visual_hull::segment::{CleanPlate, Thresholds};
-use ode_visual_hull::synthetic::{
-    Hit, Paint, Placed, Room, Scene, Solid, Subject, add_noise, clean_plate, render_over,
-};
+use ode_visual_hull::synthetic::{Hit, Paint, Placed, Room, Scene, Solid, Subject, clean_plate, render_over};
 use ode_visual_hull::{Error, Result};
 
 /// The real box, in metres.
 const REAL: Vector3<f64> = Vector3::new(0.5, 0.5, 0.35);
 
 /// When the real box begins and ends to move, and when the film ends, in seconds.
-const STILL_UNTIL: f64 = 2.0;
-const MOVED_BY: f64 = 4.0;
-const END: f64 = 6.0;
+const STILL_UNTIL: f64 = 1.8;
+const MOVED_BY: f64 = 3.6;
+const END: f64 = 5.2;
 
 /// How high it is lifted, in metres, and how far it is tilted, towards +x, in radians.
 const LIFT: f64 = 0.25;
@@ -40,10 +39,12 @@ const NOISE: f64 = 3.0;
 /// The synthetic studio.
 pub struct Studio {
     cameras: Vec<Camera>,
-    room: Room,
     /// Per camera the empty room, as it is and as the segmentation knows it.
     plates: Vec<(RgbImage, CleanPlate)>,
-    seed: u32,
+    sensor: Sensor,
+    /// What is before the cameras, and what they see of it without noise.
+    scene: Scene,
+    images: Vec<RgbImage>,
 }
 
 impl Studio {
@@ -59,7 +60,9 @@ impl Studio {
             data.add_view(camera.clone())?;
         }
         data.set_bounds(Aabb::new(Point3::new(-0.8, -0.8, -0.1), Point3::new(0.8, 0.8, 1.2))?)?;
-        let mut studio = Self { cameras, room, plates, seed };
+        let sensor = Sensor::new(IMAGE, NOISE, u64::from(seed))?;
+        let scene = Scene { subject: Subject::default(), room };
+        let mut studio = Self { cameras, plates, sensor, scene, images: Vec::new() };
         studio.publish(0, data)?;
         Ok(studio)
     }
@@ -70,11 +73,18 @@ impl Studio {
         Ok(hull.pixel_size(&Point3::new(0.0, 0.0, REAL.z)))
     }
 
-    fn scene(&self, frame: usize) -> Scene {
-        let solid = Solid::cuboid(REAL).expect("positive lengths");
+    /// Moves the real box to where it is in `frame`. While it stands, its images are those of the frame before.
+    fn move_real_box(&mut self, frame: usize) -> Result<()> {
         let cardboard = Paint::cloth([206, 150, 92]);
-        let subject = Subject::new(vec![Placed::new(solid, real_pose(time_of(frame)), cardboard)]);
-        Scene { subject, room: self.room.clone() }
+        let placed = Placed::new(Solid::cuboid(REAL)?, real_pose(time_of(frame)), cardboard);
+        let subject = Subject::new(vec![placed]);
+        if subject != self.scene.subject {
+            self.scene.subject = subject;
+            let scene = &self.scene;
+            let render = |view: usize, camera: &Camera| render_over(camera, scene, &self.plates[view].0);
+            self.images = in_parallel(&self.cameras, render)?;
+        }
+        Ok(())
     }
 }
 
@@ -87,7 +97,7 @@ impl Capture for Studio {
         &self.cameras
     }
 
-    fn best_view(&self) -> usize {
+    fn best_view(&self, _: &HullData) -> usize {
         self.cameras.len() - 1
     }
 
@@ -101,25 +111,27 @@ impl Capture for Studio {
 
     /// The whole way of a real system: image, noise, subtraction of the empty room, mask.
     fn publish(&mut self, frame: usize, data: &HullData) -> Result<()> {
-        let scene = self.scene(frame);
-        in_parallel(&self.cameras, |view, camera| {
-            let (room, plate) = &self.plates[view];
-            let mut image = render_over(camera, &scene, room)?;
-            let seed = u64::from(self.seed) << 32 | (frame * self.cameras.len() + view) as u64;
-            add_noise(&mut image, NOISE, seed)?;
-            data.set_mask(view, &plate.subtract(&image)?)
+        self.move_real_box(frame)?;
+        in_parallel(&self.cameras, |view, _| {
+            let exposure = (frame * self.cameras.len() + view) as u32;
+            let image = self.sensor.expose(&self.images[view], exposure);
+            data.set_mask(view, &self.plates[view].1.subtract(&image)?)
         })?;
         data.update(time_of(frame))?;
         Ok(())
     }
 
     /// Without the noise, which is for the segmentation: a film of it would only be larger.
-    fn picture(&mut self, frame: usize, view: usize) -> Result<RgbImage> {
-        render_over(&self.cameras[view], &self.scene(frame), &self.plates[view].0)
+    fn picture(&mut self, _: usize, view: usize) -> Result<RgbImage> {
+        Ok(self.images[view].clone())
     }
 
-    fn hit(&self, frame: usize, ray: &Ray, _: &HullData) -> Option<Hit> {
-        self.scene(frame).subject.first_hit(ray).map(|(hit, _)| hit)
+    fn window(&self, view: usize, _: &HullData) -> Window {
+        Window::whole(&self.cameras[view])
+    }
+
+    fn hit(&self, ray: &Ray, _: &Hull) -> Option<Hit> {
+        self.scene.subject.first_hit(ray).map(|(hit, _)| hit)
     }
 
     fn real_top(&self, frame: usize) -> Option<f64> {
@@ -127,7 +139,7 @@ impl Capture for Studio {
     }
 
     fn lamp(&self) -> Point3<f64> {
-        self.room.lamp()
+        self.scene.room.lamp()
     }
 }
 
@@ -169,7 +181,7 @@ fn cameras() -> Result<Vec<Camera>> {
         let eye = Point3::new(3.0 * cos, 3.0 * sin, height);
         Camera::look_at(format!("grazing{i}"), IMAGE, 0.46, eye, target, Vector3::z())
     });
-    let (eye, target) = (Point3::new(1.2, -3.2, 1.55), Point3::new(0.16, 0.0, 0.5));
+    let (eye, target) = (Point3::new(-1.75, -2.55, 1.35), Point3::new(0.40, 0.12, 0.50));
     let overview = Camera::look_at("overview", IMAGE, 0.66, eye, target, Vector3::z());
     grazing.chain([overview]).collect()
 }

@@ -21,7 +21,7 @@ const REAL: Vector3<f64> = Vector3::new(0.5, 0.5, 0.35);
 /// When the real box begins and ends to move, and when the film ends, in seconds.
 const STILL_UNTIL: f64 = 1.8;
 const MOVED_BY: f64 = 3.6;
-const END: f64 = 5.2;
+const END: f64 = 6.2;
 
 /// How high it is lifted, in metres, and how far it is tilted, towards +x, in radians.
 const LIFT: f64 = 0.25;
@@ -181,7 +181,7 @@ fn cameras() -> Result<Vec<Camera>> {
         let eye = Point3::new(3.0 * cos, 3.0 * sin, height);
         Camera::look_at(format!("grazing{i}"), IMAGE, 0.46, eye, target, Vector3::z())
     });
-    let (eye, target) = (Point3::new(-1.75, -2.55, 1.35), Point3::new(0.40, 0.12, 0.50));
+    let (eye, target) = (Point3::new(-0.55, -3.05, 1.6), Point3::new(0.38, 0.0, 0.52));
     let overview = Camera::look_at("overview", IMAGE, 0.66, eye, target, Vector3::z());
     grazing.chain([overview]).collect()
 }

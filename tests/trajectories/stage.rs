@@ -51,20 +51,6 @@ pub struct Scene {
     pub edge_first: bool,
 }
 
-impl Scene {
-    pub fn clone_for(&self) -> Self {
-        Self {
-            name: self.name,
-            about: self.about,
-            rig: self.rig,
-            bodies: self.bodies.clone(),
-            joint: self.joint.clone(),
-            surface: self.surface,
-            ends: self.ends,
-            edge_first: self.edge_first,
-        }
-    }
-}
 /// When a scene has been seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ends {

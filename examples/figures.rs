@@ -37,10 +37,10 @@ type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 /// The groups by their names on the command line.
 const GROUPS: [(&str, Measure); 5] = [
     ("geometry", geometry::measure),
+    ("trajectories", trajectories::measure),
     ("rest", rest::measure),
     ("stack", stack::measure),
     ("grip", grip::measure),
-    ("trajectories", trajectories::measure),
 ];
 
 fn main() -> ExitCode {

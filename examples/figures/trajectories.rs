@@ -1,4 +1,5 @@
-//! How closely bodies on the hull of a box follow those on the box itself: the scenes of the tests, as figures.
+//! How near bodies on the hull of a box stay to what they do on ODE's own box, and how fast they roll: the scenes of
+//! the tests, as figures.
 
 #[path = "../../tests/trajectories/scenes.rs"]
 mod scenes;
@@ -9,7 +10,6 @@ use crate::figure::{
 };
 
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
-    progress("drops, slides, rolls, a stack and pendulums beside their native references");
     let figure = |(name, value): (String, f64)| {
         let bound = match name.as_str() {
             "trajectory_worst_px" => Some(AtMost(2.0)),
@@ -19,5 +19,5 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
         };
         Figure { name, value, bound }
     };
-    scenes::compare::figures().into_iter().map(figure).collect()
+    scenes::compare::figures(progress).into_iter().map(figure).collect()
 }

@@ -129,17 +129,7 @@ pub fn collide(
         Mode::Point => vec![colliding.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()],
         Mode::Single => vec![vec![own_contact(deepest(&colliding), settings.max_depth)]],
     };
-    let mut kept = reduce::spread(clusters, settings.max_contacts);
-    static SL: std::sync::LazyLock<f64> =
-        std::sync::LazyLock::new(|| std::env::var("SL").map_or(1e9, |s| s.parse().unwrap()));
-    if settings.mode == Mode::Clustered {
-        let all = kept.clone();
-        kept.retain(|c| {
-            !all.iter()
-                .any(|q| q.direction == c.direction && q.depth - c.depth > *SL * (q.point - c.point).norm())
-        });
-    }
-    Contacts { contacts: kept, escape }
+    Contacts { contacts: reduce::spread(clusters, settings.max_contacts), escape }
 }
 
 /// Any contacts, the first found, up to `settings.max_contacts`: for callers who only want to know whether there are

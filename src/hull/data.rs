@@ -65,14 +65,14 @@ impl HullData {
     /// Adds a view and returns its index.
     ///
     /// # Errors
-    /// A name that another view has.
+    /// A name that another view has; a lens whose undistorted image would have too many pixels.
     pub fn add_view(&self, camera: Camera) -> Result<usize> {
-        let slot = Slot::new(camera);
+        let slot = Slot::new(camera)?;
         let mut state = self.lock();
         if state.views.iter().any(|other| other.name() == slot.name()) {
             return Err(Error::view(
                 slot.name(),
-                "expected a name of its own, found another view with the same name",
+                "expected a name of its own, found another view with the same name; rename one",
             ));
         }
         state.views.push(slot);
@@ -207,11 +207,14 @@ impl State {
             ));
         };
         if !time.is_finite() {
-            return Err(Error::argument(format!("expected a finite frame time in seconds, found {time}")));
+            return Err(Error::argument(format!(
+                "expected a finite frame time in seconds, found {time}; pass a clock's reading"
+            )));
         }
         if let Some(last) = self.frames.back().map(|frame| frame.time()).filter(|&last| time < last) {
             return Err(Error::argument(format!(
-                "expected a frame time not before the last frame's, {last} s, found {time} s"
+                "expected a frame time not before the last frame's, {last} s, found {time} s; pass the times of one \
+                 clock"
             )));
         }
         let views = self.views.iter().map(|slot| slot.view(&bounds)).collect::<Result<Vec<View>>>()?;
@@ -220,13 +223,22 @@ impl State {
 }
 
 impl Slot {
-    fn new(camera: Camera) -> Self {
+    fn new(camera: Camera) -> Result<Self> {
         let lens = Undistortion::new(&camera).map(Arc::new);
+        if lens.is_none() && !camera.distortion().is_none() {
+            let (width, height) = camera.size();
+            let problem = format!(
+                "expected a lens that can be undistorted within the largest image, found {width} x {height} pixels \
+                 with distortion {:?}; scale the images down or undistort them first",
+                camera.distortion().coefficients()
+            );
+            return Err(Error::view(camera.name(), problem));
+        }
         let seen =
             lens.as_ref().map(|lens| Arc::new(Silhouette::new(lens.seen().clone(), Border::Background)));
         let camera = Arc::new(camera);
         let pinhole = lens.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
-        Self { camera, pinhole, lens, seen, mask: None, silhouette: None, enabled: true }
+        Ok(Self { camera, pinhole, lens, seen, mask: None, silhouette: None, enabled: true })
     }
 
     fn name(&self) -> &str {
@@ -237,7 +249,10 @@ impl Slot {
         let (width, height) = self.camera.size();
         if mask.dimensions() != (width, height) {
             let found = format!("found {} x {}", mask.width(), mask.height());
-            let problem = format!("mask: expected {width} x {height} pixels as in the calibration, {found}");
+            let problem = format!(
+                "mask: expected {width} x {height} pixels as in the calibration, {found}; scale the mask or calibrate \
+                 at its size"
+            );
             return Err(Error::view(self.name(), problem));
         }
         if mask.as_raw().iter().all(|&byte| byte >= SUBJECT) {
@@ -261,12 +276,17 @@ impl Slot {
     }
 
     fn view(&self, bounds: &Aabb) -> Result<View> {
-        let Some(silhouette) = &self.silhouette else {
-            let problem = "expected a mask before the first update, found none; set one, or disable the view";
-            return Err(Error::view(self.name(), problem));
+        let silhouette = match &self.silhouette {
+            Some(silhouette) => silhouette.clone(),
+            // Nobody asks a disabled view.
+            None if !self.enabled => Arc::new(Silhouette::new(GrayImage::default(), Border::Open)),
+            None => {
+                let problem =
+                    "expected a mask before the first update, found none; set one, or disable the view";
+                return Err(Error::view(self.name(), problem));
+            }
         };
-        let view =
-            View::new(self.pinhole.clone(), silhouette.clone(), self.seen.clone()).with_enabled(self.enabled);
+        let view = View::new(self.pinhole.clone(), silhouette, self.seen.clone()).with_enabled(self.enabled);
         if self.enabled && !view.sees_some_of(bounds) {
             let centre = self.camera.centre();
             let forward = self.camera.forward();
@@ -293,5 +313,5 @@ fn border_of(unseen: Unseen) -> Border {
 }
 
 fn no_such_view(view: usize, count: usize) -> Error {
-    Error::argument(format!("expected a view index below {count}, found {view}"))
+    Error::argument(format!("expected a view index below {count}, found {view}; use what add_view returned"))
 }

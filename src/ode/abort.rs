@@ -20,9 +20,12 @@ pub(super) unsafe fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     // SAFETY: only the ABI differs, by the leave to unwind: ODE is C++, whose frames let an exception through.
     let unwinding: dMessageFunction =
         Some(unsafe { std::mem::transmute::<Handler, unsafe extern "C" fn(_, _, _)>(refuse) });
-    // SAFETY: stores a function that lives as long as the process.
-    let before = unsafe { dGetDebugHandler() };
-    unsafe { dSetDebugHandler(unwinding) };
+    // SAFETY: reads and stores a function that lives as long as the process.
+    let before = unsafe {
+        let before = dGetDebugHandler();
+        dSetDebugHandler(unwinding);
+        before
+    };
     let outcome = catch_unwind(AssertUnwindSafe(call));
     // SAFETY: puts back what was there.
     unsafe { dSetDebugHandler(before) };

@@ -22,7 +22,6 @@ impl World {
     ///
     /// [`Error::Argument`] if the space is gone, [`Error::Ode`] if ODE's table of user classes is full.
     pub fn add_hull(&mut self, space: SpaceId, data: &Arc<HullData>) -> Result<GeomId> {
-        self.spaces.find(space)?;
         let number = hull_class::number()?;
         let geom = Box::new(HullGeom::new(data.clone()));
         // SAFETY: ODE is open as long as the world lives, and the number is one of its classes; the data is given
@@ -30,7 +29,7 @@ impl World {
         unsafe {
             let raw = dCreateGeom(number);
             hull_class::give_data(raw, geom);
-            self.insert_geom(space, raw, None)
+            self.insert_geom(space, raw)
         }
     }
 

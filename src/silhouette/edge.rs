@@ -27,7 +27,14 @@ pub struct Edge {
 
 /// The edge pixels of a silhouette, row-major, each with its [`Edge`] once somebody asked for it.
 #[derive(Debug, Default)]
-pub(super) struct EdgeTable(Vec<((i32, i32), OnceLock<Option<Edge>>)>);
+pub(super) struct EdgeTable(Vec<EdgePixel>);
+
+#[derive(Debug)]
+struct EdgePixel {
+    /// Row and column.
+    at: (i32, i32),
+    edge: OnceLock<Option<Edge>>,
+}
 
 impl EdgeTable {
     pub(super) fn of(silhouette: &Silhouette) -> Self {
@@ -41,7 +48,7 @@ impl EdgeTable {
                 let beside = [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)];
                 let subject = |(i, j): (i32, i32)| rect.contains(i, j) && silhouette.is_subject(i, j);
                 if !silhouette.is_subject(i, j) && beside.into_iter().any(subject) {
-                    pixels.push(((j, i), OnceLock::new()));
+                    pixels.push(EdgePixel { at: (j, i), edge: OnceLock::new() });
                 }
             }
         }
@@ -49,14 +56,14 @@ impl EdgeTable {
     }
 
     pub(super) fn get(&self, silhouette: &Silhouette, i: i32, j: i32) -> Option<Edge> {
-        match self.0.binary_search_by_key(&(j, i), |(pixel, _)| *pixel) {
-            Ok(found) => *self.0[found].1.get_or_init(|| silhouette.contact_edge(i, j)),
+        match self.0.binary_search_by_key(&(j, i), |pixel| pixel.at) {
+            Ok(found) => *self.0[found].edge.get_or_init(|| silhouette.contact_edge(i, j)),
             Err(_) => silhouette.contact_edge(i, j),
         }
     }
 
     pub(super) fn pixels(&self) -> impl Iterator<Item = (i32, i32)> {
-        self.0.iter().map(|&((j, i), _)| (i, j))
+        self.0.iter().map(|pixel| (pixel.at.1, pixel.at.0))
     }
 }
 

@@ -27,7 +27,7 @@ pub struct Rig {
 pub static TABLE: LazyLock<Rig> =
     LazyLock::new(|| Rig::new("table", vector![0.5, 0.5, 0.4], Isometry3::identity(), 2.8, 0.45));
 
-/// A ramp of 1.5 x 0.5 x 0.3 m that goes down towards x at 20 degrees, 4.2 mm a pixel.
+/// A ramp of 1.5 x 0.5 x 0.3 m that goes down towards x at 20 degrees, 3.8 mm a pixel.
 pub static RAMP: LazyLock<Rig> = LazyLock::new(|| {
     let down = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 20f64.to_radians());
     Rig::new(

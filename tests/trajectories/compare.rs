@@ -52,12 +52,13 @@ pub fn rolled(scene: &Scene) -> Option<Rolled> {
 }
 
 /// `trajectory_<scene>_px` of every scene; `trajectory_worst_px` and `trajectory_edge_first_px`, the worst of them; and
-/// `rolling_speed_over_native_sphere`, `_cylinder` and without either, those farthest from 1.
-pub fn figures() -> Vec<(String, f64)> {
+/// `rolling_speed_over_native_sphere`, `_cylinder` and without either, those farthest from 1. What it is at is told to `progress`.
+pub fn figures(progress: &dyn Fn(&str)) -> Vec<(String, f64)> {
     let mut figures = Vec::new();
     let (mut worst, mut edge_first) = (0.0, 0.0);
     let mut rolling: [(&str, f64); 2] = [("sphere", 1.0), ("cylinder", 1.0)];
     for scene in &super::all() {
+        progress(scene.name);
         let reference = Reference::read(scene);
         let off = rms_px(&reference, &run_for(scene, Support::Hull, reference.last()));
         figures.push((format!("trajectory_{}_px", scene.name), off));

@@ -22,7 +22,7 @@ pub fn write(dir: &Path, film: &Film, log: &Log, still_until: f64) -> Result<Vec
         let end = log.entries.last().map_or(0.0, |entry| entry.time);
         let (path, strip) = (dir.join("box_stack.gif"), dir.join("box_stack.png"));
         film.write(&path)?;
-        let moments = [still_until - 0.1, 0.5 * (still_until + end), end];
+        let moments = [still_until - 0.1, still_until + 0.4 * (end - still_until), end];
         film.write_strip(&moments, &strip)?;
         written.extend([(path, "film"), (strip, "three stills")]);
     }

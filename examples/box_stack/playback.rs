@@ -158,10 +158,10 @@ impl Capture for Playback {
         let nearest =
             self.recording.image_frames().iter().copied().min_by_key(|image| image.abs_diff(masked));
         let key = nearest.unwrap_or(masked);
-        if let Some((of, from, picture)) = &self.picture {
-            if (*of, *from) == (key, view) {
-                return Ok(picture.clone());
-            }
+        if let Some((of, from, picture)) = &self.picture
+            && (*of, *from) == (key, view)
+        {
+            return Ok(picture.clone());
         }
         let picture = match nearest {
             Some(image) => self.recording.images(image)?.swap_remove(view),

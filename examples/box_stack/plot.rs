@@ -5,6 +5,12 @@ use ode_visual_hull::{Error, Result};
 use plotters::prelude::*;
 use std::path::Path;
 
+/// Times in seconds and heights in metres.
+type Curve = Vec<(f64, f64)>;
+
+/// What a curve is called, and how it is drawn.
+type Legend = (String, ShapeStyle);
+
 /// Draws the log's heights; the subject moves from `still_until` on, in seconds.
 pub fn write(path: &Path, log: &Log, still_until: f64) -> Result<()> {
     draw(path, log, still_until)
@@ -32,7 +38,7 @@ fn draw(path: &Path, log: &Log, still_until: f64) -> std::result::Result<(), Box
         .y_label_formatter(&|y| format!("{y:.1}"))
         .draw()?;
     let label = |text: String, style: ShapeStyle| (text, style);
-    let mut lines: Vec<(Vec<(f64, f64)>, (String, ShapeStyle))> = Vec::new();
+    let mut lines: Vec<(Curve, Legend)> = Vec::new();
     for (i, &[r, g, b]) in log.colours.iter().enumerate() {
         let points = log.entries.iter().map(|entry| (entry.time, entry.states[i].pose.translation.z));
         lines.push((points.collect(), label(format!("box {}", i + 1), on_white(r, g, b).stroke_width(2))));

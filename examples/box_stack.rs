@@ -104,7 +104,7 @@ fn play(
         if !options.no_gif {
             let picture = capture.picture(frame, view)?;
             let hull = data.latest().map(|(_, hull)| hull);
-            let real = |ray: &Ray| hull.as_ref().and_then(|hull| capture.hit(ray, hull));
+            let real = |ray: &Ray| hull.as_ref().and_then(|hull| capture.hit(ray, view, hull));
             film.push(easel.paint(&picture, &simulation.drawn(), &real));
         }
         progress.set_message(simulation.summary());

@@ -130,7 +130,7 @@ impl Capture for Studio {
         Window::whole(&self.cameras[view])
     }
 
-    fn hit(&self, ray: &Ray, _: &Hull) -> Option<Hit> {
+    fn hit(&self, ray: &Ray, _: usize, _: &Hull) -> Option<Hit> {
         self.scene.subject.first_hit(ray).map(|(hit, _)| hit)
     }
 
@@ -181,7 +181,7 @@ fn cameras() -> Result<Vec<Camera>> {
         let eye = Point3::new(3.0 * cos, 3.0 * sin, height);
         Camera::look_at(format!("grazing{i}"), IMAGE, 0.46, eye, target, Vector3::z())
     });
-    let (eye, target) = (Point3::new(-1.75, -2.55, 1.35), Point3::new(0.40, 0.12, 0.50));
+    let (eye, target) = (Point3::new(-0.55, -3.05, 1.6), Point3::new(0.38, 0.0, 0.52));
     let overview = Camera::look_at("overview", IMAGE, 0.66, eye, target, Vector3::z());
     grazing.chain([overview]).collect()
 }

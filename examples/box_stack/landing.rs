@@ -20,7 +20,7 @@ const LEVEL: f64 = 0.04;
 const LOWEST: f64 = 0.3;
 
 /// How many places are tried at most, in seconds how long, and from how high above the place, in metres.
-const TRIALS: usize = 40;
+const TRIALS: usize = 150;
 const TRIAL: f64 = 1.5;
 const DROP: f64 = 0.06;
 

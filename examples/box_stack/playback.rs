@@ -61,7 +61,7 @@ impl Playback {
         let mut playback = Self {
             recording,
             hold: (options.hold * FRAME_RATE) as usize,
-            repeat: options.repeat.unwrap_or(repeat).max(1),
+            repeat: options.repeat.map_or(repeat, |repeat| repeat as usize),
             side: options.side,
             published: None,
             picture: None,

@@ -44,6 +44,7 @@ use ode_visual_hull::{Error, Result};
 use options::Options;
 use playback::Playback;
 use simulation::Simulation;
+use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
@@ -91,7 +92,7 @@ fn play(
     simulation: &mut Simulation,
 ) -> Result<()> {
     let started = Instant::now();
-    let frames = options.frames.unwrap_or(usize::MAX).min(capture.frames());
+    let frames = options.frames.map_or(usize::MAX, |frames| frames as usize).min(capture.frames());
     let view = options.view_of(capture, data)?;
     let easel = Easel::new(&capture.cameras()[view], capture.window(view, data), FILM_SIZE, capture.lamp());
     let mut film = Film::new(FRAME_RATE);
@@ -104,7 +105,7 @@ fn play(
         if !options.no_gif {
             let picture = capture.picture(frame, view)?;
             let hull = data.latest().map(|(_, hull)| hull);
-            let real = |ray: &Ray| hull.as_ref().and_then(|hull| capture.hit(ray, hull));
+            let real = |ray: &Ray| hull.as_ref().and_then(|hull| capture.hit(ray, view, hull));
             film.push(easel.paint(&picture, &simulation.drawn(), &real));
         }
         progress.set_message(simulation.summary());
@@ -113,11 +114,13 @@ fn play(
     progress.finish_and_clear();
     let still_until = capture.still_until();
     let written = report::write(&options.out, &film, &log, still_until)?;
-    print!("{}", report::table(&log, simulation, still_until, capture.subject()));
-    println!("{}\n", report::summary(frames, capture.cameras().len(), started.elapsed()));
+    let mut text = report::table(&log, simulation, still_until, capture.subject());
+    text += &report::summary(frames, capture.cameras().len(), started.elapsed());
     for (path, what) in written {
-        println!("{:<12} {}", what, path.display());
+        text += &format!("{what:<12} {}\n", path.display());
     }
+    // A reader who has seen enough may close the pipe.
+    let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(())
 }
 

@@ -36,8 +36,9 @@ pub trait Capture: Sync {
     /// The part of camera `view`'s image to draw.
     fn window(&self, view: usize, data: &HullData) -> Window;
 
-    /// Where `ray` first meets the subject of the frame last published, whose hull is `hull`.
-    fn hit(&self, ray: &Ray, hull: &Hull) -> Option<Hit>;
+    /// Where `ray`, a viewing ray of camera `view`, first meets the subject of the frame last published, whose hull
+    /// is `hull`.
+    fn hit(&self, ray: &Ray, view: usize, hull: &Hull) -> Option<Hit>;
 
     /// The height of the subject's top in `frame`, where it is known.
     fn real_top(&self, frame: usize) -> Option<f64>;

@@ -130,7 +130,7 @@ impl Easel {
 
     fn light(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
         let to_lamp = (self.lamp - point).normalize();
-        0.52 + 0.10 * normal.z + 0.44 * normal.dot(&to_lamp).max(0.0)
+        0.58 + 0.10 * normal.z + 0.40 * normal.dot(&to_lamp).max(0.0)
     }
 }
 

@@ -14,6 +14,9 @@ use std::path::Path;
 const COLOURS: usize = 255;
 const AS_BEFORE: u8 = 255;
 
+/// How often a pixel that moves counts for the palette.
+const MOVING_WEIGHT: usize = 12;
+
 /// How long the last frame stands, in hundredths of a second.
 const LAST_DELAY: u16 = 150;
 
@@ -126,15 +129,17 @@ struct Palette {
 }
 
 impl Palette {
-    /// Learnt from frames spread over the film.
+    /// Learnt from frames spread over the film. What moves is small and has colours of its own: it counts more.
     fn of(frames: &[RgbImage]) -> Self {
-        let every = frames.len().div_ceil(12);
-        let samples: Vec<u8> = frames
-            .iter()
-            .step_by(every)
-            .flat_map(|frame| frame.pixels())
-            .flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2], 255])
-            .collect();
+        let first = &frames[0];
+        let mut samples = Vec::new();
+        for frame in frames.iter().step_by(frames.len().div_ceil(12)) {
+            for (pixel, before) in frame.pixels().zip(first.pixels()) {
+                let times = if pixel != before { MOVING_WEIGHT } else { 1 };
+                let [r, g, b] = pixel.0;
+                samples.extend(std::iter::repeat_n([r, g, b, 255], times).flatten());
+            }
+        }
         let quantiser = NeuQuant::new(7, COLOURS, &samples);
         let mut colours = quantiser.color_map_rgb();
         colours.resize(3 * 256, 0);

@@ -1,8 +1,11 @@
-//! Where on a person a box could come to rest: the level places of the hull, seen from above.
+//! Where on a subject boxes could come to rest: the level places of the hull, seen from above, each tried out.
 
-use nalgebra::{Matrix3, Point3, Vector3};
+use super::simulation::{Simulation, Support};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use ode_visual_hull::Result;
 use ode_visual_hull::camera::Ray;
-use ode_visual_hull::hull::Hull;
+use ode_visual_hull::hull::{Hull, HullData};
+use std::sync::Arc;
 
 /// Grid of the heights, in metres.
 const CELL: f64 = 0.015;
@@ -16,25 +19,59 @@ const LEVEL: f64 = 0.04;
 /// Lower places, feet and floor, are left alone, in metres.
 const LOWEST: f64 = 0.3;
 
+/// How many places are tried at most, in seconds how long, and from how high above the place, in metres.
+const TRIALS: usize = 150;
+const TRIAL: f64 = 1.5;
+const DROP: f64 = 0.06;
+
 /// A place for a box.
 #[derive(Debug, Clone, Copy)]
-pub struct Landing {
+struct Landing {
     /// The middle of the place, at the height that a box of that size touches first.
-    pub top: Point3<f64>,
+    top: Point3<f64>,
     /// 1 for an even, level place, less for others.
     firmness: f64,
 }
 
-/// The best `n` places for boxes with edges of `side` metres, apart from each other, the most level first.
-pub fn find(hull: &Hull, n: usize, side: f64) -> Vec<Landing> {
-    let heights = Heights::of(hull);
-    let mut candidates = heights.landings(side);
-    candidates.sort_by(|a, b| b.score().total_cmp(&a.score()));
-    let mut chosen: Vec<Landing> = Vec::new();
-    for candidate in candidates {
-        let is_free = |other: &Landing| (other.top - candidate.top).xy().amax() > 1.1 * side;
-        if chosen.len() < n && chosen.iter().all(is_free) {
-            chosen.push(candidate);
+/// Where to drop `n` boxes with edges of `side` metres, apart from each other: first where one alone came to rest on
+/// the subject, then the other places, the most level ones first.
+pub fn poses(data: &Arc<HullData>, n: usize, side: f64, pixel_size: f64) -> Result<Vec<Isometry3<f64>>> {
+    let Some((_, hull)) = data.latest() else { return Ok(Vec::new()) };
+    let mut landings = Heights::of(&hull).landings(side);
+    landings.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    let places = apart(landings.iter().map(|landing| landing.top), 0.3 * side, TRIALS);
+    let mut poses = Vec::new();
+    let mut unsteady = Vec::new();
+    for (i, top) in places.iter().enumerate() {
+        let turn = Vector3::z() * 0.15 * (i % 3) as f64;
+        let pose = Isometry3::new(top.coords + Vector3::z() * (0.5 * side + DROP), turn);
+        let kept = if is_steady(data, &pose, side, pixel_size)? { &mut poses } else { &mut unsteady };
+        kept.push(pose);
+    }
+    poses.extend(unsteady);
+    let chosen = apart(poses.iter().map(|pose| pose.translation.vector.into()), 1.1 * side, n);
+    poses.retain(|pose| chosen.contains(&pose.translation.vector.into()));
+    Ok(poses)
+}
+
+/// Whether a box dropped at `pose` comes to rest on the subject close by.
+fn is_steady(data: &Arc<HullData>, pose: &Isometry3<f64>, side: f64, pixel_size: f64) -> Result<bool> {
+    let mut trial = Simulation::new(data, pixel_size)?;
+    trial.add_box(Vector3::repeat(side), pose, [0; 3])?;
+    trial.advance(TRIAL)?;
+    let state = trial.states()[0];
+    let strayed = state.pose.translation.vector - pose.translation.vector;
+    Ok(trial.supports()[0] == Support::Subject
+        && state.linear_velocity.norm() < 0.01
+        && strayed.xy().norm() < 0.5 * side)
+}
+
+/// The first `n` of `points` that lie at least `distance` apart along x or y.
+fn apart(points: impl Iterator<Item = Point3<f64>>, distance: f64, n: usize) -> Vec<Point3<f64>> {
+    let mut chosen: Vec<Point3<f64>> = Vec::new();
+    for point in points {
+        if chosen.len() < n && chosen.iter().all(|other| (other - point).xy().amax() >= distance) {
+            chosen.push(point);
         }
     }
     chosen

@@ -23,8 +23,8 @@ pub struct Options {
     #[arg(long, value_name = "CAMERA")]
     pub view: Option<String>,
     /// Stop after so many frames, at 30 a second [default: all].
-    #[arg(long, value_name = "N")]
-    pub frames: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub frames: Option<u32>,
     /// Seed of the sensor noise and of ODE's solver: the same seed gives the same run.
     #[arg(long, default_value_t = 1)]
     pub seed: u32,
@@ -42,7 +42,7 @@ pub struct Options {
     #[arg(
         long,
         value_name = "METRES",
-        default_value_t = 0.12,
+        default_value_t = 0.1,
         help_heading = "Recordings",
         requires = "recording"
     )]
@@ -57,8 +57,8 @@ pub struct Options {
     )]
     pub hold: f64,
     /// How often each recorded frame is shown, at 30 a second [default: so that all of them last 5 seconds].
-    #[arg(long, value_name = "N", help_heading = "Recordings", requires = "recording")]
-    pub repeat: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Recordings", requires = "recording")]
+    pub repeat: Option<u32>,
     /// Work volume, in metres [default: around the spot that the cameras look at, as far as they stand from it].
     #[arg(
         long,

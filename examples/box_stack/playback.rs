@@ -5,13 +5,14 @@ use super::landing;
 use super::options::Options;
 use super::simulation::Simulation;
 use image::RgbImage;
-use nalgebra::{Isometry3, Matrix3, Point3, Vector3, vector};
+use nalgebra::{Matrix3, Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::hull::{Aabb, Hull, HullData};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::synthetic::Hit;
 use ode_visual_hull::{Error, Result};
 use std::path::Path;
+use std::sync::Arc;
 
 /// How long all frames last together at least, unless told otherwise, in seconds.
 const DURATION: f64 = 5.0;
@@ -60,7 +61,7 @@ impl Playback {
         let mut playback = Self {
             recording,
             hold: (options.hold * FRAME_RATE) as usize,
-            repeat: options.repeat.unwrap_or(repeat).max(1),
+            repeat: options.repeat.map_or(repeat, |repeat| repeat as usize),
             side: options.side,
             published: None,
             picture: None,
@@ -87,23 +88,17 @@ impl Playback {
         Ok(hull.pixel_size(&hull.aabb().centre()))
     }
 
-    /// Lets `n` boxes fall on the most level places of the subject.
-    pub fn drop_boxes(&self, n: usize, data: &HullData, simulation: &mut Simulation) -> Result<()> {
-        let (_, hull) = data.latest().ok_or_else(|| Error::argument("expected a frame, found none"))?;
-        let places = landing::find(&hull, n, self.side);
-        if places.is_empty() && n > 0 {
+    /// Lets `n` boxes fall on the subject.
+    pub fn drop_boxes(&self, n: usize, data: &Arc<HullData>, simulation: &mut Simulation) -> Result<()> {
+        let poses = landing::poses(data, n, self.side, self.pixel_size(data)?)?;
+        if poses.is_empty() && n > 0 {
             return Err(Error::argument(
                 "expected a place above 0.3 m for a box to land, found none; check that the world's z is up and \
                  the floor at z = 0, or take a smaller --side",
             ));
         }
-        for (i, place) in places.iter().enumerate() {
-            let vary = 1.0 - 0.06 * (i % 3) as f64;
-            let sides = Vector3::repeat(self.side * vary);
-            let above = 0.5 * sides.z + 0.06 + 0.02 * i as f64;
-            let pose =
-                Isometry3::new(place.top.coords + vector![0.0, 0.0, above], Vector3::z() * 0.2 * i as f64);
-            simulation.add_box(sides, &pose, COLOURS[i % COLOURS.len()])?;
+        for (i, pose) in poses.iter().enumerate() {
+            simulation.add_box(Vector3::repeat(self.side), pose, COLOURS[i % COLOURS.len()])?;
         }
         Ok(())
     }
@@ -181,8 +176,13 @@ impl Capture for Playback {
     }
 
     /// The hull stands for the subject.
-    fn hit(&self, ray: &Ray, hull: &Hull) -> Option<Hit> {
-        // The box around the hull cuts the walk through the masks short.
+    fn hit(&self, ray: &Ray, view: usize, hull: &Hull) -> Option<Hit> {
+        // Most rays miss: those beside the camera's own silhouette, and those beside the box around the hull.
+        let view = hull.views().get(view)?;
+        let (i, j) = view.pixel(&ray.at(1.0))?;
+        if !view.silhouette().is_subject(i, j) {
+            return None;
+        }
         let (near, _, _) = hull.aabb().span(&ray.origin, &ray.direction)?;
         let (entry, _) = hull.first_span(&Ray { origin: ray.at(near), ..*ray })?;
         entry.map(|entry| Hit { t: near + entry.t, normal: entry.normal })

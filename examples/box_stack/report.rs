@@ -69,7 +69,7 @@ pub fn table(log: &Log, simulation: &Simulation, still_until: f64, subject: &str
 pub fn summary(frames: usize, cameras: usize, took: Duration) -> String {
     let seconds = took.as_secs_f64();
     let each = 1e3 * seconds / frames.max(1) as f64;
-    format!("{frames} frames of {cameras} cameras in {seconds:.1} s ({each:.0} ms a frame)")
+    format!("{frames} frames of {cameras} cameras in {seconds:.1} s ({each:.0} ms a frame)\n\n")
 }
 
 /// How a box kept still.

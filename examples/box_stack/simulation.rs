@@ -6,8 +6,8 @@ use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, Wo
 use ode_visual_hull::{Error, Result};
 use std::sync::Arc;
 
-/// Steps of the simulation in one frame.
-const STEPS_PER_FRAME: u32 = 8;
+/// Steps of the simulation a second.
+const STEPS_PER_SECOND: f64 = 240.0;
 
 /// Of the boxes, kg/m3: about that of a parcel.
 const DENSITY: f64 = 120.0;
@@ -118,8 +118,9 @@ impl Simulation {
 
     /// Goes on by `duration` seconds.
     pub fn advance(&mut self, duration: f64) -> Result<()> {
-        let dt = duration / f64::from(STEPS_PER_FRAME);
-        for _ in 0..STEPS_PER_FRAME {
+        let steps = (duration * STEPS_PER_SECOND).round().max(1.0);
+        let dt = duration / steps;
+        for _ in 0..steps as u32 {
             self.collide()?;
             self.world.quick_step(dt)?;
             self.time += dt;

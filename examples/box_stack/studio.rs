@@ -130,7 +130,7 @@ impl Capture for Studio {
         Window::whole(&self.cameras[view])
     }
 
-    fn hit(&self, ray: &Ray, _: &Hull) -> Option<Hit> {
+    fn hit(&self, ray: &Ray, _: usize, _: &Hull) -> Option<Hit> {
         self.scene.subject.first_hit(ray).map(|(hit, _)| hit)
     }
 

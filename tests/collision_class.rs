@@ -2,7 +2,7 @@
 
 mod scene;
 
-use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, point, vector};
+use nalgebra::{Point3, UnitQuaternion, Vector3, point, vector};
 use ode_visual_hull::contact::Mode;
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{ContactGeom, GeomId, RayFlags, Shape, SpaceKind, Surface, TriMesh, World};
@@ -238,11 +238,10 @@ fn a_body_asleep_wakes_when_the_hull_at_it_changes_or_vanishes() {
 
 #[test]
 fn a_body_asleep_sleeps_on_when_the_same_silhouettes_come_again() {
-    let cameras = table_cameras();
     let data = table();
     let (mut world, body) = asleep_on(&data);
     for k in 1..20 {
-        show(&data, &cameras, &Subject::new(vec![cuboid(TABLE, Isometry3::identity())]), f64::from(k));
+        show_table(&data, f64::from(k));
         step(&mut world, 0.005);
     }
     assert!(!world.body(body).is_enabled());
@@ -394,9 +393,8 @@ fn worlds_on_two_threads_share_one_data_object_while_a_third_publishes() {
     };
     std::thread::scope(|scope| {
         let falls = [scope.spawn(fall), scope.spawn(fall)];
-        let cameras = table_cameras();
         for k in 1..5 {
-            show(&data, &cameras, &Subject::new(vec![cuboid(TABLE, Isometry3::identity())]), f64::from(k));
+            show_table(&data, f64::from(k));
         }
         for fall in falls {
             assert!((fall.join().unwrap() - TOP - 0.1).abs() < 0.003);

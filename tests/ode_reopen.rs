@@ -1,25 +1,13 @@
 //! ODE closes with the last reference on it, and opens again. Alone in its process: others would hold ODE open.
 
+mod foreign_class;
+mod scene;
+
 use nalgebra::Vector3;
-use ode_sys::{dCreateGeomClass, dGeomClass, dGeomID, dInfiniteAABB, dReal};
+use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{Ode, Shape, Surface, World, random_seed, set_random_seed};
-
-unsafe extern "C" fn no_box(geom: dGeomID, bounds: *mut dReal) {
-    // SAFETY: ODE passes a geom and six numbers.
-    unsafe { dInfiniteAABB(geom, bounds) };
-}
-
-unsafe extern "C" fn no_collider(_: i32) -> ode_sys::dColliderFn {
-    None
-}
-
-/// Registers a geometry class; its number tells how many there were since ODE was opened.
-fn register_class() -> i32 {
-    let class =
-        dGeomClass { bytes: 8, collider: Some(no_collider), aabb: Some(no_box), aabb_test: None, dtor: None };
-    // SAFETY: the structure is whole, and ODE copies it.
-    unsafe { dCreateGeomClass(&class) }
-}
+use scene::{TOP, drop_box_on, height, step, table};
+use std::sync::Arc;
 
 fn simulate(ode: &Ode) -> f64 {
     let mut world = World::new(ode).unwrap();
@@ -35,26 +23,50 @@ fn simulate(ode: &Ode) -> f64 {
     world.body(body).position().z
 }
 
+/// How high a box comes to rest on the hull of `data`, whose class is registered after `others` classes of others.
+fn rest_on_hull(data: &Arc<HullData>, others: usize) -> f64 {
+    let _ode = Ode::init().unwrap();
+    for _ in 0..others {
+        foreign_class::register();
+    }
+    let (mut world, body) = drop_box_on(data);
+    (0..200).for_each(|_| step(&mut world, 0.005));
+    let root = world.root_space();
+    let second = world.add_hull(root, data).unwrap();
+    assert!(world.hull(second).frame().is_none(), "takes up its frame with the next collide");
+    height(&world, body)
+}
+
 #[test]
 fn ode_closes_with_its_last_reference_and_opens_again() {
     for _ in 0..3 {
         let ode = Ode::init().unwrap();
-        let first = register_class();
+        let first = foreign_class::register();
         let clone = ode.clone();
         drop(ode);
-        assert_eq!(register_class(), first + 1, "a clone holds ODE open");
+        assert_eq!(foreign_class::register(), first + 1, "a clone holds ODE open");
 
         let world = World::new(&clone).unwrap();
         drop(clone);
-        assert_eq!(register_class(), first + 2, "a world holds ODE open");
+        assert_eq!(foreign_class::register(), first + 2, "a world holds ODE open");
         drop(world);
 
         let again = Ode::init().unwrap();
-        assert_eq!(register_class(), first, "ODE was closed in between, and has forgotten the classes");
+        assert_eq!(
+            foreign_class::register(),
+            first,
+            "ODE was closed in between, and has forgotten the classes"
+        );
         let here = simulate(&again);
         // A thread that entered ODE when it was open before.
         let there = std::thread::spawn(move || simulate(&again)).join().unwrap();
         assert_eq!(here, there);
+    }
+    // Hulls register their class anew, each time under another number, and find contacts again.
+    let data = table();
+    for others in [0, 1, 0, 3, 2, 0] {
+        let above = rest_on_hull(&data, others) - TOP - 0.1;
+        assert!(above.abs() < 0.002, "{others} classes of others: rests {above} m off the top");
     }
     set_random_seed(1234);
     assert_eq!(random_seed(), 1234);

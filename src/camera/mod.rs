@@ -22,6 +22,9 @@ use nalgebra::{Isometry3, Matrix3, Matrix3x4, Point2, Point3, Rotation3, UnitQua
 /// The smallest depth at which a camera sees a point: nearer ones count as behind it.
 pub const MIN_DEPTH: f64 = 1e-6;
 
+/// The most pixels that an image may have: no product of sizes overflows, and what is kept per pixel fits in memory.
+const MOST_PIXELS: u64 = 1 << 28;
+
 /// Where a world point appears in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel {
@@ -66,8 +69,8 @@ impl Camera {
     /// in pixels, corner convention).
     ///
     /// # Errors
-    /// A size of zero or above 65,535, a number that is not finite, a focal length that is not positive, a last
-    /// row other than `0 0 1`.
+    /// A size of zero or above 65,535, more than 2^28 pixels in all, a number that is not finite, a focal length that
+    /// is not positive, a last row other than `0 0 1`, a rotation that is none.
     pub fn new(
         name: impl Into<String>,
         size: (u32, u32),
@@ -79,27 +82,53 @@ impl Camera {
         let fail = |problem: String| Err(Error::camera(&name, problem));
         let (width, height) = size;
         if width == 0 || height == 0 || width > 65_535 || height > 65_535 {
-            return fail(format!("expected an image size from 1 to 65535 pixels, found {width} x {height}"));
+            return fail(format!(
+                "expected an image size from 1 to 65535 pixels, found {width} x {height}; give width and height as \
+                 calibrated"
+            ));
+        }
+        if u64::from(width) * u64::from(height) > MOST_PIXELS {
+            return fail(format!(
+                "expected at most {MOST_PIXELS} pixels in all, found {width} x {height}; scale the images down"
+            ));
         }
         if !k.iter().all(|x| x.is_finite()) || !distortion.is_finite() {
             return fail(format!("expected finite intrinsics, found K = {}; calibrate again", rows(&k)));
         }
         let pose = cam_from_world.to_homogeneous();
         if !pose.iter().all(|x| x.is_finite()) {
-            return fail("expected a finite pose, found NaN or infinity in rotation or translation".into());
+            return fail(
+                "expected a finite pose, found NaN or infinity in rotation or translation; calibrate again"
+                    .into(),
+            );
+        }
+        let length = cam_from_world.rotation.norm();
+        if (length - 1.0).abs() > 1e-6 {
+            return fail(format!(
+                "expected a rotation, found a quaternion of length {length}; normalise it or calibrate again"
+            ));
         }
         if k[(0, 0)] <= 0.0 || k[(1, 1)] <= 0.0 {
             return fail(format!(
-                "expected positive focal lengths, found fx = {}, fy = {}; the matrix is singular or mirrored",
+                "expected positive focal lengths, found fx = {}, fy = {}; K is singular or mirrored: calibrate again",
                 k[(0, 0)],
                 k[(1, 1)]
             ));
         }
         if k[(1, 0)] != 0.0 || k[(2, 0)] != 0.0 || k[(2, 1)] != 0.0 || (k[(2, 2)] - 1.0).abs() > 1e-9 {
-            return fail(format!("expected K upper triangular with last row 0 0 1, found K = {}", rows(&k)));
+            return fail(format!(
+                "expected K upper triangular with last row 0 0 1, found K = {}; scale it or swap its rows",
+                rows(&k)
+            ));
         }
-        let Some(intrinsics_inverse) = k.try_inverse() else {
-            return fail(format!("expected an invertible K, found K = {}", rows(&k)));
+        let projection = k * pose.fixed_rows::<3>(0);
+        let inverse =
+            k.try_inverse().filter(|inverse| inverse.iter().chain(&projection).all(|x| x.is_finite()));
+        let Some(intrinsics_inverse) = inverse else {
+            return fail(format!(
+                "expected an invertible K, found one out of the range of numbers, K = {}; calibrate again",
+                rows(&k)
+            ));
         };
         Ok(Self { name, width, height, intrinsics: k, intrinsics_inverse, distortion, cam_from_world })
     }
@@ -113,8 +142,9 @@ impl Camera {
         let left: Matrix3<f64> = p.fixed_columns::<3>(0).into();
         let scale = left.row(2).norm();
         let condition = left.determinant().abs() / left.row(0).norm() / left.row(1).norm() / scale;
-        if !p.iter().all(|x| x.is_finite()) || !(condition > 1e-12) {
-            let problem = "expected a finite 3x4 projection matrix of rank 3, found a singular or NaN one";
+        if !p.iter().all(|x| x.is_finite()) || condition.is_nan() || condition <= 1e-12 {
+            let problem = "expected a finite 3x4 projection matrix whose left 3x3 part can be inverted, found a \
+                           singular or NaN one; calibrate again";
             return Err(Error::camera(name, problem));
         }
         let p = p * (left.determinant().signum() / scale);
@@ -140,8 +170,10 @@ impl Camera {
     ) -> Result<Self> {
         let name = name.into();
         let view = target - eye;
-        if !(view.cross(&up).norm() > 1e-9 * up.norm()) {
-            let problem = "expected eye and target apart, and up not parallel to the view between them";
+        let across = view.cross(&up).norm();
+        if across.is_nan() || across <= 1e-9 * up.norm() {
+            let problem =
+                "expected eye and target apart, and up not parallel to the view between them; move one";
             return Err(Error::camera(name, problem));
         }
         if !(horizontal_fov > 0.0 && horizontal_fov < std::f64::consts::PI) {
@@ -208,7 +240,7 @@ impl Camera {
     /// axis that the distortion model folds back.
     pub fn project(&self, world: &Point3<f64>) -> Option<Pixel> {
         let cam = self.cam_from_world * world;
-        if !(cam.z > MIN_DEPTH) {
+        if cam.z.is_nan() || cam.z <= MIN_DEPTH {
             return None;
         }
         let distorted = self.distortion.distort(Point2::new(cam.x / cam.z, cam.y / cam.z))?;

@@ -3,6 +3,9 @@
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Point3, Vector3};
 
+/// The largest coordinate of a work volume, in metres: 10 000 km, as far as a simulation reaches.
+const REACH: f64 = 1e7;
+
 /// An axis-aligned box, in metres. Empty where a lower corner lies above an upper one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aabb {
@@ -22,12 +25,13 @@ impl Aabb {
     /// A work volume between two corners.
     ///
     /// # Errors
-    /// A number that is not finite, an upper corner that is not above the lower one.
+    /// A number that is not finite or beyond 1e7 m, an upper corner that is not above the lower one.
     pub fn new(min: Point3<f64>, max: Point3<f64>) -> Result<Self> {
-        let finite = min.iter().chain(max.iter()).all(|x| x.is_finite());
-        if !finite || min.x >= max.x || min.y >= max.y || min.z >= max.z {
+        let in_reach = min.iter().chain(max.iter()).all(|x| x.abs() <= REACH);
+        if !in_reach || min.x >= max.x || min.y >= max.y || min.z >= max.z {
             return Err(Error::argument(format!(
-                "bounds: expected finite corners with min below max on each axis, found min {}, max {}",
+                "bounds: expected finite corners, at most {REACH} m away, with min below max on each axis, found min {}, max {}; \
+                 swap or spread them",
                 triple(&min),
                 triple(&max)
             )));

@@ -65,7 +65,7 @@ impl HullData {
     /// Adds a view and returns its index.
     ///
     /// # Errors
-    /// A name that another view has.
+    /// A name that another view has; a lens whose undistorted image would have too many pixels.
     pub fn add_view(&self, camera: Camera) -> Result<usize> {
         self.add_views(&[camera])
     }
@@ -73,14 +73,14 @@ impl HullData {
     /// Adds views, all or none, and returns the index of the first.
     ///
     /// # Errors
-    /// A name that another view has.
+    /// As [`add_view`](Self::add_view).
     pub fn add_views(&self, cameras: &[Camera]) -> Result<usize> {
-        let slots: Vec<Slot> = cameras.iter().cloned().map(Slot::new).collect();
+        let slots = cameras.iter().cloned().map(Slot::new).collect::<Result<Vec<Slot>>>()?;
         let mut state = self.lock();
         let first = state.views.len();
         for slot in slots {
             if state.views.iter().any(|other| other.name() == slot.name()) {
-                let problem = "expected a name of its own, found another view with the same name";
+                let problem = "expected a name of its own, found another view with the same name; rename one";
                 let taken = Error::view(slot.name(), problem);
                 state.views.truncate(first);
                 return Err(taken);
@@ -218,11 +218,14 @@ impl State {
             ));
         };
         if !time.is_finite() {
-            return Err(Error::argument(format!("expected a finite frame time in seconds, found {time}")));
+            return Err(Error::argument(format!(
+                "expected a finite frame time in seconds, found {time}; pass a clock's reading"
+            )));
         }
         if let Some(last) = self.frames.back().map(|frame| frame.time()).filter(|&last| time < last) {
             return Err(Error::argument(format!(
-                "expected a frame time not before the last frame's, {last} s, found {time} s"
+                "expected a frame time not before the last frame's, {last} s, found {time} s; pass the times of one \
+                 clock"
             )));
         }
         let views = self.views.iter().map(|slot| slot.view(&bounds)).collect::<Result<Vec<View>>>()?;
@@ -231,13 +234,22 @@ impl State {
 }
 
 impl Slot {
-    fn new(camera: Camera) -> Self {
+    fn new(camera: Camera) -> Result<Self> {
         let lens = Undistortion::new(&camera).map(Arc::new);
+        if lens.is_none() && !camera.distortion().is_none() {
+            let (width, height) = camera.size();
+            let problem = format!(
+                "expected a lens that can be undistorted within the largest image, found {width} x {height} pixels \
+                 with distortion {:?}; scale the images down or undistort them first",
+                camera.distortion().coefficients()
+            );
+            return Err(Error::view(camera.name(), problem));
+        }
         let seen =
             lens.as_ref().map(|lens| Arc::new(Silhouette::new(lens.seen().clone(), Border::Background)));
         let camera = Arc::new(camera);
         let pinhole = lens.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
-        Self { camera, pinhole, lens, seen, mask: None, silhouette: None, enabled: true }
+        Ok(Self { camera, pinhole, lens, seen, mask: None, silhouette: None, enabled: true })
     }
 
     fn name(&self) -> &str {
@@ -248,7 +260,10 @@ impl Slot {
         let (width, height) = self.camera.size();
         if mask.dimensions() != (width, height) {
             let found = format!("found {} x {}", mask.width(), mask.height());
-            let problem = format!("mask: expected {width} x {height} pixels as in the calibration, {found}");
+            let problem = format!(
+                "mask: expected {width} x {height} pixels as in the calibration, {found}; scale the mask or calibrate \
+                 at its size"
+            );
             return Err(Error::view(self.name(), problem));
         }
         if mask.as_raw().iter().all(|&byte| byte >= SUBJECT) {
@@ -272,12 +287,17 @@ impl Slot {
     }
 
     fn view(&self, bounds: &Aabb) -> Result<View> {
-        let Some(silhouette) = &self.silhouette else {
-            let problem = "expected a mask before the first update, found none; set one, or disable the view";
-            return Err(Error::view(self.name(), problem));
+        let silhouette = match &self.silhouette {
+            Some(silhouette) => silhouette.clone(),
+            // Nobody asks a disabled view.
+            None if !self.enabled => Arc::new(Silhouette::new(GrayImage::default(), Border::Open)),
+            None => {
+                let problem =
+                    "expected a mask before the first update, found none; set one, or disable the view";
+                return Err(Error::view(self.name(), problem));
+            }
         };
-        let view =
-            View::new(self.pinhole.clone(), silhouette.clone(), self.seen.clone()).with_enabled(self.enabled);
+        let view = View::new(self.pinhole.clone(), silhouette, self.seen.clone()).with_enabled(self.enabled);
         if self.enabled && !view.sees_some_of(bounds) {
             let centre = self.camera.centre();
             let forward = self.camera.forward();
@@ -304,5 +324,5 @@ fn border_of(unseen: Unseen) -> Border {
 }
 
 fn no_such_view(view: usize, count: usize) -> Error {
-    Error::argument(format!("expected a view index below {count}, found {view}"))
+    Error::argument(format!("expected a view index below {count}, found {view}; use what add_view returned"))
 }

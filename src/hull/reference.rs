@@ -102,10 +102,8 @@ pub fn exit(hull: &Hull, a: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
 fn pixel_borders(view: &View, a: &Point3<f64>, direction: &Vector3<f64>) -> impl Iterator<Item = f64> {
     let (x0, x1) = (view.homogeneous(a), view.homogeneous_direction(direction));
     let image = view.silhouette().image();
-    let columns =
-        (image.x0..=image.x1).map(move |u| f64::from(u)).map(move |u| (u * x0.z - x0.x) / (x1.x - u * x1.z));
-    let rows =
-        (image.y0..=image.y1).map(move |v| f64::from(v)).map(move |v| (v * x0.z - x0.y) / (x1.y - v * x1.z));
+    let columns = (image.x0..=image.x1).map(f64::from).map(move |u| (u * x0.z - x0.x) / (x1.x - u * x1.z));
+    let rows = (image.y0..=image.y1).map(f64::from).map(move |v| (v * x0.z - x0.y) / (x1.y - v * x1.z));
     let plane = (MIN_DEPTH - x0.z) / x1.z;
     columns.chain(rows).chain([plane]).filter(|t| t.is_finite())
 }

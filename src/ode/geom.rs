@@ -1,7 +1,5 @@
 //! Geoms: shapes that collide.
 
-use std::any::Any;
-
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use ode_sys::{
     dGeomClearOffset, dGeomCopyOffsetPosition, dGeomCopyPosition, dGeomDestroy, dGeomDisable, dGeomEnable,
@@ -17,6 +15,7 @@ use super::shape::Shape;
 use super::trimesh::MeshData;
 use super::world::World;
 use super::{check, convert};
+use crate::hull::Aabb;
 use crate::{Error, Result};
 
 /// A geom of ODE that a world owns, and what it borrows from.
@@ -28,18 +27,6 @@ pub(super) struct GeomRecord {
     shape: Option<Shape>,
     /// Borrows from `shape`.
     _mesh: Option<MeshData>,
-    /// Whatever belongs to a geom of another class; dropped after the geom is destroyed.
-    #[allow(dead_code, reason = "kept for its drop, and read by the collision class")]
-    pub(super) extra: Option<Box<dyn Any + Send>>,
-}
-
-/// A box along the world's axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Aabb {
-    /// The smallest coordinates.
-    pub min: Point3<f64>,
-    /// The largest coordinates.
-    pub max: Point3<f64>,
 }
 
 /// What a ray reports.
@@ -68,11 +55,10 @@ impl World {
         let (raw, mesh) = unsafe { shape.create()? };
         // SAFETY: both were found alive, and a new geom is in no space.
         unsafe { dSpaceAdd(into, raw) };
-        Ok(self.keep_geom(GeomRecord { raw, space: space.0, shape: Some(shape), _mesh: mesh, extra: None }))
+        Ok(self.keep_geom(GeomRecord { raw, space: space.0, shape: Some(shape), _mesh: mesh }))
     }
 
-    /// Takes over a geom of a class that is not ODE's own, and puts it into `space`. `extra` is dropped after the geom
-    /// is destroyed.
+    /// Takes over a geom of a class that is not ODE's own, and puts it into `space`.
     ///
     /// # Errors
     ///
@@ -82,13 +68,7 @@ impl World {
     ///
     /// `raw` is a living, placeable geom in no space and on no body, which nobody else destroys. Its class gives
     /// boxes without NaN, and finite ones within 3 [`REACH`](super::REACH).
-    #[allow(dead_code, reason = "for the collision class")]
-    pub(super) unsafe fn insert_geom(
-        &mut self,
-        space: SpaceId,
-        raw: dGeomID,
-        extra: Option<Box<dyn Any + Send>>,
-    ) -> Result<GeomId> {
+    pub(super) unsafe fn insert_geom(&mut self, space: SpaceId, raw: dGeomID) -> Result<GeomId> {
         let into = match self.spaces.find(space) {
             Ok(record) => record.raw,
             Err(error) => {
@@ -99,7 +79,7 @@ impl World {
         };
         // SAFETY: the space was found alive, the geom is in none.
         unsafe { dSpaceAdd(into, raw) };
-        Ok(self.keep_geom(GeomRecord { raw, space: space.0, shape: None, _mesh: None, extra }))
+        Ok(self.keep_geom(GeomRecord { raw, space: space.0, shape: None, _mesh: None }))
     }
 
     fn keep_geom(&mut self, record: GeomRecord) -> GeomId {

@@ -21,11 +21,10 @@ impl World {
     ///
     /// [`Error::Argument`] if the space is gone, [`Error::Ode`] if ODE's table of user classes is full.
     pub fn add_hull(&mut self, space: SpaceId, data: &Arc<HullData>) -> Result<GeomId> {
-        self.spaces.find(space)?;
         let number = hull_class::number()?;
         // SAFETY: ODE is open as long as the world lives, and the number is one of its classes; the class's boxes are
         // finite.
-        unsafe { self.insert_geom(space, raw_hull::create(number, data.clone()), None) }
+        unsafe { self.insert_geom(space, raw_hull::create(number, data.clone())) }
     }
 
     /// A hull geom to ask.

@@ -80,7 +80,7 @@ pub use body::{Body, BodyMut};
 pub use check::REACH;
 pub use collide::{ContactGeom, Contacts, Pair};
 pub use convex::Convex;
-pub use geom::{Aabb, Geom, GeomMut, RayFlags};
+pub use geom::{Geom, GeomMut, RayFlags};
 pub use hull::{HullMut, HullView};
 pub use init::{Ode, random_seed, set_random_seed};
 pub use joint::{Joint, JointKind, JointMut, JointParam, JointType};

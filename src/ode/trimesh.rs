@@ -28,7 +28,7 @@ pub struct TriMesh {
 impl TriMesh {
     /// A mesh of these triangles, each three indices into `points`.
     ///
-    /// Triangles without area collide with nothing and are left out.
+    /// Triangles without area collide with nothing and are left out, and so are points that no triangle uses.
     ///
     /// # Errors
     ///
@@ -56,19 +56,34 @@ impl TriMesh {
             }
         }
         let given = triangles.len();
-        let mut mesh = Self { points, triangles };
-        let with_area = |triangle: &[u32; 3]| has_area(triangle.map(|index| mesh.points[index as usize]));
-        let kept: Vec<_> = mesh.triangles.iter().copied().filter(with_area).collect();
-        mesh.triangles = kept;
-        if mesh.triangles.is_empty() {
+        let with_area = |triangle: &[u32; 3]| has_area(triangle.map(|index| points[index as usize]));
+        let triangles: Vec<_> = triangles.into_iter().filter(with_area).collect();
+        if triangles.is_empty() {
             return Err(Error::argument(format!(
                 "mesh: expected at least one triangle with an area, found none among {given}"
             )));
         }
-        Ok(mesh)
+        Ok(Self { points, triangles }.without_loose_points())
     }
 
-    /// The points, as given.
+    /// The same mesh without the points that no triangle uses: ODE aborts where points outnumber edges.
+    fn without_loose_points(self) -> Self {
+        let mut used = vec![false; self.points.len()];
+        self.triangles.as_flattened().iter().for_each(|&index| used[index as usize] = true);
+        let mut fresh = 0;
+        let renumbered: Vec<u32> = used
+            .iter()
+            .map(|&used| {
+                fresh += u32::from(used);
+                fresh.wrapping_sub(1)
+            })
+            .collect();
+        let points = self.points.into_iter().zip(used).filter_map(|(point, used)| used.then_some(point));
+        let triangles = self.triangles.into_iter().map(|corners| corners.map(|k| renumbered[k as usize]));
+        Self { points: points.collect(), triangles: triangles.collect() }
+    }
+
+    /// The points that triangles use, in the order given.
     pub fn points(&self) -> &[Point3<f64>] {
         &self.points
     }
@@ -151,7 +166,13 @@ mod tests {
     fn triangles_without_area_are_left_out() {
         let mesh = TriMesh::new(corners(), vec![[0, 1, 2], [0, 0, 1], [0, 1, 3]]).unwrap();
         assert_eq!(mesh.triangles(), [[0, 1, 2]]);
-        assert_eq!(mesh.points().len(), 4);
+    }
+
+    #[test]
+    fn points_that_no_triangle_uses_are_left_out() {
+        let mesh = TriMesh::new(corners(), vec![[3, 2, 0], [0, 1, 3]]).unwrap();
+        assert_eq!(mesh.triangles(), [[2, 1, 0]]);
+        assert_eq!(mesh.points(), [corners()[0], corners()[2], corners()[3]]);
     }
 
     #[test]

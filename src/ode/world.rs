@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use ode_sys::{
     dBodyCreate, dBodyDestroy, dBodyGetData, dBodyID, dBodySetData, dContactGeom, dGeomDestroy, dGeomGetData,
-    dGeomID, dJointDestroy, dJointGroupCreate, dJointGroupDestroy, dJointGroupID, dSpaceDestroy, dSpaceID,
+    dGeomID, dJointDestroy, dJointGroupCreate, dJointGroupDestroy, dJointGroupID, dSpaceDestroy,
     dThreadingAllocateSelfThreadedImplementation, dThreadingFreeImplementation,
     dThreadingImplementationGetFunctions, dThreadingImplementationID, dWorldCreate, dWorldDestroy, dWorldID,
     dWorldSetStepThreadingImplementation,
@@ -61,7 +61,7 @@ pub(super) struct Buffers {
 // SAFETY: ODE's objects belong to no thread (what ODE keeps per thread is allocated in each collide and step), all of
 // them are reached through this one value, and the world steps with a threading object of its own. What is left
 // global in ODE is atomic (the random numbers), or locked (`Ode`, and the cache for meshes, see `collide`). The
-// owned extras of geoms are `Send`.
+// data of hull geoms is `Send`, see `hull_geom`.
 unsafe impl Send for World {}
 
 impl World {
@@ -247,24 +247,6 @@ impl World {
         self.raw
     }
 
-    /// ODE's own id of a body, if it is there.
-    #[allow(dead_code, reason = "the way from ids to ODE's objects, for the collision class")]
-    pub(crate) fn raw_body(&self, id: BodyId) -> Option<dBodyID> {
-        self.bodies.get(id.0).copied()
-    }
-
-    /// ODE's own id of a geom, if it is there.
-    #[allow(dead_code, reason = "the way from ids to ODE's objects, for the collision class")]
-    pub(crate) fn raw_geom(&self, id: GeomId) -> Option<dGeomID> {
-        self.geoms.get(id.0).map(|record| record.raw)
-    }
-
-    /// ODE's own id of a space, if it is there.
-    #[allow(dead_code, reason = "the way from ids to ODE's objects, for the collision class")]
-    pub(crate) fn raw_space(&self, id: SpaceId) -> Option<dSpaceID> {
-        self.spaces.get(id.0).map(|record| record.raw)
-    }
-
     /// The id of a body of ODE, if it is one of this world's.
     ///
     /// # Safety
@@ -303,7 +285,7 @@ impl World {
 impl Drop for World {
     fn drop(&mut self) {
         // SAFETY: every id is alive and destroyed once: joints, then their groups, geoms before the spaces that hold
-        // them, spaces with their root, bodies with the world. The geoms' extras are dropped with the arena, after.
+        // them, spaces with their root, bodies with the world. What geoms borrow is dropped with the arena, after.
         unsafe {
             for (_, joint) in self.joints.iter().filter(|(_, joint)| joint.group.is_none()) {
                 dJointDestroy(joint.raw);

@@ -101,7 +101,7 @@ pub fn face_on(
     check(4, distance)?;
     let half = lengths / 2.0;
     let camera = |k: usize| {
-        let (reach, along) = if k % 2 == 0 { (half.x, half.y) } else { (half.y, half.x) };
+        let (reach, along) = if k.is_multiple_of(2) { (half.x, half.y) } else { (half.y, half.x) };
         let quarter = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), TAU / 4.0 * k as f64);
         let eye = world_from_box * (quarter * Point3::new(reach + distance, along, half.z));
         let target = world_from_box * Point3::origin();

@@ -1,12 +1,13 @@
 //! A table whose hull is the table, and worlds on it: what the tests of the collision class share.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
+use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Vector3, point, vector};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{Aabb, HullData};
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, SpaceKind, Surface, World};
 use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, coverage, layout};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// The table's full side lengths; its centre is the origin.
 pub const TABLE: Vector3<f64> = Vector3::new(0.5, 0.5, 0.4);
@@ -48,11 +49,27 @@ pub fn show(data: &HullData, cameras: &[Camera], subject: &Subject, time: f64) {
     data.update(time).unwrap();
 }
 
+/// What the table's cameras see of it.
+pub fn table_masks() -> &'static [GrayImage] {
+    static MASKS: LazyLock<Vec<GrayImage>> = LazyLock::new(|| {
+        let table = Subject::new(vec![cuboid(TABLE, Isometry3::identity())]);
+        table_cameras().iter().map(|camera| coverage(camera, &table)).collect()
+    });
+    &MASKS
+}
+
+/// Publishes the table as the frame of `time`.
+pub fn show_table(data: &HullData, time: f64) {
+    for (view, mask) in table_masks().iter().enumerate() {
+        data.set_mask(view, mask).unwrap();
+    }
+    data.update(time).unwrap();
+}
+
 /// The table, seen and published at time 0.
 pub fn table() -> Arc<HullData> {
-    let cameras = table_cameras();
-    let data = data_with(&cameras);
-    show(&data, &cameras, &Subject::new(vec![cuboid(TABLE, Isometry3::identity())]), 0.0);
+    let data = data_with(&table_cameras());
+    show_table(&data, 0.0);
     data
 }
 
@@ -75,6 +92,15 @@ pub fn add_body(world: &mut World, shape: &Shape, pose: &Isometry3<f64>) -> (Bod
     world.body_mut(body).set_mass(&Mass::of(shape, Amount::Total(1.0)).unwrap()).unwrap();
     world.body_mut(body).set_pose(pose).unwrap();
     (body, geom)
+}
+
+/// A world with `data`'s hull and a box of 0.2 m that falls 2 cm onto the table's top.
+pub fn drop_box_on(data: &Arc<HullData>) -> (World, BodyId) {
+    let mut world = world(SpaceKind::default());
+    let root = world.root_space();
+    world.add_hull(root, data).unwrap();
+    let (body, _) = add_body(&mut world, &cube(0.2), &at(0.0, 0.0, TOP + 0.12));
+    (world, body)
 }
 
 pub fn step(world: &mut World, dt: f64) {

@@ -43,7 +43,8 @@ fn table() -> (World, dGeomID) {
     let root = world.root_space();
     let hull = world.add_hull(root, &Arc::new(data)).unwrap();
     world.collide(|_| ()).unwrap();
-    let raw = world.raw_geom(hull).unwrap();
+    // SAFETY: the world is returned beside it, and keeps the geom.
+    let raw = unsafe { world.geom(hull).raw() };
     (world, raw)
 }
 
@@ -118,7 +119,8 @@ fn nothing_is_written_where_nothing_touches() {
     let root = world.root_space();
     let far = world.add_geom(root, &Shape::Sphere { radius: 0.1 }).unwrap();
     world.geom_mut(far).set_pose(&Isometry3::translation(0.0, 0.0, 0.31)).unwrap();
-    let far = world.raw_geom(far).unwrap();
+    // SAFETY: the geom stays as long as the world.
+    let far = unsafe { world.geom(far).raw() };
     let mut contacts = fresh();
     // SAFETY: as above.
     let count = unsafe { dCollide(hull, far, 6, (&raw mut contacts).cast(), size_of::<Padded>() as c_int) };

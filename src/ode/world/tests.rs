@@ -1,14 +1,13 @@
 //! Ownership: what ids reach, and what is freed when.
 
-use std::any::Any;
 use std::ptr::null_mut;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{dBodyCreate, dCreateSphere, dGeomDestroy, dGeomSetData, dSpaceAdd};
 
 use super::*;
+use crate::hull::HullData;
 use crate::ode::{AutoDisable, Damping, Shape, SweepAxes, TriMesh};
 
 fn world() -> World {
@@ -17,19 +16,11 @@ fn world() -> World {
 
 const BALL: Shape = Shape::Sphere { radius: 0.5 };
 
-/// Counts how often it is dropped.
-struct Dropped(Arc<AtomicUsize>);
-
-impl Drop for Dropped {
-    fn drop(&mut self) {
-        self.0.fetch_add(1, Ordering::SeqCst);
-    }
-}
-
 #[test]
 fn a_world_may_be_sent_to_another_thread() {
     fn assert_send<T: Send>() {}
     assert_send::<World>();
+    assert_send::<crate::ode::hull_geom::HullGeom>();
     let mut world = world();
     let body = world.add_body();
     let world = std::thread::spawn(move || {
@@ -44,10 +35,9 @@ fn ids_lead_to_ode_and_back() {
     let mut world = world();
     let (body, root) = (world.add_body(), world.root_space());
     let geom = world.add_geom(root, &BALL).unwrap();
-    let (raw_body, raw_geom) = (world.raw_body(body).unwrap(), world.raw_geom(geom).unwrap());
-    assert!(world.raw_space(root).is_some());
     // SAFETY: both are alive, or null.
     unsafe {
+        let (raw_body, raw_geom) = (world.body(body).raw(), world.geom(geom).raw());
         assert_eq!(world.body_id(raw_body), Some(body));
         assert_eq!(world.geom_id(raw_geom), Some(geom));
         assert_eq!((world.body_id(null_mut()), world.geom_id(null_mut())), (None, None));
@@ -68,41 +58,35 @@ fn foreign_objects_have_no_id_and_are_not_shown() {
         // The user data of the world's first geom, but another geom.
         dGeomSetData(geom, std::ptr::without_provenance_mut(1));
         assert_eq!(world.geom_id(geom), None);
-        dSpaceAdd(world.raw_space(root).unwrap(), geom);
+        dSpaceAdd(world.spaces.expect(root).raw, geom);
         world.collide(|pair| panic!("{pair:?}")).unwrap();
         dGeomDestroy(geom);
     }
 }
 
 #[test]
-fn extras_are_dropped_once_with_their_geom_or_their_world() {
-    let dropped = Arc::new(AtomicUsize::new(0));
-    let extra = || Some(Box::new(Dropped(dropped.clone())) as Box<dyn Any + Send>);
+fn a_hull_lets_its_data_go_with_its_geom_or_its_world() {
+    let data = Arc::new(HullData::new());
     let mut world = world();
     let root = world.root_space();
-    // SAFETY: new geoms in no space, given away.
-    let [first, _] =
-        [0, 1].map(|_| unsafe { world.insert_geom(root, dCreateSphere(null_mut(), 0.5), extra()).unwrap() });
+    let [first, _] = [0, 1].map(|_| world.add_hull(root, &data).unwrap());
+    assert_eq!(Arc::strong_count(&data), 3);
     assert_eq!(world.geom(first).shape(), None);
     assert!(world.geom_mut(first).set_shape(&BALL).is_err());
     assert!(world.remove_geom(first));
-    assert_eq!(dropped.load(Ordering::SeqCst), 1);
+    assert_eq!(Arc::strong_count(&data), 2);
     drop(world);
-    assert_eq!(dropped.load(Ordering::SeqCst), 2);
+    assert_eq!(Arc::strong_count(&data), 1);
 }
 
 #[test]
-fn a_geom_for_a_space_that_is_gone_is_destroyed() {
-    let dropped = Arc::new(AtomicUsize::new(0));
+fn a_hull_for_a_space_that_is_gone_is_destroyed() {
+    let data = Arc::new(HullData::new());
     let mut world = world();
     let space = world.add_space(world.root_space(), SpaceKind::Simple).unwrap();
     world.remove_space(space).unwrap();
-    // SAFETY: a new geom in no space, given away.
-    let refused = unsafe {
-        world.insert_geom(space, dCreateSphere(null_mut(), 0.5), Some(Box::new(Dropped(dropped.clone()))))
-    };
-    assert!(refused.is_err());
-    assert_eq!(dropped.load(Ordering::SeqCst), 1);
+    assert!(world.add_hull(space, &data).is_err());
+    assert_eq!(Arc::strong_count(&data), 1);
 }
 
 #[test]

@@ -62,7 +62,7 @@ fn writing_and_reading_gives_the_same_rig() {
     let tables = (0..12).map(|i| {
         CAMERA
             .replace("cam_0", &format!("cam_{i}"))
-            .replace("left", &format!("caméra \\\"{i}\\\" \\\\ [x]"))
+            .replace("left", &format!("caméra \\\"{i}\\\" \\\\ [x]\\t\\u0007"))
             .replace("[-0.1, 0.01, 0.0, 1e-4, 0]", lens[i % lens.len()])
             .replace("1.5, 0.2", &format!("{i}e-1, 3.0"))
     });

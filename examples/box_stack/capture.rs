@@ -1,0 +1,87 @@
+//! Where silhouettes come from: the synthetic studio or a recording.
+
+use image::RgbImage;
+use nalgebra::Point3;
+use ode_visual_hull::Result;
+use ode_visual_hull::camera::{Camera, Pixel, Ray};
+use ode_visual_hull::hull::{Hull, HullData};
+use ode_visual_hull::synthetic::Hit;
+
+/// Frames a second.
+pub const FRAME_RATE: f64 = 30.0;
+
+/// Calibrated cameras and what they see, frame by frame.
+pub trait Capture: Sync {
+    /// What is captured, in a word.
+    fn subject(&self) -> &str;
+
+    /// The cameras, in the order of the hull's views.
+    fn cameras(&self) -> &[Camera];
+
+    /// The camera that shows most.
+    fn best_view(&self, data: &HullData) -> usize;
+
+    /// The number of frames.
+    fn frames(&self) -> usize;
+
+    /// Until when, in seconds, the subject does not move.
+    fn still_until(&self) -> f64;
+
+    /// Gives the masks of `frame` to `data` and publishes them.
+    fn publish(&mut self, frame: usize, data: &HullData) -> Result<()>;
+
+    /// What camera `view` sees in `frame`.
+    fn picture(&mut self, frame: usize, view: usize) -> Result<RgbImage>;
+
+    /// The part of camera `view`'s image to draw.
+    fn window(&self, view: usize, data: &HullData) -> Window;
+
+    /// Where `ray`, a viewing ray of camera `view`, first meets the subject of the frame last published, whose hull
+    /// is `hull`.
+    fn hit(&self, ray: &Ray, view: usize, hull: &Hull) -> Option<Hit>;
+
+    /// The height of the subject's top in `frame`, where it is known.
+    fn real_top(&self, frame: usize) -> Option<f64>;
+
+    /// Where the light comes from.
+    fn lamp(&self) -> Point3<f64>;
+}
+
+/// A part of an image, in pixels.
+#[derive(Debug, Clone, Copy)]
+pub struct Window {
+    /// Columns left of it.
+    pub left: u32,
+    /// Rows above it.
+    pub top: u32,
+    /// Its columns.
+    pub width: u32,
+    /// Its rows.
+    pub height: u32,
+}
+
+impl Window {
+    /// All of a camera's image.
+    pub fn whole(camera: &Camera) -> Self {
+        let (width, height) = camera.size();
+        Self { left: 0, top: 0, width, height }
+    }
+
+    /// Around `points` of the world, as far as they are in the image; all of it where none is.
+    pub fn around(camera: &Camera, points: &[Point3<f64>]) -> Self {
+        let (width, height) = camera.size();
+        let pixels: Vec<_> = points.iter().filter_map(|point| camera.project(point)).collect();
+        let least = |x: f64, most: u32| x.clamp(0.0, f64::from(most)) as u32;
+        let fold = |pick: fn(&Pixel) -> f64, first: f64, better: fn(f64, f64) -> f64, most: u32| {
+            least(pixels.iter().map(pick).fold(first, better), most)
+        };
+        let left = fold(|p| p.u, f64::INFINITY, f64::min, width);
+        let right = fold(|p| p.u, f64::NEG_INFINITY, f64::max, width);
+        let top = fold(|p| p.v, f64::INFINITY, f64::min, height);
+        let bottom = fold(|p| p.v, f64::NEG_INFINITY, f64::max, height);
+        if right <= left || bottom <= top {
+            return Self::whole(camera);
+        }
+        Self { left, top, width: right - left, height: bottom - top }
+    }
+}

@@ -1,0 +1,184 @@
+//! Virtual boxes drawn into a camera's picture, hidden where the real subject is in front.
+//!
+//! Each box is ray-cast per pixel through the camera's own lens, so that it lands where the camera would see it.
+//! Real surfaces close to a box are shaded a little, or the box would seem to float.
+
+use super::capture::Window;
+use super::simulation::Drawn;
+use image::RgbImage;
+use image::imageops::{FilterType, crop_imm, resize};
+use nalgebra::{Point3, Vector3};
+use ode_visual_hull::camera::{Camera, Ray};
+use ode_visual_hull::synthetic::Hit;
+
+/// Rays along a pixel's edge.
+const RAYS: u32 = 2;
+
+const RAYS_OF_PIXEL: usize = (RAYS * RAYS) as usize;
+
+/// Parts of the picture that are painted at the same time.
+const BANDS: u32 = 4;
+
+/// Small windows are enlarged up to this.
+const LARGEST_SCALE: f64 = 2.5;
+
+/// Half the width of the dark lines along a box's edges, in metres.
+const LINE: f64 = 0.003;
+
+/// How far from a box the surfaces around it are shaded, in metres, and how much at most.
+const REACH: f64 = 0.07;
+const SHADE: f64 = 0.6;
+
+/// A place to paint what one camera sees, at a size of its own.
+pub struct Easel {
+    window: Window,
+    size: (u32, u32),
+    lamp: Point3<f64>,
+    /// The rays of each pixel, `RAYS_OF_PIXEL` of them; `None` beyond the lens model.
+    rays: Vec<Option<Ray>>,
+}
+
+/// Where a ray meets the real subject.
+pub type Real<'r> = &'r (dyn Fn(&Ray) -> Option<Hit> + Sync);
+
+/// Where a ray meets a box.
+struct BoxHit {
+    t: f64,
+    colour: Vector3<f64>,
+}
+
+impl Easel {
+    /// For the `window` of pictures of `camera`, painted with a longer side of `size` pixels and lit from `lamp`.
+    pub fn new(camera: &Camera, window: Window, size: u32, lamp: Point3<f64>) -> Self {
+        let longer = window.width.max(window.height);
+        let scale = (f64::from(size) / f64::from(longer)).min(LARGEST_SCALE);
+        let scaled = |length: u32| (f64::from(length) * scale).round().max(1.0) as u32;
+        let (width, height) = (scaled(window.width), scaled(window.height));
+        let step = 1.0 / scale / f64::from(RAYS);
+        let along = |first: u32, i: u32| f64::from(first) + (f64::from(i) + 0.5) * step;
+        let ray = |i: u32, j: u32| camera.ray(along(window.left, i), along(window.top, j));
+        let of_pixel =
+            |x: u32, y: u32| (0..RAYS * RAYS).map(move |k| ray(x * RAYS + k % RAYS, y * RAYS + k / RAYS));
+        let rays = (0..height).flat_map(|y| (0..width).flat_map(move |x| of_pixel(x, y))).collect();
+        Self { window, size: (width, height), lamp, rays }
+    }
+
+    /// The window of `picture` with `boxes` in it; `real` tells where a ray meets the real subject.
+    pub fn paint(&self, picture: &RgbImage, boxes: &[Drawn], real: Real) -> RgbImage {
+        let Window { left, top, width, height } = self.window;
+        let part = crop_imm(picture, left, top, width, height).to_image();
+        let mut image = resize(&part, self.size.0, self.size.1, FilterType::CatmullRom);
+        let rows = self.size.1.div_ceil(BANDS) as usize;
+        let row = self.size.0 as usize;
+        std::thread::scope(|scope| {
+            let rays = self.rays.chunks(rows * row * RAYS_OF_PIXEL);
+            for (pixels, rays) in image.chunks_mut(3 * rows * row).zip(rays) {
+                scope.spawn(move || self.paint_pixels(pixels, rays, boxes, real));
+            }
+        });
+        image
+    }
+
+    fn paint_pixels(&self, pixels: &mut [u8], rays: &[Option<Ray>], boxes: &[Drawn], real: Real) {
+        for (pixel, rays) in pixels.chunks_mut(3).zip(rays.chunks(RAYS_OF_PIXEL)) {
+            let Some(first) = &rays[0] else { continue };
+            let near: Vec<&Drawn> = boxes.iter().filter(|one| passes(first, one)).collect();
+            if !near.is_empty() {
+                let before = Vector3::from_fn(|c, _| f64::from(pixel[c]));
+                let after = self.blend(&before, rays, first, &near, boxes, real);
+                pixel.copy_from_slice(&<[u8; 3]>::from(
+                    after.map(|value| value.round().clamp(0.0, 255.0) as u8),
+                ));
+            }
+        }
+    }
+
+    /// A pixel's colour with the boxes that are `near` its rays.
+    fn blend(
+        &self,
+        pixel: &Vector3<f64>,
+        rays: &[Option<Ray>],
+        first: &Ray,
+        near: &[&Drawn],
+        boxes: &[Drawn],
+        real: Real,
+    ) -> Vector3<f64> {
+        let seen = surface(first, real);
+        let background = pixel * seen.map_or(1.0, |point| 1.0 - shade_at(&point, near.iter().copied()));
+        let colour = |ray: &Option<Ray>| {
+            let Some(ray) = ray else { return background };
+            let Some(hit) = self.box_hit(ray, near, boxes) else { return background };
+            if real(ray).is_some_and(|real| real.t < hit.t) { background } else { hit.colour }
+        };
+        rays.iter().map(colour).sum::<Vector3<f64>>() / rays.len() as f64
+    }
+
+    /// The nearest of the boxes that `ray` meets.
+    fn box_hit(&self, ray: &Ray, near: &[&Drawn], boxes: &[Drawn]) -> Option<BoxHit> {
+        let hits = near.iter().filter_map(|one| entry(ray, one).map(|(t, axis)| (t, axis, *one)));
+        let (t, axis, one) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let point = ray.at(t);
+        let local = one.world_from_box.inverse_transform_point(&point);
+        let mut normal = Vector3::zeros();
+        normal[axis] = local[axis].signum();
+        let normal = one.world_from_box * normal;
+        let others = boxes.iter().filter(|other| !std::ptr::eq(*other, one));
+        let light = self.light(&point, &normal) * (1.0 - 0.5 * shade_at(&point, others));
+        let line = line_at(&local, &one.half, axis);
+        Some(BoxHit { t, colour: Vector3::from(one.colour.map(f64::from)) * light * line })
+    }
+
+    fn light(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
+        let to_lamp = (self.lamp - point).normalize();
+        0.58 + 0.10 * normal.z + 0.40 * normal.dot(&to_lamp).max(0.0)
+    }
+}
+
+/// Whether `ray` passes so close to a box that it is seen, or the surfaces around it are shaded.
+fn passes(ray: &Ray, one: &Drawn) -> bool {
+    let to_box = one.world_from_box.translation.vector - ray.origin.coords;
+    let reach = one.half.norm() + REACH;
+    to_box.norm_squared() - to_box.dot(&ray.direction).powi(2) <= reach * reach
+}
+
+/// The real surface on `ray`: the subject, else the floor.
+fn surface(ray: &Ray, real: Real) -> Option<Point3<f64>> {
+    let floor = (ray.direction.z < 0.0).then(|| -ray.origin.z / ray.direction.z).filter(|&t| t > 0.0);
+    real(ray).map(|hit| hit.t).or(floor).map(|t| ray.at(t))
+}
+
+/// How much the boxes darken a surface close to them, 0 to `SHADE`.
+fn shade_at<'b>(point: &Point3<f64>, boxes: impl Iterator<Item = &'b Drawn>) -> f64 {
+    let nearness = |one: &Drawn| (1.0 - distance(point, one) / REACH).max(0.0).powi(2);
+    SHADE * boxes.map(nearness).fold(0.0, f64::max)
+}
+
+fn distance(point: &Point3<f64>, one: &Drawn) -> f64 {
+    let local = one.world_from_box.inverse_transform_point(point);
+    (local.coords.abs() - one.half).map(|x| x.max(0.0)).norm()
+}
+
+/// Where `ray` enters a box, and across which axis.
+fn entry(ray: &Ray, one: &Drawn) -> Option<(f64, usize)> {
+    let origin = one.world_from_box.inverse_transform_point(&ray.origin);
+    let direction = one.world_from_box.inverse_transform_vector(&ray.direction);
+    let (mut enter, mut leave) = ((0.0, 0), f64::INFINITY);
+    for axis in 0..3 {
+        let (a, b) = (-one.half[axis] - origin[axis], one.half[axis] - origin[axis]);
+        let (near, far) = if direction[axis] >= 0.0 { (a, b) } else { (b, a) };
+        // A direction of zero gives infinities of the right signs, or NaN on the face itself, which is a miss.
+        let (near, far) = (near / direction[axis], far / direction[axis]);
+        if near > enter.0 {
+            enter = (near, axis);
+        }
+        leave = leave.min(far);
+    }
+    (enter.0 > 0.0 && enter.0 < leave).then_some(enter)
+}
+
+/// A dark line along the edges of the face across `axis`, with a soft inner side.
+fn line_at(local: &Point3<f64>, half: &Vector3<f64>, axis: usize) -> f64 {
+    let to_edge = (0..3).filter(|&other| other != axis).map(|other| half[other] - local[other].abs());
+    let inwards = to_edge.fold(f64::INFINITY, f64::min) / LINE;
+    0.45 + 0.55 * (inwards - 0.5).clamp(0.0, 1.0)
+}

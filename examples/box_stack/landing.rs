@@ -1,0 +1,153 @@
+//! Where on a subject boxes could come to rest: the level places of the hull, seen from above, each tried out.
+
+use super::simulation::{Simulation, Support};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use ode_visual_hull::Result;
+use ode_visual_hull::camera::Ray;
+use ode_visual_hull::hull::{Hull, HullData};
+use std::sync::Arc;
+
+/// Grid of the heights, in metres.
+const CELL: f64 = 0.015;
+
+/// Of the cells below a box, this part at least must be the subject's.
+const MOSTLY: f64 = 0.7;
+
+/// A surface this rough, in metres, carries a box no better than one of slope 1.
+const LEVEL: f64 = 0.04;
+
+/// Lower places, feet and floor, are left alone, in metres.
+const LOWEST: f64 = 0.3;
+
+/// How many places are tried at most, in seconds how long, and from how high above the place, in metres.
+const TRIALS: usize = 150;
+const TRIAL: f64 = 1.5;
+const DROP: f64 = 0.06;
+
+/// A place for a box.
+#[derive(Debug, Clone, Copy)]
+struct Landing {
+    /// The middle of the place, at the height that a box of that size touches first.
+    top: Point3<f64>,
+    /// 1 for an even, level place, less for others.
+    firmness: f64,
+}
+
+/// Where to drop `n` boxes with edges of `side` metres, apart from each other: first where one alone came to rest on
+/// the subject, then the other places, the most level ones first.
+pub fn poses(data: &Arc<HullData>, n: usize, side: f64, pixel_size: f64) -> Result<Vec<Isometry3<f64>>> {
+    let Some((_, hull)) = data.latest() else { return Ok(Vec::new()) };
+    let mut landings = Heights::of(&hull).landings(side);
+    landings.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    let places = apart(landings.iter().map(|landing| landing.top), 0.3 * side, TRIALS);
+    let mut poses = Vec::new();
+    let mut unsteady = Vec::new();
+    for (i, top) in places.iter().enumerate() {
+        let turn = Vector3::z() * 0.15 * (i % 3) as f64;
+        let pose = Isometry3::new(top.coords + Vector3::z() * (0.5 * side + DROP), turn);
+        let kept = if is_steady(data, &pose, side, pixel_size)? { &mut poses } else { &mut unsteady };
+        kept.push(pose);
+    }
+    poses.extend(unsteady);
+    let chosen = apart(poses.iter().map(|pose| pose.translation.vector.into()), 1.1 * side, n);
+    poses.retain(|pose| chosen.contains(&pose.translation.vector.into()));
+    Ok(poses)
+}
+
+/// Whether a box dropped at `pose` comes to rest on the subject close by.
+fn is_steady(data: &Arc<HullData>, pose: &Isometry3<f64>, side: f64, pixel_size: f64) -> Result<bool> {
+    let mut trial = Simulation::new(data, pixel_size)?;
+    trial.add_box(Vector3::repeat(side), pose, [0; 3])?;
+    trial.advance(TRIAL)?;
+    let state = trial.states()[0];
+    let strayed = state.pose.translation.vector - pose.translation.vector;
+    Ok(trial.supports()[0] == Support::Subject
+        && state.linear_velocity.norm() < 0.01
+        && strayed.xy().norm() < 0.5 * side)
+}
+
+/// The first `n` of `points` that lie at least `distance` apart along x or y.
+fn apart(points: impl Iterator<Item = Point3<f64>>, distance: f64, n: usize) -> Vec<Point3<f64>> {
+    let mut chosen: Vec<Point3<f64>> = Vec::new();
+    for point in points {
+        if chosen.len() < n && chosen.iter().all(|other| (other - point).xy().amax() >= distance) {
+            chosen.push(point);
+        }
+    }
+    chosen
+}
+
+impl Landing {
+    /// Heads before laps where both are as level.
+    fn score(&self) -> f64 {
+        self.firmness + 0.1 * self.top.z
+    }
+}
+
+/// Heights of the hull over a grid; minus infinity beside it.
+struct Heights {
+    origin: Point3<f64>,
+    columns: usize,
+    rows: usize,
+    values: Vec<f64>,
+}
+
+impl Heights {
+    fn of(hull: &Hull) -> Self {
+        let aabb = hull.aabb();
+        let size = (aabb.max - aabb.min) / CELL;
+        let (columns, rows) = (size.x.max(0.0) as usize + 1, size.y.max(0.0) as usize + 1);
+        let top = aabb.max.z + 0.01;
+        let value = |k: usize| {
+            let (x, y) = (k % columns, k / columns);
+            let offset = Vector3::new(x as f64 + 0.5, y as f64 + 0.5, 0.0) * CELL;
+            let start = Point3::new(aabb.min.x, aabb.min.y, top) + offset;
+            let entry = hull.first_span(&Ray { origin: start, direction: -Vector3::z() });
+            entry.and_then(|(entry, _)| entry).map_or(f64::NEG_INFINITY, |hit| top - hit.t)
+        };
+        Self { origin: aabb.min, columns, rows, values: (0..columns * rows).map(value).collect() }
+    }
+
+    fn landings(&self, side: f64) -> Vec<Landing> {
+        let n = (side / CELL).round().max(1.0) as usize;
+        let places = (0..(self.rows + 1).saturating_sub(n))
+            .flat_map(|y| (0..(self.columns + 1).saturating_sub(n)).map(move |x| (x, y)));
+        places.filter_map(|(x, y)| self.landing(x, y, n)).collect()
+    }
+
+    /// A box whose base covers `n` by `n` cells from (x, y) on.
+    fn landing(&self, x: usize, y: usize, n: usize) -> Option<Landing> {
+        let half = 0.5 * (n as f64 - 1.0);
+        let cells: Vec<Vector3<f64>> = (0..n * n)
+            .map(|k| (k % n, k / n))
+            .map(|(i, j)| {
+                let height = self.values[(y + j) * self.columns + x + i];
+                Vector3::new((i as f64 - half) * CELL, (j as f64 - half) * CELL, height)
+            })
+            .filter(|cell| cell.z.is_finite())
+            .collect();
+        let top = cells.iter().map(|cell| cell.z).fold(f64::NEG_INFINITY, f64::max);
+        let covered = cells.len() as f64 / (n * n) as f64;
+        if top < LOWEST || covered < MOSTLY {
+            return None;
+        }
+        let (slope, roughness) = plane(&cells)?;
+        let offset = Vector3::new(x as f64 + 0.5 * n as f64, y as f64 + 0.5 * n as f64, 0.0) * CELL;
+        let corner = Point3::new(self.origin.x, self.origin.y, top);
+        Some(Landing { top: corner + offset, firmness: covered - slope - roughness / LEVEL })
+    }
+}
+
+/// The slope of the plane nearest to `points`, and the RMS of their heights above it.
+fn plane(points: &[Vector3<f64>]) -> Option<(f64, f64)> {
+    let (mut matrix, mut vector) = (Matrix3::zeros(), Vector3::zeros());
+    for point in points {
+        let row = Vector3::new(point.x, point.y, 1.0);
+        matrix += row * row.transpose();
+        vector += row * point.z;
+    }
+    let fit = matrix.try_inverse()? * vector;
+    let square = |point: &Vector3<f64>| (point.z - fit.dot(&Vector3::new(point.x, point.y, 1.0))).powi(2);
+    let mean_square = points.iter().map(square).sum::<f64>() / points.len() as f64;
+    Some((fit.x.hypot(fit.y), mean_square.sqrt()))
+}

@@ -1,0 +1,76 @@
+//! The heights of the boxes over time, as SVG.
+
+use super::log::Log;
+use ode_visual_hull::{Error, Result};
+use plotters::prelude::*;
+use std::path::Path;
+
+/// Times in seconds and heights in metres.
+type Curve = Vec<(f64, f64)>;
+
+/// What a curve is called, and how it is drawn.
+type Legend = (String, ShapeStyle);
+
+/// Draws the log's heights; the subject moves from `still_until` on, in seconds.
+pub fn write(path: &Path, log: &Log, still_until: f64) -> Result<()> {
+    draw(path, log, still_until)
+        .map_err(|e| Error::file(path, format!("expected to write the plot, found: {e}")))
+}
+
+fn draw(path: &Path, log: &Log, still_until: f64) -> std::result::Result<(), Box<dyn std::error::Error>> {
+    let end = log.entries.last().map_or(1.0, |entry| entry.time);
+    let heights = log.entries.iter().flat_map(|entry| &entry.states).map(|state| state.pose.translation.z);
+    let top = heights.fold(0.0, f64::max);
+    let area = SVGBackend::new(path, (800, 450)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(&area)
+        .margin(16)
+        .x_label_area_size(42)
+        .y_label_area_size(56)
+        .build_cartesian_2d(0.0..end, 0.0..1.08 * top)?;
+    chart
+        .configure_mesh()
+        .light_line_style(WHITE)
+        .bold_line_style(RGBColor(225, 225, 225))
+        .x_desc("time (s)")
+        .y_desc("height of the centre (m)")
+        .x_label_formatter(&|x| format!("{x:.1}"))
+        .y_label_formatter(&|y| format!("{y:.1}"))
+        .draw()?;
+    let label = |text: String, style: ShapeStyle| (text, style);
+    let mut lines: Vec<(Curve, Legend)> = Vec::new();
+    for (i, &[r, g, b]) in log.colours.iter().enumerate() {
+        let points = log.entries.iter().map(|entry| (entry.time, entry.states[i].pose.translation.z));
+        lines.push((points.collect(), label(format!("box {}", i + 1), on_white(r, g, b).stroke_width(2))));
+    }
+    let real: Vec<_> = log.entries.iter().filter_map(|entry| Some((entry.time, entry.real_top?))).collect();
+    if !real.is_empty() {
+        lines.push((real, label("top of the real box".into(), BLACK.stroke_width(1))));
+    }
+    if still_until < end {
+        let wall = vec![(still_until, 0.0), (still_until, 1.08 * top)];
+        let style = RGBColor(150, 150, 150).stroke_width(1);
+        lines.push((wall, label("the subject moves from here on".into(), style)));
+    }
+    for (points, (text, style)) in lines {
+        chart
+            .draw_series(LineSeries::new(points, style))?
+            .label(text)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .background_style(WHITE.mix(0.85))
+        .border_style(RGBColor(200, 200, 200))
+        .draw()?;
+    area.present()?;
+    Ok(())
+}
+
+/// Pale colours are darkened, to be seen on white.
+fn on_white(r: u8, g: u8, b: u8) -> RGBColor {
+    let pale = r.min(g).min(b) > 180;
+    let dim = |c: u8| if pale { (u16::from(c) * 6 / 10) as u8 } else { c };
+    RGBColor(dim(r), dim(g), dim(b))
+}

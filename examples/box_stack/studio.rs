@@ -1,0 +1,203 @@
+//! Eight synthetic cameras around a real box that stands, is lifted, and is tilted.
+//!
+//! Above a flat top the visual hull is a tent unless a camera looks along the top. So seven cameras stand at heights
+//! that the top passes, two of them on the axis of the tilt: they look along it at any angle. The eighth looks down
+//! and shows the scene.
+
+use super::capture::{Capture, FRAME_RATE, Window};
+use super::sensor::Sensor;
+use super::simulation::Simulation;
+use image::RgbImage;
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, vector};
+use ode_visual_hull::camera::{Camera, Ray};
+use ode_visual_hull::hull::{Aabb, Hull, HullData};
+use ode_visual_hull::segment::{CleanPlate, Thresholds};
+use ode_visual_hull::synthetic::{Hit, Paint, Placed, Room, Scene, Solid, Subject, clean_plate, render_over};
+use ode_visual_hull::{Error, Result};
+
+/// The real box, in metres.
+const REAL: Vector3<f64> = Vector3::new(0.5, 0.5, 0.35);
+
+/// When the real box begins and ends to move, and when the film ends, in seconds.
+const STILL_UNTIL: f64 = 1.8;
+const MOVED_BY: f64 = 3.6;
+const END: f64 = 6.2;
+
+/// How high it is lifted, in metres, and how far it is tilted, towards +x, in radians.
+const LIFT: f64 = 0.25;
+const TILT: f64 = 28.0 * std::f64::consts::PI / 180.0;
+
+/// Where the grazing cameras stand: azimuth in degrees, counter-clockwise from +x, and height in metres.
+const GRAZING: [(f64, f64); 7] =
+    [(0.0, 0.35), (45.0, 0.35), (90.0, 0.42), (135.0, 0.35), (180.0, 0.50), (225.0, 0.35), (270.0, 0.62)];
+
+const IMAGE: (u32, u32) = (640, 480);
+
+/// Sensor noise, in grey levels.
+const NOISE: f64 = 3.0;
+
+/// The synthetic studio.
+pub struct Studio {
+    cameras: Vec<Camera>,
+    /// Per camera the empty room, as it is and as the segmentation knows it.
+    plates: Vec<(RgbImage, CleanPlate)>,
+    sensor: Sensor,
+    /// What is before the cameras, and what they see of it without noise.
+    scene: Scene,
+    images: Vec<RgbImage>,
+}
+
+impl Studio {
+    /// The studio with its empty room photographed, its cameras added to `data` and the first frame published.
+    pub fn new(seed: u32, data: &HullData) -> Result<Self> {
+        let cameras = cameras()?;
+        let room = Room::default();
+        let plates = in_parallel(&cameras, |_, camera| {
+            let plate = clean_plate(camera, &room);
+            Ok((plate.clone(), CleanPlate::new(plate, Thresholds::default())))
+        })?;
+        for camera in &cameras {
+            data.add_view(camera.clone())?;
+        }
+        data.set_bounds(Aabb::new(Point3::new(-0.8, -0.8, -0.1), Point3::new(0.8, 0.8, 1.2))?)?;
+        let sensor = Sensor::new(IMAGE, NOISE, u64::from(seed))?;
+        let scene = Scene { subject: Subject::default(), room };
+        let mut studio = Self { cameras, plates, sensor, scene, images: Vec::new() };
+        studio.publish(0, data)?;
+        Ok(studio)
+    }
+
+    /// Metres that a pixel covers at the real box.
+    pub fn pixel_size(&self, data: &HullData) -> Result<f64> {
+        let (_, hull) = data.latest().ok_or_else(|| Error::argument("expected a frame, found none"))?;
+        Ok(hull.pixel_size(&Point3::new(0.0, 0.0, REAL.z)))
+    }
+
+    /// Moves the real box to where it is in `frame`. While it stands, its images are those of the frame before.
+    fn move_real_box(&mut self, frame: usize) -> Result<()> {
+        let cardboard = Paint::cloth([206, 150, 92]);
+        let placed = Placed::new(Solid::cuboid(REAL)?, real_pose(time_of(frame)), cardboard);
+        let subject = Subject::new(vec![placed]);
+        if subject != self.scene.subject {
+            self.scene.subject = subject;
+            let scene = &self.scene;
+            let render = |view: usize, camera: &Camera| render_over(camera, scene, &self.plates[view].0);
+            self.images = in_parallel(&self.cameras, render)?;
+        }
+        Ok(())
+    }
+}
+
+impl Capture for Studio {
+    fn subject(&self) -> &str {
+        "real box"
+    }
+
+    fn cameras(&self) -> &[Camera] {
+        &self.cameras
+    }
+
+    fn best_view(&self, _: &HullData) -> usize {
+        self.cameras.len() - 1
+    }
+
+    fn frames(&self) -> usize {
+        (END * FRAME_RATE) as usize
+    }
+
+    fn still_until(&self) -> f64 {
+        STILL_UNTIL
+    }
+
+    /// The whole way of a real system: image, noise, subtraction of the empty room, mask.
+    fn publish(&mut self, frame: usize, data: &HullData) -> Result<()> {
+        self.move_real_box(frame)?;
+        in_parallel(&self.cameras, |view, _| {
+            let exposure = (frame * self.cameras.len() + view) as u32;
+            let image = self.sensor.expose(&self.images[view], exposure);
+            data.set_mask(view, &self.plates[view].1.subtract(&image)?)
+        })?;
+        data.update(time_of(frame))?;
+        Ok(())
+    }
+
+    /// Without the noise, which is for the segmentation: a film of it would only be larger.
+    fn picture(&mut self, _: usize, view: usize) -> Result<RgbImage> {
+        Ok(self.images[view].clone())
+    }
+
+    fn window(&self, view: usize, _: &HullData) -> Window {
+        Window::whole(&self.cameras[view])
+    }
+
+    fn hit(&self, ray: &Ray, _: usize, _: &Hull) -> Option<Hit> {
+        self.scene.subject.first_hit(ray).map(|(hit, _)| hit)
+    }
+
+    fn real_top(&self, frame: usize) -> Option<f64> {
+        Some((real_pose(time_of(frame)) * Point3::new(0.0, 0.0, 0.5 * REAL.z)).z)
+    }
+
+    fn lamp(&self) -> Point3<f64> {
+        self.scene.room.lamp()
+    }
+}
+
+/// Stacks the five virtual boxes, a hair apart.
+pub fn stack(simulation: &mut Simulation) -> Result<()> {
+    let boxes = [
+        (vector![0.26, 0.25, 0.15], 0.05, [222, 86, 62]),
+        (vector![0.24, 0.24, 0.14], -0.12, [66, 118, 202]),
+        (vector![0.25, 0.22, 0.13], 0.20, [240, 188, 60]),
+        (vector![0.22, 0.24, 0.14], -0.06, [146, 92, 186]),
+        (vector![0.21, 0.21, 0.13], 0.30, [236, 236, 228]),
+    ];
+    let mut top = REAL.z;
+    for (sides, yaw, colour) in boxes {
+        top += 0.001;
+        let pose = Isometry3::new(vector![0.0, 0.0, top + 0.5 * sides.z], Vector3::z() * yaw);
+        simulation.add_box(sides, &pose, colour)?;
+        top += sides.z;
+    }
+    Ok(())
+}
+
+/// The real box's pose at `time`.
+fn real_pose(time: f64) -> Isometry3<f64> {
+    let s = ((time - STILL_UNTIL) / (MOVED_BY - STILL_UNTIL)).clamp(0.0, 1.0);
+    let moved = s * s * (3.0 - 2.0 * s);
+    let centre = vector![0.0, 0.0, 0.5 * REAL.z + LIFT * moved];
+    Isometry3::from_parts(centre.into(), UnitQuaternion::from_axis_angle(&Vector3::y_axis(), TILT * moved))
+}
+
+fn time_of(frame: usize) -> f64 {
+    frame as f64 / FRAME_RATE
+}
+
+fn cameras() -> Result<Vec<Camera>> {
+    let target = Point3::new(0.0, 0.0, 0.4);
+    let grazing = GRAZING.iter().enumerate().map(|(i, &(azimuth, height))| {
+        let (sin, cos) = azimuth.to_radians().sin_cos();
+        let eye = Point3::new(3.0 * cos, 3.0 * sin, height);
+        Camera::look_at(format!("grazing{i}"), IMAGE, 0.46, eye, target, Vector3::z())
+    });
+    let (eye, target) = (Point3::new(-0.55, -3.05, 1.6), Point3::new(0.38, 0.0, 0.52));
+    let overview = Camera::look_at("overview", IMAGE, 0.66, eye, target, Vector3::z());
+    grazing.chain([overview]).collect()
+}
+
+/// Calls `work` for each camera, each on a thread of its own.
+fn in_parallel<T: Send>(
+    cameras: &[Camera],
+    work: impl Fn(usize, &Camera) -> Result<T> + Sync,
+) -> Result<Vec<T>> {
+    std::thread::scope(|scope| {
+        let work = &work;
+        let threads: Vec<_> = cameras
+            .iter()
+            .enumerate()
+            .map(|(view, camera)| scope.spawn(move || work(view, camera)))
+            .collect();
+        threads.into_iter().map(|thread| thread.join().expect("no camera's work panics")).collect()
+    })
+}

@@ -16,14 +16,18 @@ const AT_REST: f64 = 0.02;
 const WATCHED: f64 = 0.8;
 
 /// Writes all files into `dir`; returns each with what it is.
-pub fn write(dir: &Path, film: &Film, log: &Log, still_until: f64) -> Result<Vec<(PathBuf, &'static str)>> {
+pub fn write(
+    dir: &Path,
+    film: &Film,
+    log: &Log,
+    still_until: f64,
+    moments: &[f64; 3],
+) -> Result<Vec<(PathBuf, &'static str)>> {
     let mut written = Vec::new();
     if !film.is_empty() {
-        let end = log.entries.last().map_or(0.0, |entry| entry.time);
         let (path, strip) = (dir.join("box_stack.gif"), dir.join("box_stack.png"));
         film.write(&path)?;
-        let moments = [still_until - 0.1, 0.5 * (still_until + end), end];
-        film.write_strip(&moments, &strip)?;
+        film.write_strip(moments, &strip)?;
         written.extend([(path, "film"), (strip, "three stills")]);
     }
     let (states, heights) = (dir.join("states.csv"), dir.join("heights.svg"));

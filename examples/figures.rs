@@ -25,6 +25,8 @@ mod scene;
 mod stack;
 #[path = "figures/studio.rs"]
 mod studio;
+#[path = "figures/trajectories.rs"]
+mod trajectories;
 
 use figure::{Bound, Figure};
 use std::process::ExitCode;
@@ -33,8 +35,9 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 4] = [
+const GROUPS: [(&str, Measure); 5] = [
     ("geometry", geometry::measure),
+    ("trajectories", trajectories::measure),
     ("rest", rest::measure),
     ("stack", stack::measure),
     ("grip", grip::measure),

@@ -77,7 +77,7 @@ pub struct Options {
 const EXAMPLES: &str = "\
 Examples:
   cargo run --release --example box_stack
-  cargo run --release --example box_stack -- --view 1 --out /tmp/from_the_side
+  cargo run --release --example box_stack -- --view 1 --out target/from_the_side
   cargo run --release --example box_stack -- --recording my_recording --boxes 8 --side 0.1";
 
 /// [`Unseen`] by name.

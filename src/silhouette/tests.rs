@@ -94,6 +94,36 @@ fn contact_normals_of_a_straight_edge_are_right_at_every_slope() {
 }
 
 #[test]
+fn coverage_normals_of_a_straight_edge_are_right_to_a_tenth_of_a_degree_on_average() {
+    // A table's top seen from its height, by cameras rolled by all these angles: a sphere at rest on it rolls away
+    // where the normals tilt. With weights cut off at a square window the mean error is 0.08 degrees.
+    let mut errors = Vec::new();
+    for k in 0..=45 {
+        let slope = f64::from(k).to_radians();
+        let (n, offset) = (Vector2::new(slope.sin(), -slope.cos()), 30.3 * slope.sin() - 30.2 * slope.cos());
+        let coverage = |i: u32, j: u32| half_plane_coverage(f64::from(i), f64::from(j), &n, offset);
+        let mask = GrayImage::from_fn(60, 60, |i, j| image::Luma([(255.0 * coverage(i, j)).round() as u8]));
+        let s = Silhouette::new(mask, Border::Open);
+        let inner = s.edge_pixels().filter(|&(i, j)| (14..46).contains(&i) && (14..46).contains(&j));
+        errors.extend(inner.map(|(i, j)| s.edge(i, j).unwrap().normal.angle(&n).to_degrees()));
+    }
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    let worst = errors.into_iter().fold(0.0, f64::max);
+    assert!(mean < 0.03 && worst < 0.15, "mean {mean}, worst {worst} degrees");
+}
+
+/// How much of pixel `(x, y)` lies where `n . p < offset`, `n` within 45 degrees of up: exact in its columns, of
+/// which there are 64.
+fn half_plane_coverage(x: f64, y: f64, n: &Vector2<f64>, offset: f64) -> f64 {
+    let below = |k: i32| {
+        let u = x + (f64::from(k) + 0.5) / 64.0;
+        let edge = (offset - n.x * u) / n.y;
+        (y + 1.0 - edge).clamp(0.0, 1.0)
+    };
+    (0..64).map(below).sum::<f64>() / 64.0
+}
+
+#[test]
 fn edge_points_lie_on_a_straight_edge() {
     let normal = Vector2::new(0.6, -0.8);
     let offset = |u: f64, v: f64| (u - 30.3) * normal.x + (v - 30.2) * normal.y;

@@ -1,0 +1,23 @@
+//! How near bodies on the hull of a box stay to what they do on ODE's own box, and how fast they roll: the scenes of
+//! the tests, as figures.
+
+#[path = "../../tests/trajectories/scenes.rs"]
+mod scenes;
+
+use crate::figure::{
+    Bound::{AtMost, Within},
+    Figure,
+};
+
+pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+    let figure = |(name, value): (String, f64)| {
+        let bound = match name.as_str() {
+            "trajectory_worst_px" => Some(AtMost(2.0)),
+            "trajectory_edge_first_px" => Some(AtMost(4.0)),
+            "rolling_speed_over_native" => Some(Within(0.97, 1.03)),
+            _ => None,
+        };
+        Figure { name, value, bound }
+    };
+    scenes::compare::figures(progress).into_iter().map(figure).collect()
+}

@@ -1,0 +1,210 @@
+//! A scene built on either support and stepped: what is the same on both sides is written once.
+
+use super::rig::Rig;
+use nalgebra::{Isometry3, Vector3, vector};
+use ode_visual_hull::contact::Mode;
+use ode_visual_hull::ode::{
+    Amount, BodyId, GeomId, JointKind, Mass, Ode, Shape, Surface, World, set_random_seed,
+};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Seconds a step.
+pub const DT: f64 = 0.005;
+
+/// The seed of ODE's random numbers, set before each run.
+pub const SEED: u32 = 1;
+
+/// Contacts a pair, on both supports.
+pub const CONTACTS: usize = 8;
+
+/// What the bodies fall on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Support {
+    /// ODE's own box.
+    Native,
+    /// The hull of that box, from coverage masks.
+    Hull,
+}
+
+/// A body at the start, all in the world's frame; 1 kg.
+#[derive(Debug, Clone)]
+pub struct Start {
+    pub shape: Shape,
+    pub pose: Isometry3<f64>,
+    pub velocity: Vector3<f64>,
+    pub spin: Vector3<f64>,
+}
+
+/// One experiment.
+pub struct Scene {
+    /// Its name: of its file and its figure.
+    pub name: &'static str,
+    /// What happens, in a sentence.
+    pub about: &'static str,
+    pub rig: &'static Rig,
+    pub bodies: Vec<Start>,
+    /// What holds the first body to the world.
+    pub joint: Option<JointKind>,
+    pub surface: Surface,
+    pub ends: Ends,
+    /// Whether a body falls on an edge or a corner, where a small difference at the impact grows.
+    pub edge_first: bool,
+}
+
+/// When a scene has been seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ends {
+    /// At rest, or 2 s after the first impact.
+    AtRest,
+    /// When a body leaves the support, or 1 s after it came to it.
+    OffSupport,
+}
+
+/// A body after a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    pub pose: Isometry3<f64>,
+    pub velocity: Vector3<f64>,
+    pub spin: Vector3<f64>,
+}
+
+/// A scene that runs.
+pub struct Stage {
+    pub world: World,
+    pub support: GeomId,
+    pub bodies: Vec<BodyId>,
+    surface: Surface,
+    _turn: MutexGuard<'static, ()>,
+}
+
+/// ODE's random numbers are one sequence for the whole process: scenes run one after the other.
+static TURN: Mutex<()> = Mutex::new(());
+
+impl Stage {
+    pub fn new(scene: &Scene, support: Support) -> Self {
+        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut world = World::new(&Ode::init().unwrap()).unwrap();
+        world.set_gravity(&vector![0.0, 0.0, -9.81]).unwrap();
+        world.set_cfm(1e-5).unwrap();
+        world.set_erp(0.2).unwrap();
+        world.set_contact_surface_layer(0.001).unwrap();
+        world.set_quick_step_iterations(50).unwrap();
+        let root = world.root_space();
+        let support = match support {
+            Support::Native => {
+                let geom = world.add_geom(root, &Shape::Box { sides: scene.rig.lengths }).unwrap();
+                world.geom_mut(geom).set_pose(&scene.rig.world_from_box).unwrap();
+                geom
+            }
+            Support::Hull => {
+                let geom = world.add_hull(root, &scene.rig.hull_data()).unwrap();
+                world.hull_mut(geom).set_mode(Mode::Clustered);
+                geom
+            }
+        };
+        let bodies: Vec<BodyId> = scene.bodies.iter().map(|start| add(&mut world, start)).collect();
+        if let Some(joint) = &scene.joint {
+            world.add_joint([Some(bodies[0]), None], joint).unwrap();
+        }
+        set_random_seed(SEED);
+        Self { world, support, bodies, surface: scene.surface, _turn: turn }
+    }
+
+    pub fn states(&self) -> Vec<State> {
+        let state = |&id: &BodyId| {
+            let body = self.world.body(id);
+            State { pose: body.pose(), velocity: body.linear_velocity(), spin: body.angular_velocity() }
+        };
+        self.bodies.iter().map(state).collect()
+    }
+
+    /// Collides and steps. True where something touched the support.
+    pub fn step(&mut self) -> bool {
+        let (support, surface) = (self.support, self.surface);
+        let mut touched = false;
+        let collide = |pair: &ode_visual_hull::ode::Pair<'_>| {
+            if pair.bodies() == [None, None] {
+                return;
+            }
+            let contacts = pair.contacts(CONTACTS);
+            touched |= pair.geoms().contains(&support) && !contacts.is_empty();
+            for contact in contacts.iter() {
+                pair.attach(contact, &surface);
+            }
+        };
+        self.world.collide(collide).unwrap();
+        self.world.quick_step(DT).unwrap();
+        touched
+    }
+}
+
+fn add(world: &mut World, start: &Start) -> BodyId {
+    let body = world.add_body();
+    let root = world.root_space();
+    let geom = world.add_geom(root, &start.shape).unwrap();
+    world.geom_mut(geom).set_body(Some(body)).unwrap();
+    let mut view = world.body_mut(body);
+    view.set_mass(&Mass::of(&start.shape, Amount::Total(1.0)).unwrap()).unwrap();
+    view.set_pose(&start.pose).unwrap();
+    view.set_linear_velocity(&start.velocity).unwrap();
+    view.set_angular_velocity(&start.spin).unwrap();
+    body
+}
+
+/// A scene as it went: the states before the first step, and after each.
+pub struct Run {
+    pub states: Vec<Vec<State>>,
+    /// The step in which a body first touched the support.
+    pub first: usize,
+    /// The last step to be compared.
+    pub last: usize,
+    /// Why it ends there.
+    pub ending: &'static str,
+}
+
+/// Slower than this for a tenth of a second is at rest, m/s and, for bodies of some 0.1 m, ten times that in rad/s.
+const REST: f64 = 1e-3;
+
+/// No contact in this many steps is off the support.
+const OFF: usize = 3;
+
+/// Runs a scene to its end.
+pub fn run(scene: &Scene, support: Support) -> Run {
+    let mut stage = Stage::new(scene, support);
+    let mut states = vec![stage.states()];
+    let (mut first, mut still, mut off) = (None, 0, 0);
+    let steps = |seconds: f64| (seconds / DT).round() as usize;
+    for k in 1..=steps(5.0) {
+        let touched = stage.step();
+        states.push(stage.states());
+        if touched {
+            first.get_or_insert(k);
+        }
+        let Some(first) = first else { continue };
+        let slow = |state: &State| state.velocity.norm() < REST && state.spin.norm() < 10.0 * REST;
+        still = if states[k].iter().all(slow) { still + 1 } else { 0 };
+        off = if touched { 0 } else { off + 1 };
+        let ending = match scene.ends {
+            Ends::AtRest if still == steps(0.1) => Some((k, "at rest")),
+            Ends::AtRest if k == first + steps(2.0) => Some((k, "2 s after the first impact")),
+            Ends::OffSupport if off == OFF => Some((k - OFF, "off the support")),
+            Ends::OffSupport if k == first + steps(1.0) => Some((k, "after 1 s")),
+            _ => None,
+        };
+        if let Some((last, ending)) = ending {
+            return Run { states, first, last, ending };
+        }
+    }
+    panic!("{}: expected the bodies to reach the support within 3 s", scene.name)
+}
+
+/// Runs a scene for as long as another run of it lasted.
+pub fn run_for(scene: &Scene, support: Support, steps: usize) -> Vec<Vec<State>> {
+    let mut stage = Stage::new(scene, support);
+    let mut states = vec![stage.states()];
+    for _ in 0..steps {
+        stage.step();
+        states.push(stage.states());
+    }
+    states
+}

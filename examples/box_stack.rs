@@ -113,7 +113,7 @@ fn play(
     }
     progress.finish_and_clear();
     let still_until = capture.still_until();
-    let written = report::write(&options.out, &film, &log, still_until)?;
+    let written = report::write(&options.out, &film, &log, still_until, &capture.moments())?;
     let mut text = report::table(&log, simulation, still_until, capture.subject());
     text += &report::summary(frames, capture.cameras().len(), started.elapsed());
     for (path, what) in written {

@@ -27,6 +27,9 @@ pub trait Capture: Sync {
     /// Until when, in seconds, the subject does not move.
     fn still_until(&self) -> f64;
 
+    /// Three moments that tell the story, in seconds.
+    fn moments(&self) -> [f64; 3];
+
     /// Gives the masks of `frame` to `data` and publishes them.
     fn publish(&mut self, frame: usize, data: &HullData) -> Result<()>;
 

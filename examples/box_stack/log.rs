@@ -1,6 +1,6 @@
 //! What happened: every box's state in every frame.
 
-use super::simulation::{Simulation, State};
+use super::simulation::{Simulation, State, Support};
 use ode_visual_hull::{Error, Result};
 use std::fmt::Write;
 use std::path::Path;
@@ -11,6 +11,8 @@ pub struct Entry {
     pub time: f64,
     /// Of the boxes.
     pub states: Vec<State>,
+    /// What holds them up.
+    pub supports: Vec<Support>,
     /// Height of the real subject's top, in metres, where known.
     pub real_top: Option<f64>,
 }
@@ -31,7 +33,12 @@ impl Log {
 
     /// Notes the present states.
     pub fn record(&mut self, simulation: &Simulation, real_top: Option<f64>) {
-        self.entries.push(Entry { time: simulation.time(), states: simulation.states(), real_top });
+        self.entries.push(Entry {
+            time: simulation.time(),
+            states: simulation.states(),
+            supports: simulation.supports(),
+            real_top,
+        });
     }
 
     /// The entries between two times, in seconds.

@@ -45,8 +45,8 @@ impl Playback {
                 "expected masks, found images alone; segment them into <camera>/mask/000000.png first";
             return Err(Error::file(dir, problem));
         }
-        if !(options.side > 0.0 && options.side <= 2.0) {
-            return Err(Error::argument(format!("--side: expected 0 to 2 m, found {}", options.side)));
+        if !(0.05..=2.0).contains(&options.side) {
+            return Err(Error::argument(format!("--side: expected 0.05 to 2 m, found {}", options.side)));
         }
         if !(options.hold >= 0.0 && options.hold <= 3600.0) {
             return Err(Error::argument(format!("--hold: expected 0 to 3600 s, found {}", options.hold)));
@@ -133,6 +133,11 @@ impl Capture for Playback {
 
     fn still_until(&self) -> f64 {
         self.hold as f64 / FRAME_RATE
+    }
+
+    fn moments(&self) -> [f64; 3] {
+        let (still_until, end) = (self.still_until(), self.frames() as f64 / FRAME_RATE);
+        [0.2, still_until - 0.1, 0.5 * (still_until + end)]
     }
 
     fn publish(&mut self, frame: usize, data: &HullData) -> Result<()> {

@@ -5,12 +5,6 @@ use ode_visual_hull::{Error, Result};
 use plotters::prelude::*;
 use std::path::Path;
 
-/// Times in seconds and heights in metres.
-type Curve = Vec<(f64, f64)>;
-
-/// What a curve is called, and how it is drawn.
-type Legend = (String, ShapeStyle);
-
 /// Draws the log's heights; the subject moves from `still_until` on, in seconds.
 pub fn write(path: &Path, log: &Log, still_until: f64) -> Result<()> {
     draw(path, log, still_until)
@@ -37,26 +31,11 @@ fn draw(path: &Path, log: &Log, still_until: f64) -> std::result::Result<(), Box
         .x_label_formatter(&|x| format!("{x:.1}"))
         .y_label_formatter(&|y| format!("{y:.1}"))
         .draw()?;
-    let label = |text: String, style: ShapeStyle| (text, style);
-    let mut lines: Vec<(Curve, Legend)> = Vec::new();
-    for (i, &[r, g, b]) in log.colours.iter().enumerate() {
-        let points = log.entries.iter().map(|entry| (entry.time, entry.states[i].pose.translation.z));
-        lines.push((points.collect(), label(format!("box {}", i + 1), on_white(r, g, b).stroke_width(2))));
-    }
-    let real: Vec<_> = log.entries.iter().filter_map(|entry| Some((entry.time, entry.real_top?))).collect();
-    if !real.is_empty() {
-        lines.push((real, label("top of the real box".into(), BLACK.stroke_width(1))));
-    }
-    if still_until < end {
-        let wall = vec![(still_until, 0.0), (still_until, 1.08 * top)];
-        let style = RGBColor(150, 150, 150).stroke_width(1);
-        lines.push((wall, label("the subject moves from here on".into(), style)));
-    }
-    for (points, (text, style)) in lines {
+    for line in lines(log, still_until, end, top) {
         chart
-            .draw_series(LineSeries::new(points, style))?
-            .label(text)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+            .draw_series(LineSeries::new(line.points, line.style))?
+            .label(line.name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], line.style));
     }
     chart
         .configure_series_labels()
@@ -66,6 +45,35 @@ fn draw(path: &Path, log: &Log, still_until: f64) -> std::result::Result<(), Box
         .draw()?;
     area.present()?;
     Ok(())
+}
+
+/// A line of the plot.
+struct Line {
+    name: String,
+    style: ShapeStyle,
+    /// Time in seconds and height in metres.
+    points: Vec<(f64, f64)>,
+}
+
+/// The boxes, the real box's top where it is known, and when it begins to move.
+fn lines(log: &Log, still_until: f64, end: f64, top: f64) -> Vec<Line> {
+    let of_box = |(i, &[r, g, b]): (usize, &[u8; 3])| Line {
+        name: format!("box {}", i + 1),
+        style: on_white(r, g, b).stroke_width(2),
+        points: log.entries.iter().map(|entry| (entry.time, entry.states[i].pose.translation.z)).collect(),
+    };
+    let mut lines: Vec<Line> = log.colours.iter().enumerate().map(of_box).collect();
+    let real: Vec<_> = log.entries.iter().filter_map(|entry| Some((entry.time, entry.real_top?))).collect();
+    if !real.is_empty() {
+        let name = "top of the real box".into();
+        lines.push(Line { name, style: BLACK.stroke_width(1), points: real });
+    }
+    if still_until < end {
+        let name = "the subject moves from here on".into();
+        let style = RGBColor(150, 150, 150).stroke_width(1);
+        lines.push(Line { name, style, points: vec![(still_until, 0.0), (still_until, 1.08 * top)] });
+    }
+    lines
 }
 
 /// Pale colours are darkened, to be seen on white.

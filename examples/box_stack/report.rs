@@ -16,14 +16,18 @@ const AT_REST: f64 = 0.02;
 const WATCHED: f64 = 0.8;
 
 /// Writes all files into `dir`; returns each with what it is.
-pub fn write(dir: &Path, film: &Film, log: &Log, still_until: f64) -> Result<Vec<(PathBuf, &'static str)>> {
+pub fn write(
+    dir: &Path,
+    film: &Film,
+    log: &Log,
+    still_until: f64,
+    moments: &[f64; 3],
+) -> Result<Vec<(PathBuf, &'static str)>> {
     let mut written = Vec::new();
     if !film.is_empty() {
-        let end = log.entries.last().map_or(0.0, |entry| entry.time);
         let (path, strip) = (dir.join("box_stack.gif"), dir.join("box_stack.png"));
         film.write(&path)?;
-        let moments = [still_until - 0.1, still_until + 0.4 * (end - still_until), end];
-        film.write_strip(&moments, &strip)?;
+        film.write_strip(moments, &strip)?;
         written.extend([(path, "film"), (strip, "three stills")]);
     }
     let (states, heights) = (dir.join("states.csv"), dir.join("heights.svg"));
@@ -36,33 +40,40 @@ pub fn write(dir: &Path, film: &Film, log: &Log, still_until: f64) -> Result<Vec
 /// One line per box: how still it was before the subject moved, and where it ended.
 pub fn table(log: &Log, simulation: &Simulation, still_until: f64, subject: &str) -> String {
     let mut text = format!(
-        "                while the {subject} stands still        whole run                at the end\n\
-         box   size (cm)   rms mm/s  creep mm  lean deg   max m/s  deepest mm   x, y, z (m)           mm/s  rests on\n"
+        "                while the {subject} stands still               whole run             at the end\n\
+         box  size (cm)  on         rms mm/s  creep mm  lean deg  max m/s  deepest mm  on         x, y, z (m)          mm/s\n"
     );
-    let still: Vec<&Entry> = log.between(still_until - WATCHED, still_until).collect();
-    let last = log.entries.last();
-    for (i, (one, support)) in simulation.boxes().iter().zip(simulation.supports()).enumerate() {
+    let still: Vec<&Entry> = log.between(still_until - WATCHED, still_until + 1e-6).collect();
+    for (i, one) in simulation.boxes().iter().enumerate() {
         let size = one.sides * 100.0;
-        let _ = write!(text, "{:>3}   {:>2.0}x{:>2.0}x{:>2.0}", i + 1, size.x, size.y, size.z);
+        let _ = write!(text, "{:>3}  {:>2.0}x{:>2.0}x{:>2.0} ", i + 1, size.x, size.y, size.z);
         let _ = match Stillness::of(&still, i) {
-            Some(s) => write!(text, "   {:>8.2}  {:>8.2}  {:>8.2}", s.rms_mm_s, s.creep_mm, s.lean_deg),
-            None => write!(text, "   {:>8}  {:>8}  {:>8}", "-", "-", "-"),
+            Some(s) => {
+                let on = place(s.on, s.speed, subject);
+                write!(text, "  {on:<9}  {:>8.2}  {:>8.2}  {:>8.2}", 1e3 * s.rms, 1e3 * s.creep, s.lean_deg)
+            }
+            None => write!(text, "  {:<9}  {:>8}  {:>8}  {:>8}", "-", "-", "-", "-"),
         };
-        let _ = write!(text, "   {:>7.2}  {:>10.1}", one.fastest_after_contact, 1e3 * one.deepest);
-        if let Some(state) = last.map(|entry| &entry.states[i]) {
-            let p = state.pose.translation.vector;
-            let speed = state.linear_velocity.norm();
-            let rests = match support {
-                Support::Nothing => "in the air".into(),
-                _ if speed > AT_REST => "still moving".into(),
-                Support::Subject => subject.to_owned(),
-                Support::Floor => "floor".into(),
-            };
-            let _ =
-                writeln!(text, "   {:>5.2}, {:>5.2}, {:>5.2}   {:>7.1}  {rests}", p.x, p.y, p.z, 1e3 * speed);
+        let _ = write!(text, "  {:>7.2}  {:>10.1}", one.fastest_after_contact, 1e3 * one.deepest);
+        if let Some(last) = log.entries.last() {
+            let p = last.states[i].pose.translation.vector;
+            let speed = last.states[i].linear_velocity.norm();
+            let on = place(last.supports[i], speed, subject);
+            let _ = write!(text, "  {on:<9}  {:>5.2}, {:>5.2}, {:>5.2}  {:>6.1}", p.x, p.y, p.z, 1e3 * speed);
         }
+        text.push('\n');
     }
     text
+}
+
+/// What a box rests on, or that it does not.
+fn place(support: Support, speed: f64, subject: &str) -> &str {
+    match support {
+        Support::Nothing => "in flight",
+        _ if speed > AT_REST => "moving",
+        Support::Subject => subject,
+        Support::Floor => "floor",
+    }
 }
 
 /// One line on the amount of work.
@@ -72,10 +83,12 @@ pub fn summary(frames: usize, cameras: usize, took: Duration) -> String {
     format!("{frames} frames of {cameras} cameras in {seconds:.1} s ({each:.0} ms a frame)\n\n")
 }
 
-/// How a box kept still.
+/// How a box kept still. Lengths and speeds in metres.
 struct Stillness {
-    rms_mm_s: f64,
-    creep_mm: f64,
+    on: Support,
+    speed: f64,
+    rms: f64,
+    creep: f64,
     lean_deg: f64,
 }
 
@@ -86,8 +99,10 @@ impl Stillness {
         let squares: f64 = entries.iter().map(|entry| state(entry).linear_velocity.norm_squared()).sum();
         let crept = state(last).pose.translation.vector - state(first).pose.translation.vector;
         Some(Self {
-            rms_mm_s: 1e3 * (squares / entries.len() as f64).sqrt(),
-            creep_mm: 1e3 * crept.norm(),
+            on: last.supports[i],
+            speed: state(last).linear_velocity.norm(),
+            rms: (squares / entries.len() as f64).sqrt(),
+            creep: crept.norm(),
             lean_deg: lean_deg(&state(last).pose.rotation),
         })
     }

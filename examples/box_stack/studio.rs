@@ -21,7 +21,7 @@ const REAL: Vector3<f64> = Vector3::new(0.5, 0.5, 0.35);
 /// When the real box begins and ends to move, and when the film ends, in seconds.
 const STILL_UNTIL: f64 = 1.8;
 const MOVED_BY: f64 = 3.6;
-const END: f64 = 6.2;
+const END: f64 = 5.8;
 
 /// How high it is lifted, in metres, and how far it is tilted, towards +x, in radians.
 const LIFT: f64 = 0.25;
@@ -75,7 +75,7 @@ impl Studio {
 
     /// Moves the real box to where it is in `frame`. While it stands, its images are those of the frame before.
     fn move_real_box(&mut self, frame: usize) -> Result<()> {
-        let cardboard = Paint::cloth([206, 150, 92]);
+        let cardboard = Paint::plain([206, 150, 92]);
         let placed = Placed::new(Solid::cuboid(REAL)?, real_pose(time_of(frame)), cardboard);
         let subject = Subject::new(vec![placed]);
         if subject != self.scene.subject {
@@ -107,6 +107,10 @@ impl Capture for Studio {
 
     fn still_until(&self) -> f64 {
         STILL_UNTIL
+    }
+
+    fn moments(&self) -> [f64; 3] {
+        [STILL_UNTIL - 0.1, MOVED_BY - 0.2, END]
     }
 
     /// The whole way of a real system: image, noise, subtraction of the empty room, mask.

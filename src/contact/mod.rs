@@ -10,6 +10,7 @@
 mod cluster;
 mod escape;
 mod reduce;
+mod tilt;
 
 use crate::hull::{EdgeModel, Hull, Push};
 use crate::sample::Samples;
@@ -129,7 +130,11 @@ pub fn collide(
         Mode::Point => vec![colliding.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()],
         Mode::Single => vec![vec![own_contact(deepest(&colliding), settings.max_depth)]],
     };
-    Contacts { contacts: reduce::spread(clusters, settings.max_contacts), escape }
+    let mut contacts = reduce::spread(clusters, settings.max_contacts);
+    if settings.mode == Mode::Clustered && escape.is_none() {
+        contacts = tilt::without_waiting(contacts);
+    }
+    Contacts { contacts, escape }
 }
 
 /// Any contacts, the first found, up to `settings.max_contacts`: for callers who only want to know whether there are

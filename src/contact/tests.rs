@@ -142,7 +142,7 @@ fn a_body_that_reaches_over_the_table_rests_on_it() {
 #[test]
 fn reduction_keeps_the_deepest_and_the_spread_whatever_the_cap() {
     let hull = table();
-    let tilted = at(0.0, 0.0, 0.293) * UnitQuaternion::from_euler_angles(0.01, 0.02, 0.0);
+    let tilted = at(0.0, 0.0, 0.293) * UnitQuaternion::from_euler_angles(0.001, 0.002, 0.0);
     let with_cap = |cap| {
         let settings = Settings { max_contacts: cap, ..Settings::default() };
         collide(&hull, &cube(), &tilted, &settings, None).contacts

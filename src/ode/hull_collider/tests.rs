@@ -69,11 +69,11 @@ fn contacts_lie_skip_bytes_apart_and_nothing_else_is_written() {
         dGeomDestroy(sunk);
         count
     };
-    assert_eq!(count, 4);
-    assert!(
-        contacts[..4].iter().all(|padded| padded.contact.depth >= 0.0 && padded.contact.normal[2] < -0.9)
-    );
-    assert!(contacts[4..].iter().all(|padded| padded.contact.depth == -7.0));
+    // A few: which samples wait for others on so coarse a hull is not the point here.
+    assert!((2..=4).contains(&count));
+    let (written, others) = contacts.split_at(count as usize);
+    assert!(written.iter().all(|padded| padded.contact.depth >= 0.0 && padded.contact.normal[2] < -0.9));
+    assert!(others.iter().all(|padded| padded.contact.depth == -7.0));
     assert!(contacts.iter().all(|padded| padded.guard == [GUARD; 5]));
 }
 

@@ -30,6 +30,8 @@ test: setup ## formatting, lints, documentation and all tests
 	RUSTDOCFLAGS="--deny warnings" cargo doc --workspace --no-deps
 	cargo test --workspace
 	tests/install.sh
+	tests/thread_sanitizer.sh
+	tests/ode_demos.sh
 
 figures: setup ## measures every quality figure: a table, and target/figures.json
 	cargo run --release --example figures

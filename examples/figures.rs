@@ -7,6 +7,8 @@
 mod accuracy;
 #[path = "figures/analytic.rs"]
 mod analytic;
+#[path = "figures/capi.rs"]
+mod capi;
 #[path = "figures/contour.rs"]
 mod contour;
 #[path = "figures/figure.rs"]
@@ -35,12 +37,13 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 5] = [
+const GROUPS: [(&str, Measure); 6] = [
     ("geometry", geometry::measure),
     ("trajectories", trajectories::measure),
     ("rest", rest::measure),
     ("stack", stack::measure),
     ("grip", grip::measure),
+    ("capi", capi::measure),
 ];
 
 fn main() -> ExitCode {

@@ -80,7 +80,9 @@ int dGetVisualHullClass(void);
 /**
  * @brief What went wrong in this thread's last call that failed; "" if none did.
  *
- * Valid until the thread's next call of a function of this header.
+ * A collision can fail too, for a geom that cannot be sampled: dCollide then gives no contacts, and this tells why.
+ *
+ * @return A string that is valid until the thread's next call of a function of this header.
  */
 const char *dVisualHullGetErrorMessage(void);
 

@@ -96,6 +96,7 @@ pub mod contact;
 mod error;
 pub mod hull;
 mod image_file;
+mod lock;
 pub mod ode;
 pub mod recording;
 pub mod rig;

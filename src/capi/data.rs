@@ -4,10 +4,11 @@
 //! whatever has been allocated since.
 
 use crate::hull::HullData;
+use crate::lock::lock;
 use crate::{Error, Result};
 use std::collections::HashMap;
 use std::ffi::c_void;
-use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 
 /// `dVisualHullDataID`.
 pub type DataId = *mut c_void;
@@ -24,7 +25,7 @@ struct Table {
 static TABLE: LazyLock<Mutex<Table>> = LazyLock::new(Mutex::default);
 
 fn table() -> MutexGuard<'static, Table> {
-    TABLE.lock().unwrap_or_else(PoisonError::into_inner)
+    lock(&TABLE)
 }
 
 pub(super) fn create() -> DataId {

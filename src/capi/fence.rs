@@ -1,19 +1,37 @@
 //! Between C and Rust: errors become messages, and no panic crosses.
 
 use crate::Result;
-use crate::ode::take_parked_panic;
+use crate::ode::{catch, is_fenced, take_parked_panic, take_told};
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic;
+use std::sync::Once;
 
 thread_local! {
     static MESSAGE: RefCell<CString> = RefCell::default();
+    /// Where the last panic behind a fence began.
+    static PLACE: RefCell<String> = const { RefCell::new(String::new()) };
+}
+
+/// Keeps panics that become messages from being printed; all others are printed as before.
+pub(super) fn keep_quiet() {
+    static QUIET: Once = Once::new();
+    QUIET.call_once(|| {
+        let print = panic::take_hook();
+        panic::set_hook(Box::new(move |panic| {
+            if is_fenced() {
+                PLACE.set(panic.location().map(ToString::to_string).unwrap_or_default());
+            } else {
+                print(panic);
+            }
+        }));
+    });
 }
 
 /// What `call` returns, or `failure` after its error, or its panic, became this thread's message.
 pub(super) fn fenced<T>(failure: T, call: impl FnOnce() -> Result<T>) -> T {
-    let problem = match catch_unwind(AssertUnwindSafe(call)) {
+    let problem = match catch(call) {
         Ok(Ok(value)) => return value,
         Ok(Err(error)) => error.to_string(),
         Err(payload) => fault(payload.as_ref()),
@@ -22,8 +40,11 @@ pub(super) fn fenced<T>(failure: T, call: impl FnOnce() -> Result<T>) -> T {
     failure
 }
 
-/// This thread's message; a panic in a callback that ODE made of us since is told first.
+/// This thread's message; what went wrong in a callback that ODE made of us since is told first.
 pub(super) fn message() -> *const c_char {
+    if let Some(trouble) = take_told() {
+        set_message(trouble);
+    }
     if let Some(payload) = take_parked_panic() {
         set_message(fault(payload.as_ref()));
     }
@@ -40,7 +61,8 @@ fn set_message(text: String) {
 fn fault(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().copied();
     let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no words");
-    format!("a fault of this library, not of its caller: {text}; please report it")
+    let place = PLACE.take();
+    format!("a fault of this library, not of its caller: {text} ({place}); please report it")
 }
 
 /// The text at `text`, a path for instance.

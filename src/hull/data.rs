@@ -2,11 +2,12 @@
 
 use super::{Aabb, Hull, Unseen, View};
 use crate::camera::Camera;
+use crate::lock::lock;
 use crate::silhouette::{Border, SUBJECT, Silhouette, Undistortion};
 use crate::{Error, Result};
 use image::GrayImage;
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 /// How far back in time past frames are kept, in seconds; one older than that is kept too.
 const HISTORY: f64 = 0.1;
@@ -190,8 +191,7 @@ impl HullData {
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        // A panic under the lock cannot leave the state half changed: every change is one assignment.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.state)
     }
 }
 

@@ -4,11 +4,12 @@
 //! the table of user classes is full, so the one call that fills it runs under a handler that unwinds out of ODE
 //! before it aborts.
 
+use crate::lock::lock;
 use ode_sys::{__va_list_tag, dGetDebugHandler, dMessageFunction, dSetDebugHandler};
 use std::cell::Cell;
 use std::ffi::{CStr, c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 /// Held for as long as our handler stands, since ODE has one handler for all threads.
 static STANDING: Mutex<()> = Mutex::new(());
@@ -30,7 +31,7 @@ pub(super) unsafe fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     // SAFETY: only the ABI differs, by the leave to unwind: ODE is C++, whose frames let an exception through.
     let unwinding: dMessageFunction =
         Some(unsafe { std::mem::transmute::<Handler, unsafe extern "C" fn(_, _, _)>(refuse) });
-    let one_at_a_time = STANDING.lock().unwrap_or_else(PoisonError::into_inner);
+    let one_at_a_time = lock(&STANDING);
     // SAFETY: reads and stores a function that lives as long as the process.
     let before = unsafe {
         let before = dGetDebugHandler();

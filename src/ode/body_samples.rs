@@ -1,6 +1,7 @@
 //! From a geom of ODE to its surface samples, through the public interface alone.
 
 use crate::Result;
+use crate::lock::lock;
 use crate::sample::{BodyShape, SampleCache, Samples};
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{
@@ -13,7 +14,7 @@ use std::collections::HashMap;
 use std::ffi::c_int;
 use std::mem::size_of;
 use std::ptr::null_mut;
-use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex};
 
 /// Samples of every shape met lately, for all hulls of the process.
 static CACHE: LazyLock<Mutex<SampleCache>> = LazyLock::new(Mutex::default);
@@ -36,11 +37,6 @@ struct Given {
 struct Kind {
     class: c_int,
     sizes: Vec<f64>,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // Both tables are valid after each single change, so that a panic elsewhere cannot spoil them.
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Gives `geom` samples of the user's own, instead of what its class would give.

@@ -1,12 +1,13 @@
 //! Finding what touches, and the contacts that keep it apart.
 
+use crate::lock::lock;
 use std::any::Any;
 use std::cell::Cell;
 use std::ffi::c_void;
 use std::fmt;
 use std::ops::Deref;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use nalgebra::{Point3, Vector3};
 use ode_sys::{
@@ -292,8 +293,7 @@ fn contacts<'c>(
 unsafe fn collide_raw([first, second]: [dGeomID; 2], flags: i32, found: &mut [dContactGeom]) -> usize {
     // SAFETY: the geoms are alive.
     let is_mesh = |geom| unsafe { dGeomGetClass(geom) } == dTriMeshClass as i32;
-    let _cache = (is_mesh(first) || is_mesh(second))
-        .then(|| MESH_CACHE.lock().unwrap_or_else(PoisonError::into_inner));
+    let _cache = (is_mesh(first) || is_mesh(second)).then(|| lock(&MESH_CACHE));
     // SAFETY: as the caller vouches; the contacts lie one after the other.
     let count =
         unsafe { dCollide(first, second, flags, found.as_mut_ptr(), size_of::<dContactGeom>() as i32) };

@@ -6,6 +6,7 @@
 use super::hull_geom::HullGeom;
 use super::panic::fence;
 use super::{abort, hull_collider};
+use crate::lock::lock;
 use crate::{Error, Result};
 use ode_sys::{
     dCollide, dColliderFn, dContactGeom, dCreateGeomClass, dCreateRay, dGeomClass, dGeomDestroy,
@@ -16,7 +17,7 @@ use std::collections::BTreeMap;
 use std::ffi::c_int;
 use std::mem::size_of;
 use std::ptr::{null, null_mut};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// What ODE keeps in a geom of the class: the geom's data, which `LIVING` owns, or null before it is filled in.
 type ClassData = *const HullGeom;
@@ -27,11 +28,6 @@ static NUMBER: Mutex<Option<c_int>> = Mutex::new(None);
 /// The hull geoms that were made and not destroyed, by their addresses, which are not followed here: another thread
 /// may be about to destroy one.
 static LIVING: Mutex<BTreeMap<usize, Arc<HullGeom>>> = Mutex::new(BTreeMap::new());
-
-fn lock<T>(mutex: &'static Mutex<T>) -> MutexGuard<'static, T> {
-    // Both are valid after each single change.
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 thread_local! {
     static MARKER_RAN: Cell<bool> = const { Cell::new(false) };

@@ -4,10 +4,12 @@ use super::convert;
 use crate::Error;
 use crate::contact::Settings;
 use crate::hull::{Aabb, Hull, HullData};
+use crate::lock::lock;
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{dGeomCopyPosition, dGeomGetQuaternion, dGeomID, dGeomMoved};
+use std::cell::RefCell;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 /// A body asleep wakes when the hull's surface at it has moved by more than this, in pixels of the nearest view: more
 /// than a flickering edge pixel moves it, less than anybody sees.
@@ -18,6 +20,16 @@ const FORGET_AFTER: u64 = 1000;
 
 /// Default of [`HullGeom::min_feature`], in metres.
 pub(super) const MIN_FEATURE: f64 = 0.03;
+
+thread_local! {
+    /// The last trouble of a collider on this thread, for callers who own ODE themselves and may have no geom to ask.
+    static TOLD: RefCell<Option<String>> = const { RefCell::new(None) };
+}
+
+/// What went wrong last in a collider on this thread, once.
+pub(crate) fn take_told() -> Option<String> {
+    TOLD.take()
+}
 
 /// The data behind a hull geom. ODE owns it, as the geom's class data.
 #[derive(Debug)]
@@ -81,7 +93,7 @@ impl HullGeom {
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.state)
     }
 
     pub(super) fn data(&self) -> Arc<HullData> {
@@ -117,6 +129,7 @@ impl HullGeom {
 
     /// Notes what the collider cannot tell its caller.
     pub(super) fn report(&self, error: Error) {
+        TOLD.set(Some(error.to_string()));
         self.lock().trouble.get_or_insert(error);
     }
 

@@ -1,7 +1,8 @@
 //! Opening and closing ODE.
 
+use crate::lock::lock;
 use std::cell::Cell;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 use ode_sys::{dAllocateMaskAll, dAllocateODEDataForThread, dCheckConfiguration, dCloseODE, dInitODE2};
 use ode_sys::{dRandGetSeed, dRandSetSeed};
@@ -23,7 +24,7 @@ thread_local! {
 }
 
 fn openings() -> MutexGuard<'static, Openings> {
-    OPENINGS.lock().unwrap_or_else(PoisonError::into_inner)
+    lock(&OPENINGS)
 }
 
 /// ODE, opened.

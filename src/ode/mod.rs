@@ -93,6 +93,7 @@ pub use trimesh::TriMesh;
 pub use world::World;
 
 pub(crate) use body_samples::{give as give_samples, take_away as take_samples_away};
+pub(crate) use hull_geom::take_told;
 pub(crate) use open_class::{close as close_class, number as open_class_number, open as open_class};
-pub(crate) use panic::take_parked as take_parked_panic;
+pub(crate) use panic::{catch, is_fenced, take_parked as take_parked_panic};
 pub(crate) use raw_hull::{RawHull, adopt_everywhere, create_in as create_hull_in};

@@ -2,9 +2,10 @@
 
 use super::init::Ode;
 use super::{abort, hull_class};
+use crate::lock::lock;
 use crate::{Error, Result};
 use ode_sys::{dAllocateMaskAll, dAllocateODEDataForThread};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 /// How often the class was opened, and the reference on ODE that the openings share.
 #[derive(Debug)]
@@ -16,7 +17,7 @@ struct Openings {
 static OPENINGS: Mutex<Openings> = Mutex::new(Openings { count: 0, ode: None });
 
 fn openings() -> MutexGuard<'static, Openings> {
-    OPENINGS.lock().unwrap_or_else(PoisonError::into_inner)
+    lock(&OPENINGS)
 }
 
 impl Openings {

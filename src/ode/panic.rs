@@ -1,17 +1,32 @@
 //! Panics never cross ODE: a callback that panics answers with a default, and the panic goes on once ODE has returned.
 
 use std::any::Any;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 thread_local! {
     /// The first panic in a callback since the last look.
     static PARKED: RefCell<Option<Box<dyn Any + Send>>> = const { RefCell::new(None) };
+    /// How many fences this thread is behind.
+    static FENCES: Cell<usize> = const { Cell::new(0) };
+}
+
+/// What `call` returns, or the panic that ended it.
+pub(crate) fn catch<T>(call: impl FnOnce() -> T) -> Result<T, Box<dyn Any + Send>> {
+    FENCES.set(FENCES.get() + 1);
+    let outcome = catch_unwind(AssertUnwindSafe(call));
+    FENCES.set(FENCES.get() - 1);
+    outcome
+}
+
+/// Whether a panic on this thread will be caught.
+pub(crate) fn is_fenced() -> bool {
+    FENCES.get() > 0
 }
 
 /// What `callback` returns; `default` where it panics, and the panic is parked.
 pub(super) fn fence<T>(default: T, callback: impl FnOnce() -> T) -> T {
-    catch_unwind(AssertUnwindSafe(callback)).unwrap_or_else(|payload| {
+    catch(callback).unwrap_or_else(|payload| {
         PARKED.with(|parked| {
             parked.borrow_mut().get_or_insert(payload);
         });
@@ -45,5 +60,6 @@ mod tests {
         );
         assert!(take_parked().is_none());
         assert_eq!(fence(7, || 1), 1);
+        assert!(fence(false, is_fenced) && !is_fenced());
     }
 }

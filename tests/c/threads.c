@@ -18,8 +18,10 @@ static void *capture(void *data) {
   return data;
 }
 
-/* Drops a cube on data's table and returns the height it comes to rest at. */
+/* Drops a cube on data's table and returns the height it comes to rest at. Worlds that step at the same time want a
+   threading object each: the one that ODE gives to all is not made for that. */
 static dReal rest_on(dVisualHullDataID data) {
+  dThreadingImplementationID threading = dThreadingAllocateSelfThreadedImplementation();
   dSpaceID space = dHashSpaceCreate(0);
   dGeomID hull = dCreateVisualHull(space, data), cube;
   dReal height;
@@ -27,6 +29,7 @@ static dReal rest_on(dVisualHullDataID data) {
   int k;
   CHECK(hull);
   contacts.world = table_world();
+  dWorldSetStepThreadingImplementation(contacts.world, dThreadingImplementationGetFunctions(threading), threading);
   contacts.joints = dJointGroupCreate(0);
   contacts.calls = 0;
   cube = add_cube(contacts.world, space, 0.02, 0.01, TOP + 0.101);
@@ -38,6 +41,7 @@ static dReal rest_on(dVisualHullDataID data) {
   dJointGroupDestroy(contacts.joints);
   dSpaceDestroy(space);
   dWorldDestroy(contacts.world);
+  dThreadingFreeImplementation(threading);
   return height;
 }
 

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { VIEWS = 7, WIDTH = 640, HEIGHT = 480, BOXES = 4, STEPS_PER_FRAME = 8 };
+enum { VIEWS = 7, WIDTH = 640, HEIGHT = 480, BOXES = 5, STEPS_PER_FRAME = 8 };
 
 static const dReal REAL_BOX[3] = {0.5, 0.5, 0.35}, SIDE = 0.15, FOCAL = 620, FRAME = 1.0 / 30;
 /* Cameras at the heights that the top passes: one that looks along it sees it flat, from elsewhere it is a tent. */

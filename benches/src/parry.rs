@@ -51,7 +51,8 @@ impl Boxes {
                 );
                 found.expect("a pair of shapes that parry3d supports");
             }
-            counts.push(self.manifolds.iter().map(|manifold| manifold.points.len()).sum());
+            let points = self.manifolds.iter().flat_map(|manifold| &manifold.points);
+            counts.push(points.filter(|point| point.dist <= 0.0).count());
         }
     }
 

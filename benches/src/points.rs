@@ -113,11 +113,17 @@ fn anywhere(frame: &Frame, count: usize) -> Vec<Point3<f64>> {
     (0..count).map(|_| random.point(frame.aabb())).collect()
 }
 
-/// `count` points at random whose depth lies in `depths` pixels.
+/// `count` points at random whose depth lies in `depths` pixels, each depth as often.
 pub fn at_depth(frame: &Frame, depths: std::ops::RangeInclusive<u16>, count: usize) -> Vec<Point3<f64>> {
     let mut random = Random(3);
+    let mut missing = vec![count.div_ceil(depths.len()); depths.len()];
     let points = std::iter::repeat_with(|| random.point(frame.aabb()));
-    points.filter(|p| depths.contains(&frame.depth_px(p))).take(count).collect()
+    let wanted = |p: &Point3<f64>| -> bool {
+        let depth = frame.depth_px(p);
+        let class = missing.get_mut(usize::from(depth.wrapping_sub(*depths.start())));
+        class.filter(|missing| **missing > 0).map(|missing| *missing -= 1).is_some()
+    };
+    points.filter(wanted).take(count).collect()
 }
 
 fn plain(points: &[Point3<f64>]) -> Vec<Vec3> {

@@ -106,12 +106,12 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// `count` boxes at random about a person, every fourth of which touches it or nearly so, with samples of
+    /// `count` boxes at random about a person, a quarter of which touches it, with samples of
     /// `min_feature`. More boxes are the same ones and others.
     pub fn scattered(count: usize, min_feature: f64) -> Self {
         let samples = sample::box_(BOX, min_feature).expect("a box that can be sampled");
-        let about = Aabb { min: point![-0.62, -0.82, 0.02], max: point![0.62, 0.82, 1.85] };
-        let mut random = Random(1);
+        let about = Aabb { min: point![-0.45, -0.6, 0.1], max: point![0.45, 0.6, 1.7] };
+        let mut random = Random(7);
         let mut pose = || {
             let at = random.point(&about);
             Isometry3::from_parts(Translation3::from(at.coords), random.rotation())

@@ -55,7 +55,8 @@ struct Axis {
 
 impl Axis {
     fn new(from: f32, slope: f32, low: i32, high: i32) -> Self {
-        let pixel = from.floor();
+        // Truncated, which is the floor: the point lies in the image.
+        let pixel = from as i32 as f32;
         if slope == 0.0 {
             return Self { next: f32::INFINITY, delta: 0.0, last: f32::INFINITY, step: 0 };
         }

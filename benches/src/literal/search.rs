@@ -48,6 +48,15 @@ impl LiteralHull<'_> {
     }
 }
 
+/// Whether all bytes are [`SUBJECT`] or more, which is their highest bit: eight at a time.
+fn all_subject(bytes: &[u8]) -> bool {
+    const { assert!(SUBJECT == 0x80) };
+    const HIGH: u64 = u64::from_ne_bytes([SUBJECT; 8]);
+    let (words, rest) = bytes.as_chunks::<8>();
+    let words = words.iter().fold(HIGH, |all, word| all & u64::from_ne_bytes(*word));
+    words & HIGH == HIGH && rest.iter().fold(SUBJECT, |all, byte| all & byte) == SUBJECT
+}
+
 /// Squared distance in pixels, row, column: the order in which the nearest pixel is chosen.
 type Candidate = (i32, i32, i32);
 
@@ -70,22 +79,19 @@ impl LiteralView<'_> {
         if !self.holds_square((i, j), radius) {
             return true;
         }
-        let row = |y: i32| {
-            let bytes = self.row(y, i - radius, i + radius);
-            bytes.iter().fold(u8::MAX, |least, &byte| least.min(byte)) < SUBJECT
-        };
+        let row = |y: i32| !all_subject(self.row(y, i - radius, i + radius));
         row(j - radius) || row(j + radius) || self.columns_have_background((i, j), radius)
     }
 
     /// The ring's two columns between its rows.
     fn columns_have_background(&self, (i, j): (i32, i32), radius: i32) -> bool {
         let (bytes, stride) = self.from_pixel((i - radius, j - radius));
-        let width = 2 * radius as usize;
-        let mut least = u8::MAX;
-        for row in bytes.chunks(stride).take(width).skip(1) {
-            least = least.min(row[0]).min(row[width]);
+        let (width, mut left, mut all) = (2 * radius as usize, stride, SUBJECT);
+        for _ in 1..width {
+            all &= bytes[left] & bytes[left + width];
+            left += stride;
         }
-        least < SUBJECT
+        all != SUBJECT
     }
 
     fn nearest_on_ring(&self, (i, j): (i32, i32), radius: i32) -> Option<Candidate> {

@@ -106,7 +106,7 @@ impl<'a> LiteralView<'a> {
                     count += background;
                 }
             }
-            let length = (du as f32).hypot(dv as f32);
+            let length = ((du * du + dv * dv) as f32).sqrt();
             (length >= SHORTEST_MEAN * count as f32).then(|| (du as f32 / length, dv as f32 / length))
         })
     }

@@ -3,7 +3,7 @@
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test figures clean
+.PHONY: help setup demo test figures bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1	\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -20,6 +20,9 @@ test: setup ## formatting, lints, documentation and all tests
 
 figures: setup ## measures every quality figure: a table, and target/figures.json
 	cargo run --release --example figures
+
+bench: setup ## the library beside the paper's algorithm and rebuilt meshes: docs/performance.md, and target/figures.json
+	cargo run --release --package ode-visual-hull-bench
 
 setup: ## installs what the build needs besides Rust, where it is missing
 	@scripts/setup

@@ -19,7 +19,7 @@ impl LiteralView<'_> {
         let leaves_rect = along_u.last.min(along_v.last);
         let depth_at_limit = x0[2] + limit * x1[2];
         let end = if depth_at_limit > 0.0 { limit / depth_at_limit } else { f32::INFINITY };
-        let (bytes, stride) = self.from_pixel((0, 0));
+        let (bytes, stride) = self.bytes_at((0, 0));
         let mut at = v as i32 as isize * stride as isize + u as i32 as isize;
         let (step_u, step_v) = (along_u.step, along_v.step * stride as isize);
         loop {

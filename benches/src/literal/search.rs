@@ -85,7 +85,7 @@ impl LiteralView<'_> {
 
     /// The ring's two columns between its rows.
     fn columns_have_background(&self, (i, j): (i32, i32), radius: i32) -> bool {
-        let (bytes, stride) = self.from_pixel((i - radius, j - radius));
+        let (bytes, stride) = self.bytes_at((i - radius, j - radius));
         let (width, mut left, mut all) = (2 * radius as usize, stride, SUBJECT);
         for _ in 1..width {
             all &= bytes[left] & bytes[left + width];

@@ -84,7 +84,7 @@ impl<'a> LiteralView<'a> {
     }
 
     /// The mask's bytes from a pixel inside the image on, and how many make a row.
-    pub(super) fn from_pixel(&self, (i, j): (i32, i32)) -> (&'a [u8], usize) {
+    pub(super) fn bytes_at(&self, (i, j): (i32, i32)) -> (&'a [u8], usize) {
         (&self.mask[(j * self.width + i) as usize..], self.width as usize)
     }
 

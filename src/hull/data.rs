@@ -234,8 +234,7 @@ impl Slot {
             );
             return Err(Error::view(camera.name(), problem));
         }
-        let seen =
-            lens.as_ref().map(|lens| Arc::new(Silhouette::new(lens.seen().clone(), Border::Background)));
+        let seen = lens.as_ref().map(|lens| Arc::new(Silhouette::new(lens.seen(), Border::Background)));
         let camera = Arc::new(camera);
         let pinhole = lens.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
         Ok(Self { camera, pinhole, lens, seen, mask: None, silhouette: None, enabled: true })
@@ -267,11 +266,11 @@ impl Slot {
     fn prepare(&mut self, border: Border) -> Result<()> {
         let Some(mask) = &self.mask else { return Ok(()) };
         let unseen = if border == Border::Open { 255 } else { 0 };
-        let flat = match &self.lens {
-            Some(lens) => lens.apply(mask, unseen)?,
-            None => GrayImage::clone(mask),
+        let silhouette = match &self.lens {
+            Some(lens) => Silhouette::new(&lens.apply(mask, unseen)?, border),
+            None => Silhouette::new(mask, border),
         };
-        self.silhouette = Some(Arc::new(Silhouette::new(flat, border)));
+        self.silhouette = Some(Arc::new(silhouette));
         Ok(())
     }
 
@@ -279,7 +278,7 @@ impl Slot {
         let silhouette = match &self.silhouette {
             Some(silhouette) => silhouette.clone(),
             // Nobody asks a disabled view.
-            None if !self.enabled => Arc::new(Silhouette::new(GrayImage::default(), Border::Open)),
+            None if !self.enabled => Arc::new(Silhouette::blank(Border::Open)),
             None => {
                 let problem =
                     "expected a mask before the first update, found none; set one, or disable the view";

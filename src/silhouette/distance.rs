@@ -10,7 +10,7 @@
 //! down and then up. Within a row no pixel waits for another, and a row is a few vector instructions.
 
 use super::region::{Region, WORD};
-use multiversion::multiversion;
+use crate::vectorised::vectorised;
 
 /// The distance where no background exists: an open border and a silhouette without an edge.
 pub(super) const NO_EDGE: u16 = u16::MAX;
@@ -82,14 +82,12 @@ const BLOCK: usize = 16;
 /// A distance's number.
 trait Pixels: Copy + Ord {
     const ZERO: Self;
-    const MOST: Self;
     fn saturating(pixels: u16) -> Self;
     fn one_more(self) -> Self;
 }
 
 impl Pixels for u8 {
     const ZERO: Self = 0;
-    const MOST: Self = u8::MAX;
     #[inline(always)]
     fn saturating(pixels: u16) -> Self {
         pixels.min(255) as u8
@@ -102,7 +100,6 @@ impl Pixels for u8 {
 
 impl Pixels for u16 {
     const ZERO: Self = 0;
-    const MOST: Self = u16::MAX;
     #[inline(always)]
     fn saturating(pixels: u16) -> Self {
         pixels
@@ -113,20 +110,16 @@ impl Pixels for u16 {
     }
 }
 
-#[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl+avx2+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn transform_narrow(subject: &[u64], words: usize, table: &mut [u8], width: usize, row: &mut [u8]) -> u8 {
-    transform(subject, words, table, width, row)
+vectorised! {
+    fn transform_narrow(subject: &[u64], words: usize, table: &mut [u8], width: usize, row: &mut [u8]) -> u8 {
+        transform(subject, words, table, width, row)
+    }
 }
 
-#[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl+avx2+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn transform_wide(subject: &[u64], words: usize, table: &mut [u16], width: usize, row: &mut [u16]) -> u16 {
-    transform(subject, words, table, width, row)
+vectorised! {
+    fn transform_wide(subject: &[u64], words: usize, table: &mut [u16], width: usize, row: &mut [u16]) -> u16 {
+        transform(subject, words, table, width, row)
+    }
 }
 
 /// Fills `table`, rows of `width`, and returns its largest distance. `row` is scratch.

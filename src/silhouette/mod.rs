@@ -99,6 +99,13 @@ impl Silhouette {
             + self.columns.capacity()
     }
 
+    /// The mask, as far as it is kept.
+    pub(crate) fn to_mask(&self) -> GrayImage {
+        GrayImage::from_fn(self.image.x1 as u32, self.image.y1 as u32, |i, j| {
+            image::Luma([self.value(i as i32, j as i32)])
+        })
+    }
+
     /// The pixels of the whole image.
     pub fn image(&self) -> Rect {
         self.image

@@ -10,8 +10,8 @@
 //! ```
 
 use super::{Border, Rect, SUBJECT};
+use crate::vectorised::vectorised;
 use image::GrayImage;
-use multiversion::multiversion;
 
 /// Pixels kept around the subject's rectangle: a contact normal's window around an edge pixel reaches 7 beyond it.
 pub(super) const MARGIN: i32 = 8;
@@ -69,9 +69,11 @@ impl Region {
     /// `N` bytes from `(i, j)` on; `None` where they do not all lie in one row of the region.
     pub(super) fn row<const N: usize>(&self, i: i32, j: i32) -> Option<&[u8; N]> {
         let rect = self.rect();
-        let fits = rect.contains(i, j) && i + N as i32 <= rect.x1;
+        if !rect.contains(i, j) || i + N as i32 > rect.x1 {
+            return None;
+        }
         let start = rect.index(i, j);
-        if fits { self.bytes.get(start..start + N)?.try_into().ok() } else { None }
+        self.bytes.get(start..start + N)?.try_into().ok()
     }
 
     /// Words in a row of bits.
@@ -137,27 +139,25 @@ pub(super) fn scan(mask: &GrayImage, columns: &mut Vec<u8>) -> Scan {
     Scan { rect, has_coverage }
 }
 
-/// First and last row with a subject pixel, and whether any byte is neither 0 nor 255; gathers in `columns` which
-/// columns hold subject.
-#[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl+avx2+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn scan_rows(mask: &[u8], columns: &mut [u8]) -> (usize, usize, bool) {
-    let (mut first, mut last, mut has_coverage) = (usize::MAX, 0, false);
-    for (j, row) in mask.chunks_exact(columns.len()).enumerate() {
-        let (any, partial) = row.iter().fold((0, 0), |(any, partial), &byte| {
-            // One more than 0 or 255 has no bit set but the lowest.
-            (any | byte, partial | (byte.wrapping_add(1) & !1))
-        });
-        has_coverage |= partial != 0;
-        if any >= SUBJECT {
-            first = first.min(j);
-            last = j;
-            columns.iter_mut().zip(row).for_each(|(column, byte)| *column |= byte);
+vectorised! {
+    /// First and last row with a subject pixel, and whether any byte is neither 0 nor 255; gathers in `columns` which
+    /// columns hold subject.
+    fn scan_rows(mask: &[u8], columns: &mut [u8]) -> (usize, usize, bool) {
+        let (mut first, mut last, mut has_coverage) = (usize::MAX, 0, false);
+        for (j, row) in mask.chunks_exact(columns.len()).enumerate() {
+            let (any, partial) = row.iter().fold((0, 0), |(any, partial), &byte| {
+                // One more than 0 or 255 has no bit set but the lowest.
+                (any | byte, partial | (byte.wrapping_add(1) & !1))
+            });
+            has_coverage |= partial != 0;
+            if any >= SUBJECT {
+                first = first.min(j);
+                last = j;
+                columns.iter_mut().zip(row).for_each(|(column, byte)| *column |= byte);
+            }
         }
+        (first, last, has_coverage)
     }
-    (first, last, has_coverage)
 }
 
 /// The bytes of `rect`, those beyond the image `beyond`.
@@ -178,18 +178,16 @@ fn crop(mask: &GrayImage, rect: &Rect, beyond: u8, bytes: &mut Vec<u8>) {
     }
 }
 
-/// The subject bits of `bytes`, rows of `width`, a multiple of 8.
-#[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl+avx2+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn pack(bytes: &[u8], width: usize, bits: &mut Vec<u64>) {
-    bits.clear();
-    for row in bytes.chunks_exact(width.max(1)) {
-        let (whole, rest) = row.as_chunks::<WORD>();
-        bits.extend(whole.iter().map(|chunk| pack_word(chunk)));
-        if !rest.is_empty() {
-            bits.push(pack_word(rest));
+vectorised! {
+    /// The subject bits of `bytes`, rows of `width`, a multiple of 8.
+    fn pack(bytes: &[u8], width: usize, bits: &mut Vec<u64>) {
+        bits.clear();
+        for row in bytes.chunks_exact(width.max(1)) {
+            let (whole, rest) = row.as_chunks::<WORD>();
+            bits.extend(whole.iter().map(|chunk| pack_word(chunk)));
+            if !rest.is_empty() {
+                bits.push(pack_word(rest));
+            }
         }
     }
 }
@@ -205,27 +203,25 @@ fn pack_word(bytes: &[u8]) -> u64 {
     })
 }
 
-/// From the subject's bits those near it, and the background pixels at its edge.
-#[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl+avx2+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn neighbours(subject: &[u64], words: usize, near: &mut Vec<u64>, edges: &mut Vec<u64>) {
-    near.clear();
-    edges.clear();
-    let row = |j: usize| subject.get(j * words..(j + 1) * words).unwrap_or(&[]);
-    for j in 0..subject.len() / words.max(1) {
-        let (above, here, below) = (row(j.wrapping_sub(1).min(subject.len())), row(j), row(j + 1));
-        let word = |row: &[u64], k: usize| row.get(k).copied().unwrap_or(0);
-        let column = |k: usize| word(above, k) | word(here, k) | word(below, k);
-        let (mut before, mut middle) = (0, column(0));
-        for k in 0..words {
-            let after = column(k + 1);
-            near.push(middle | middle << 1 | middle >> 1 | before >> 63 | after << 63);
-            let left = here[k] << 1 | word(here, k.wrapping_sub(1)) >> 63;
-            let right = here[k] >> 1 | word(here, k + 1) << 63;
-            edges.push(!here[k] & (word(above, k) | word(below, k) | left | right));
-            (before, middle) = (middle, after);
+vectorised! {
+    /// From the subject's bits those near it, and the background pixels at its edge.
+    fn neighbours(subject: &[u64], words: usize, near: &mut Vec<u64>, edges: &mut Vec<u64>) {
+        near.clear();
+        edges.clear();
+        let row = |j: usize| subject.get(j * words..(j + 1) * words).unwrap_or(&[]);
+        for j in 0..subject.len() / words.max(1) {
+            let (above, here, below) = (row(j.wrapping_sub(1).min(subject.len())), row(j), row(j + 1));
+            let word = |row: &[u64], k: usize| row.get(k).copied().unwrap_or(0);
+            let column = |k: usize| word(above, k) | word(here, k) | word(below, k);
+            let (mut before, mut middle) = (0, column(0));
+            for k in 0..words {
+                let after = column(k + 1);
+                near.push(middle | middle << 1 | middle >> 1 | before >> 63 | after << 63);
+                let left = here[k] << 1 | word(here, k.wrapping_sub(1)) >> 63;
+                let right = here[k] >> 1 | word(here, k + 1) << 63;
+                edges.push(!here[k] & (word(above, k) | word(below, k) | left | right));
+                (before, middle) = (middle, after);
+            }
         }
     }
 }

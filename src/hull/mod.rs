@@ -11,10 +11,12 @@
 //! through the masks (paper, section 4). [`mod@reference`] is the same algorithm written to be read.
 
 mod aabb;
+mod batch;
 mod data;
 mod frustum;
 mod image_line;
 mod march;
+mod points;
 mod ray;
 pub mod reference;
 mod response;
@@ -24,8 +26,10 @@ mod sweep;
 mod view;
 
 pub use aabb::Aabb;
+pub use batch::{BodyResponse, Inside, PointResponse, Workspace};
 pub use data::HullData;
 pub use march::EdgeModel;
+pub use points::Points;
 pub use ray::RayHit;
 pub use response::{Push, Response};
 pub use search::NearestEdge;

@@ -117,6 +117,11 @@ impl Silhouette {
     /// The paper's normal (section 4.2) at background pixel `(i, j)`: the mean vector from there to the background
     /// pixels of the 5x5 window around, of 7x7 or 9x9 where that mean is short; `None` where all are.
     pub fn paper_normal(&self, i: i32, j: i32) -> Option<Vector2<f64>> {
+        self.paper_mean(i, j).map(|mean| mean.normalize())
+    }
+
+    /// The mean itself, in pixels.
+    pub(crate) fn paper_mean(&self, i: i32, j: i32) -> Option<Vector2<f64>> {
         [2, 3, 4].into_iter().find_map(|half| {
             // Whole numbers: the sums are exact in any order.
             let (mut x, mut y, mut count) = (0, 0, 0);
@@ -128,7 +133,7 @@ impl Silhouette {
                 count += pixels;
             }
             let mean = Vector2::new(f64::from(x), f64::from(y)) / f64::max(f64::from(count), 1.0);
-            (mean.norm() >= SHORTEST_MEAN).then(|| mean.normalize())
+            (mean.norm() >= SHORTEST_MEAN).then_some(mean)
         })
     }
 

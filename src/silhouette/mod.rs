@@ -22,7 +22,7 @@ use distance::DistanceTable;
 use edge::EdgeTable;
 use image::GrayImage;
 use region::Region;
-use tiles::Tiles;
+pub(crate) use tiles::Tiles;
 
 /// A pixel is subject from this byte upwards: covered by half or more.
 pub const SUBJECT: u8 = 128;
@@ -37,6 +37,24 @@ pub enum Border {
     Background,
     /// Nothing is known there: the image's border is no edge of the silhouette.
     Open,
+}
+
+/// What is prepared of a silhouette: tables over its rectangle and some pixels around, row-major.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tables<'a> {
+    /// Column and row of the first pixel.
+    pub(crate) corner: (i32, i32),
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    /// Words in a row of bits.
+    pub(crate) words: usize,
+    /// Subject pixels, 64 a word, the first in the lowest bit.
+    pub(crate) subject: &'a [u64],
+    /// Subject pixels and those around each.
+    pub(crate) near: &'a [u64],
+    /// Chebyshev distances; 255 for all that are larger than 254.
+    pub(crate) distance: &'a [u8],
+    pub(crate) tiles: &'a Tiles,
 }
 
 /// One view's mask, prepared. Immutable while it is shared, so that any number of threads may ask it.
@@ -149,6 +167,21 @@ impl Silhouette {
             distance::NO_EDGE
         } else {
             0
+        }
+    }
+
+    /// The tables themselves, for queries of many points.
+    pub(crate) fn tables(&self) -> Tables<'_> {
+        let rect = self.region.rect();
+        Tables {
+            corner: (rect.x0, rect.y0),
+            width: rect.width(),
+            height: rect.height(),
+            words: self.region.words(),
+            subject: self.region.subject(),
+            near: self.region.near(),
+            distance: self.distances.narrow(),
+            tiles: &self.tiles,
         }
     }
 

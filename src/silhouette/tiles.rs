@@ -8,7 +8,7 @@ const SIDE: usize = 8;
 
 /// Tiles with subject above and left of each corner of the tiles, row-major.
 #[derive(Debug, Default)]
-pub(super) struct Tiles {
+pub(crate) struct Tiles {
     sums: Vec<u32>,
     columns: usize,
 }
@@ -37,7 +37,7 @@ impl Tiles {
     }
 
     /// Whether a tile that `part`, in pixels from the region's corner, touches holds subject.
-    pub(super) fn any(&self, part: &Rect) -> bool {
+    pub(crate) fn any(&self, part: &Rect) -> bool {
         let stride = self.columns + 1;
         let rows = self.sums.len() / stride;
         let clip = |pixel: i32, most: usize| (pixel.max(0) as usize).min(most);

@@ -4,8 +4,8 @@
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use nalgebra::{Isometry3, Point3, Vector3};
-use ode_visual_hull::hull::EdgeModel;
-use ode_visual_hull_bench::ours::{Frame, Points, Rig, Scratch};
+use ode_visual_hull::hull::{EdgeModel, Points, Workspace};
+use ode_visual_hull_bench::ours::{Boxes, Frame, Rig};
 use ode_visual_hull_bench::random::Random;
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, SAMPLES_4000, Scene, UHD, VGA, Who};
 
@@ -37,8 +37,10 @@ fn inside(bencher: Bencher) {
     let frame = person();
     let points = Bodies::scattered(60, SAMPLES_400).world_points();
     let (count, points) = (ItemsCount::new(points.len()), Points::new(&points));
-    let mut scratch = Scratch::default();
-    bencher.counter(count).bench_local(|| frame.inside(&points, &Isometry3::identity(), &mut scratch).len());
+    let mut workspace = Workspace::new();
+    bencher
+        .counter(count)
+        .bench_local(|| frame.inside(&points, &Isometry3::identity(), &mut workspace).count());
 }
 
 #[divan::bench]
@@ -46,8 +48,8 @@ fn respond(bencher: Bencher) {
     let frame = person();
     let points = points_inside(&frame);
     let (count, points) = (ItemsCount::new(points.len()), Points::new(&points));
-    let mut scratch = Scratch::default();
-    bencher.counter(count).bench_local(|| frame.sum_of_responses(&points, &mut scratch));
+    let mut workspace = Workspace::new();
+    bencher.counter(count).bench_local(|| frame.sum_of_responses(&points, &mut workspace));
 }
 
 #[divan::bench(args = [EdgeModel::Pixel, EdgeModel::Coverage])]
@@ -63,15 +65,15 @@ fn exit(bencher: Bencher, edge: &EdgeModel) {
 #[divan::bench(args = [SAMPLES_400, SAMPLES_4000])]
 fn body_vectors_of_60_boxes(bencher: Bencher, min_feature: f64) {
     let frame = person();
-    let bodies = Bodies::scattered(60, min_feature);
-    let (mut vectors, mut scratch) = (Vec::new(), Scratch::default());
-    bencher.bench_local(|| frame.body_vectors(&bodies, &mut vectors, &mut scratch));
+    let boxes = Boxes::new(&Bodies::scattered(60, min_feature));
+    let (mut vectors, mut workspace) = (Vec::new(), Workspace::new());
+    bencher.bench_local(|| frame.body_vectors(&boxes, &mut vectors, &mut workspace));
 }
 
 #[divan::bench(args = [SAMPLES_400, SAMPLES_4000])]
 fn contacts_of_60_boxes(bencher: Bencher, min_feature: f64) {
     let frame = person();
-    let bodies = Bodies::scattered(60, min_feature);
-    let (mut counts, mut scratch) = (Vec::new(), Scratch::default());
-    bencher.bench_local(|| frame.contacts(&bodies, &mut counts, &mut scratch));
+    let boxes = Boxes::new(&Bodies::scattered(60, min_feature));
+    let mut counts = Vec::new();
+    bencher.bench_local(|| frame.contacts(&boxes, &mut counts));
 }

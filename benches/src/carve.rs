@@ -1,7 +1,8 @@
 //! Voxels of the hull, by the library's own inside test: what every route over a mesh starts with.
 
-use crate::ours::{Frame, Points, Scratch};
+use crate::ours::Frame;
 use nalgebra::{Isometry3, Point3};
+use ode_visual_hull::hull::{Points, Workspace};
 
 /// Cubic cells over the hull's box, with a layer of empty ones around.
 #[derive(Debug)]
@@ -14,14 +15,14 @@ pub struct Grid {
     pub origin: Point3<f64>,
     /// Whether a cell's centre is inside; x runs fastest.
     pub inside: Vec<bool>,
-    scratch: Scratch,
+    workspace: Workspace,
 }
 
 impl Grid {
     /// An empty grid of `cell` metres, to be carved.
     pub fn new(cell: f64) -> Self {
         let origin = Point3::origin();
-        Self { cell, size: [0; 3], origin, inside: Vec::new(), scratch: Scratch::default() }
+        Self { cell, size: [0; 3], origin, inside: Vec::new(), workspace: Workspace::new() }
     }
 
     /// Carves the hull of `frame`, layer by layer.
@@ -37,10 +38,10 @@ impl Grid {
         }
         let layer = Points::new(&layer);
         self.inside.clear();
-        self.inside.reserve(nx * ny * nz);
-        for k in 0..nz {
+        self.inside.resize(nx * ny * nz, false);
+        for (k, cells) in self.inside.chunks_exact_mut(nx * ny).enumerate() {
             let up = Isometry3::translation(0.0, 0.0, k as f64 * self.cell);
-            self.inside.extend_from_slice(frame.inside(&layer, &up, &mut self.scratch));
+            frame.inside(&layer, &up, &mut self.workspace).iter().for_each(|cell| cells[cell] = true);
         }
     }
 

@@ -3,7 +3,8 @@
 use crate::figure::Bound;
 use crate::session::{Session, Start};
 use crate::timing::Race;
-use ode_visual_hull_bench::ours::{Rig, Scratch};
+use ode_visual_hull::hull::Workspace;
+use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, Scene, VGA, Who};
 
 pub fn measure(session: &mut Session) {
@@ -11,14 +12,14 @@ pub fn measure(session: &mut Session) {
     let bodies = Bodies::scattered(60, SAMPLES_400);
     let rig = Rig::new(&scene);
     let (mut vectors, mut counts) = (Vec::new(), Vec::new());
-    let (mut scratch, mut other_scratch) = (Scratch::default(), Scratch::default());
+    let (boxes, mut workspace) = (Boxes::new(&bodies), Workspace::new());
     let race = Race::new()
         .with("paper", || {
-            rig.publish(&scene.masks).body_vectors(&bodies, &mut vectors, &mut scratch);
+            rig.publish(&scene.masks).body_vectors(&boxes, &mut vectors, &mut workspace);
             vectors.len()
         })
         .with("clustered", || {
-            rig.publish(&scene.masks).contacts(&bodies, &mut counts, &mut other_scratch);
+            rig.publish(&scene.masks).contacts(&boxes, &mut counts);
             counts.len()
         });
     let times = session.race(race);

@@ -3,8 +3,9 @@
 use crate::figure::Bound;
 use crate::session::{Session, Start};
 use crate::timing::Race;
+use ode_visual_hull::hull::Workspace;
 use ode_visual_hull_bench::literal::{LiteralBodies, LiteralHull};
-use ode_visual_hull_bench::ours::{Rig, Scratch};
+use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, VGA, Who};
 
 pub fn measure(session: &mut Session) {
@@ -29,13 +30,13 @@ pub fn from_masks<'a>(race: Race<'a>, label: &str, scene: &'a Scene, bodies: &'a
     let aabb = *rig.publish(&scene.masks).aabb();
     let mut plain = LiteralBodies::new(bodies);
     let (mut literal_vectors, mut vectors) = (Vec::new(), Vec::new());
-    let mut scratch = Scratch::default();
+    let (boxes, mut workspace) = (Boxes::new(bodies), Workspace::new());
     race.with(format!("literal {label}"), move || {
         plain.vectors(&LiteralHull::new(scene, &aabb), &mut literal_vectors);
         literal_vectors.len()
     })
     .with(format!("ours {label}"), move || {
-        rig.publish(&scene.masks).body_vectors(bodies, &mut vectors, &mut scratch);
+        rig.publish(&scene.masks).body_vectors(&boxes, &mut vectors, &mut workspace);
         vectors.len()
     })
 }
@@ -46,13 +47,13 @@ pub fn from_frame<'a>(race: Race<'a>, label: &str, scene: &'a Scene, bodies: &'a
     let literal = LiteralHull::new(scene, frame.aabb());
     let mut plain = LiteralBodies::new(bodies);
     let (mut literal_vectors, mut vectors) = (Vec::new(), Vec::new());
-    let mut scratch = Scratch::default();
+    let (boxes, mut workspace) = (Boxes::new(bodies), Workspace::new());
     race.with(format!("literal {label}"), move || {
         plain.vectors(&literal, &mut literal_vectors);
         literal_vectors.len()
     })
     .with(format!("ours {label}"), move || {
-        frame.body_vectors(bodies, &mut vectors, &mut scratch);
+        frame.body_vectors(&boxes, &mut vectors, &mut workspace);
         vectors.len()
     })
 }

@@ -3,13 +3,21 @@
 use crate::scene::{Bodies, Scene};
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Vector3};
-use ode_visual_hull::contact::{self, BodyResponse, Settings};
-use ode_visual_hull::hull::{Aabb, Hull, HullData};
+use ode_visual_hull::contact::{self, Settings};
+use ode_visual_hull::hull::{Aabb, BodyResponse, Hull, HullData, Inside, Points, Workspace};
+use ode_visual_hull::sample::Samples;
+use std::cell::Cell;
 use std::sync::Arc;
+
+/// Seconds from frame to frame.
+const FRAME: f64 = 1.0 / 60.0;
 
 /// A rig that takes masks and publishes frames, as a program would have it.
 #[derive(Debug)]
-pub struct Rig(HullData);
+pub struct Rig {
+    data: HullData,
+    time: Cell<f64>,
+}
 
 impl Rig {
     /// The cameras and the work volume of `scene`.
@@ -19,38 +27,39 @@ impl Rig {
             data.add_view(camera.clone()).expect("names of their own");
         }
         data.set_bounds(scene.bounds).expect("a volume");
-        Self(data)
+        Self { data, time: Cell::new(0.0) }
     }
 
     /// Masks in, a frame out: all that has to be done before the first query.
     pub fn publish(&self, masks: &[GrayImage]) -> Frame {
         for (view, mask) in masks.iter().enumerate() {
-            self.0.set_mask(view, mask).expect("a mask of the camera's size");
+            self.data.set_mask(view, mask).expect("a mask of the camera's size");
         }
-        Frame(self.0.update(0.0).expect("all views have masks"))
+        self.time.set(self.time.get() + FRAME);
+        Frame(self.data.update(self.time.get()).expect("all views have masks"))
+    }
+}
+
+/// The boxes as the library takes them.
+#[derive(Debug)]
+pub struct Boxes {
+    samples: Samples,
+    points: Points,
+    poses: Vec<Isometry3<f64>>,
+}
+
+impl Boxes {
+    /// The same boxes.
+    pub fn new(bodies: &Bodies) -> Self {
+        let Bodies { samples, poses } = bodies.clone();
+        let points: Vec<_> = samples.points().iter().map(|sample| sample.point).collect();
+        Self { samples, points: Points::clustered(&points), poses }
     }
 }
 
 /// A published frame.
 #[derive(Debug, Clone)]
 pub struct Frame(Arc<Hull>);
-
-/// Points in a frame of their own, as a batch query takes them.
-#[derive(Debug, Clone)]
-pub struct Points(Vec<Point3<f64>>);
-
-impl Points {
-    /// The same points.
-    pub fn new(points: &[Point3<f64>]) -> Self {
-        Self(points.to_vec())
-    }
-}
-
-/// Memory that queries use again.
-#[derive(Debug, Default)]
-pub struct Scratch {
-    inside: Vec<bool>,
-}
 
 impl Frame {
     /// The hull itself.
@@ -64,39 +73,41 @@ impl Frame {
     }
 
     /// Which of `points` are inside.
-    pub fn inside<'s>(
+    pub fn inside<'w>(
         &self,
         points: &Points,
         world_from_points: &Isometry3<f64>,
-        scratch: &'s mut Scratch,
-    ) -> &'s [bool] {
-        scratch.inside.clear();
-        scratch.inside.extend(points.0.iter().map(|p| self.0.inside(&(world_from_points * p))));
-        &scratch.inside
+        workspace: &'w mut Workspace,
+    ) -> Inside<'w> {
+        self.0.inside_many(points, world_from_points, workspace).expect("a finite pose")
     }
 
     /// The paper's responses of `points`, added up.
-    pub fn sum_of_responses(&self, points: &Points, _: &mut Scratch) -> Vector3<f64> {
-        points.0.iter().filter_map(|p| Some(self.0.respond(p)?.w())).sum()
+    pub fn sum_of_responses(&self, points: &Points, workspace: &mut Workspace) -> Vector3<f32> {
+        let responses = self.0.respond_many(points, &Isometry3::identity(), workspace);
+        responses.expect("a finite pose").iter().map(|response| response.w()).sum()
     }
 
     /// The paper's body vectors (section 5), written to `vectors`.
-    pub fn body_vectors(&self, bodies: &Bodies, vectors: &mut Vec<BodyResponse>, _: &mut Scratch) {
+    pub fn body_vectors(&self, boxes: &Boxes, vectors: &mut Vec<BodyResponse>, workspace: &mut Workspace) {
         vectors.clear();
-        let responses =
-            bodies.poses.iter().map(|pose| contact::body_response(&self.0, &bodies.samples, pose));
-        vectors.extend(responses);
+        vectors.extend(
+            boxes
+                .poses
+                .iter()
+                .map(|pose| self.0.respond_body(&boxes.points, pose, workspace).expect("a finite pose")),
+        );
     }
 
     /// The library's contacts as a simulation gets them by default; how many each body has, written to `counts`.
-    pub fn contacts(&self, bodies: &Bodies, counts: &mut Vec<usize>, _: &mut Scratch) {
+    pub fn contacts(&self, boxes: &Boxes, counts: &mut Vec<usize>) {
         let settings = Settings::default();
         counts.clear();
         counts.extend(
-            bodies
+            boxes
                 .poses
                 .iter()
-                .map(|pose| contact::collide(&self.0, &bodies.samples, pose, &settings, None).contacts.len()),
+                .map(|pose| contact::collide(&self.0, &boxes.samples, pose, &settings, None).contacts.len()),
         );
     }
 

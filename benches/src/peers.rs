@@ -3,9 +3,10 @@
 use crate::figure::Bound;
 use crate::session::{Session, Start};
 use crate::timing::Race;
+use ode_visual_hull::hull::Workspace;
 use ode_visual_hull_bench::carve::Grid;
 use ode_visual_hull_bench::nets::Mesh;
-use ode_visual_hull_bench::ours::{Rig, Scratch};
+use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, Scene, VGA, Who};
 use ode_visual_hull_bench::{ode_mesh, parry};
 
@@ -52,14 +53,15 @@ fn race<'a>(scene: &'a Scene, bodies: &'a Bodies, cell: f64) -> Race<'a> {
     let (mut counts, mut vectors) = (Vec::new(), Vec::new());
     let rig = std::rc::Rc::new(rig);
     let same_rig = rig.clone();
-    let (mut scratch, mut other_scratch) = (Scratch::default(), Scratch::default());
+    let boxes = std::rc::Rc::new(Boxes::new(bodies));
+    let (same_boxes, mut workspace) = (boxes.clone(), Workspace::new());
     let race = Race::new()
         .with("contacts", move || {
-            rig.publish(&scene.masks).contacts(bodies, &mut counts, &mut scratch);
+            rig.publish(&scene.masks).contacts(&boxes, &mut counts);
             counts.len()
         })
         .with("vectors", move || {
-            same_rig.publish(&scene.masks).body_vectors(bodies, &mut vectors, &mut other_scratch);
+            same_rig.publish(&scene.masks).body_vectors(&same_boxes, &mut vectors, &mut workspace);
             vectors.len()
         });
     let (carve, mut grid, ..) = route();

@@ -4,8 +4,9 @@ use crate::figure::Bound;
 use crate::session::{Session, Start};
 use crate::timing::Race;
 use nalgebra::{Isometry3, Point3};
+use ode_visual_hull::hull::{Points, Workspace};
 use ode_visual_hull_bench::literal::{LiteralHull, Vec3};
-use ode_visual_hull_bench::ours::{Frame, Points, Rig, Scratch};
+use ode_visual_hull_bench::ours::{Frame, Rig};
 use ode_visual_hull_bench::random::Random;
 use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, Scene, VGA, Who};
 
@@ -61,17 +62,10 @@ pub fn measure(session: &mut Session) {
 fn inside<'a>(scene: &'a Scene, frame: &'a Frame, points: &[Point3<f64>]) -> Race<'a> {
     let literal = LiteralHull::new(scene, frame.aabb());
     let (plain, batch) = (plain(points), Points::new(points));
-    let mut scratch = Scratch::default();
-    Race::new().with("literal", move || plain.iter().filter(|p| literal.inside(p)).count()).with(
-        "ours",
-        move || {
-            frame
-                .inside(&batch, &Isometry3::identity(), &mut scratch)
-                .iter()
-                .filter(|inside| **inside)
-                .count()
-        },
-    )
+    let mut workspace = Workspace::new();
+    Race::new()
+        .with("literal", move || plain.iter().filter(|p| literal.inside(p)).count())
+        .with("ours", move || frame.inside(&batch, &Isometry3::identity(), &mut workspace).count())
 }
 
 fn responses(
@@ -100,11 +94,11 @@ pub fn respond<'a>(
 ) -> Race<'a> {
     let literal = LiteralHull::new(scene, frame.aabb());
     let (plain, batch) = (plain(points), Points::new(points));
-    let mut scratch = Scratch::default();
+    let mut workspace = Workspace::new();
     race.with(format!("literal {label}"), move || {
         plain.iter().filter_map(|p| Some(literal.respond(p)?.w()[2])).sum::<f32>()
     })
-    .with(format!("ours {label}"), move || frame.sum_of_responses(&batch, &mut scratch))
+    .with(format!("ours {label}"), move || frame.sum_of_responses(&batch, &mut workspace))
 }
 
 /// `count` points at random in the hull's box.

@@ -1,13 +1,12 @@
 //! A simulation of ODE: how much of a step is colliding.
 
 use crate::session::{Session, Start};
-use crate::timing::median;
+use crate::timing::{median, thread_seconds};
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{Amount, BodyId, Mass, Ode, Shape, Surface, World, set_random_seed};
 use ode_visual_hull_bench::scene::{BOX, Bodies, SAMPLES_400, Scene, VGA, Who};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Seconds a step.
 const DT: f64 = 0.01;
@@ -25,11 +24,11 @@ pub fn measure(session: &mut Session) {
         put_back(&mut world, &ids, &bodies.poses);
         let (mut collide, mut total) = (0.0, 0.0);
         for _ in 0..STEPS {
-            let start = Instant::now();
+            let start = thread_seconds();
             world.default_collide(&Surface::with_friction(0.8), 8).expect("a valid surface");
-            collide += start.elapsed().as_secs_f64();
+            collide += thread_seconds() - start;
             world.quick_step(DT).expect("finite states");
-            total += start.elapsed().as_secs_f64();
+            total += thread_seconds() - start;
         }
         shares.push(collide / total);
         steps.push(total / STEPS as f64);

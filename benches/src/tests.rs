@@ -3,12 +3,12 @@
 use crate::carve::Grid;
 use crate::literal::{LiteralBodies, LiteralHull, Vec3};
 use crate::nets::Mesh;
-use crate::ours::{Frame, Rig, Scratch};
+use crate::ours::{Boxes, Frame, Rig};
 use crate::random::Random;
 use crate::scene::{Bodies, SAMPLES_400, SAMPLES_4000, Scene, VGA, Who};
 use crate::{ode_mesh, parry};
 use nalgebra::{Point3, Vector3};
-use ode_visual_hull::hull::reference;
+use ode_visual_hull::hull::{Workspace, reference};
 
 fn plain(p: &Point3<f64>) -> Vec3 {
     p.coords.cast::<f32>().into()
@@ -34,7 +34,7 @@ fn boxes_have_400_or_4000_samples_and_a_quarter_touches_the_person() {
     for count in [60, 600] {
         let mut vectors = Vec::new();
         let bodies = Bodies::scattered(count, SAMPLES_400);
-        frame.body_vectors(&bodies, &mut vectors, &mut Scratch::default());
+        frame.body_vectors(&Boxes::new(&bodies), &mut vectors, &mut Workspace::new());
         let touching = vectors.iter().filter(|vector| vector.colliding > 0).count();
         let samples: usize = vectors.iter().map(|vector| vector.colliding).sum();
         assert!((count / 5..=count * 3 / 10).contains(&touching), "{touching} of {count}");
@@ -65,7 +65,7 @@ fn the_literal_program_and_the_reference_respond_alike() {
         let literal = LiteralHull::new(&scene, frame.aabb());
         let mut random = Random(7);
         let points = std::iter::repeat_with(|| random.point(frame.aabb()));
-        let points = points.filter(|p| reference::inside(frame.hull(), p)).take(1_500);
+        let points = points.filter(|p| reference::inside(frame.hull(), p)).take(1_000);
         let (mut all, mut agree) = (0, 0);
         for p in points {
             let expected = reference::respond(frame.hull(), &p).expect("a point inside");
@@ -88,7 +88,7 @@ fn the_literal_program_and_the_library_give_the_same_body_vectors() {
     let (scene, frame) = person();
     let bodies = Bodies::scattered(600, SAMPLES_400);
     let (mut expected, mut found) = (Vec::new(), Vec::new());
-    frame.body_vectors(&bodies, &mut expected, &mut Scratch::default());
+    frame.body_vectors(&Boxes::new(&bodies), &mut expected, &mut Workspace::new());
     LiteralBodies::new(&bodies).vectors(&LiteralHull::new(&scene, frame.aabb()), &mut found);
     let touching = expected.iter().filter(|expected| expected.colliding > 0).count();
     let pairs = expected.iter().zip(&found).filter(|(expected, _)| expected.colliding > 0);
@@ -109,9 +109,9 @@ fn each_peer_finds_contacts_for_the_bodies_that_we_find_in_contact() {
     let (_, frame) = person();
     let bodies = Bodies::scattered(600, SAMPLES_400);
     let mut ours = Vec::new();
-    frame.contacts(&bodies, &mut ours, &mut Scratch::default());
+    frame.contacts(&Boxes::new(&bodies), &mut ours);
     let mut vectors = Vec::new();
-    frame.body_vectors(&bodies, &mut vectors, &mut Scratch::default());
+    frame.body_vectors(&Boxes::new(&bodies), &mut vectors, &mut Workspace::new());
     for cell in [0.01, 0.02] {
         let mut grid = Grid::new(cell);
         grid.carve(&frame);

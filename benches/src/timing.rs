@@ -1,11 +1,13 @@
 //! Contenders that take turns: each round runs all of them, and only times of one round are compared.
+//!
+//! The clock is the thread's own, which stands still while other programs have the core.
 
 use indicatif::ProgressBar;
+use rustix::time::{ClockId, clock_gettime};
 use std::hint::black_box;
-use std::time::{Duration, Instant};
 
-/// The least time that one contender runs in a round, so that the clock and a stray interrupt do not count.
-const LEAST: Duration = Duration::from_millis(4);
+/// The least seconds that one contender runs in a round, so that the clock and a stray interrupt do not count.
+const LEAST: f64 = 4e-3;
 
 /// Contenders by name.
 #[derive(Default)]
@@ -39,7 +41,7 @@ impl<'a> Race<'a> {
         for contender in &mut self.contenders {
             (contender.run)();
             let once = contender.seconds();
-            contender.repeats = (LEAST.as_secs_f64() / once).ceil().clamp(1.0, 1e6) as u32;
+            contender.repeats = (LEAST / once).ceil().clamp(1.0, 1e6) as u32;
         }
         let mut times = Times {
             names: self.contenders.iter().map(|contender| contender.name.clone()).collect(),
@@ -56,9 +58,9 @@ impl<'a> Race<'a> {
 impl Contender<'_> {
     /// Seconds of one run, the mean over the repeats.
     fn seconds(&mut self) -> f64 {
-        let start = Instant::now();
+        let start = thread_seconds();
         (0..self.repeats).for_each(|_| (self.run)());
-        start.elapsed().as_secs_f64() / f64::from(self.repeats)
+        (thread_seconds() - start) / f64::from(self.repeats)
     }
 }
 
@@ -84,6 +86,12 @@ impl Times {
     fn index(&self, name: &str) -> usize {
         self.names.iter().position(|known| known == name).expect("a contender's name")
     }
+}
+
+/// Seconds that this thread has run, on any core.
+pub fn thread_seconds() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
 pub fn median(mut values: Vec<f64>) -> f64 {

@@ -52,3 +52,16 @@ fn merged(before: &str, figures: &[Figure]) -> String {
     let lines: Vec<_> = members.iter().map(|(name, value)| format!("  \"{name}\": {value}")).collect();
     format!("{{\n{}\n}}\n", lines.join(",\n"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_of_other_programs_stay_and_those_measured_again_are_replaced() {
+        let first = merged("", &[Figure::reported("a", 1.0), Figure::reported("b", f64::NAN)]);
+        assert_eq!(first, "{\n  \"a\": 1,\n  \"b\": null\n}\n");
+        let second = merged(&first, &[Figure::reported("c", 0.5), Figure::reported("b", -2e-7)]);
+        assert_eq!(second, "{\n  \"a\": 1,\n  \"b\": -0.0000002,\n  \"c\": 0.5\n}\n");
+    }
+}

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 /// Points asked together.
-pub(super) const LANES: usize = 16;
+pub(super) const LANES: usize = 32;
 
 /// One number of each of as many points as are asked together.
 pub(super) type Lane = [f32; LANES];
@@ -20,7 +20,7 @@ pub struct Points {
     blocks: Vec<Block>,
     /// Spheres around the points of every so many blocks.
     clusters: Vec<Sphere>,
-    /// The index of each point of the blocks as it was given; empty where they lie in that order.
+    /// The index of each point of the blocks as it was given.
     order: Vec<u32>,
 }
 
@@ -40,25 +40,19 @@ pub(super) struct Sphere {
 }
 
 /// Blocks that are left out together.
-pub(super) const CLUSTER: usize = 8;
+pub(super) const CLUSTER: usize = 2;
 
 impl Points {
-    /// The points in the order given.
+    /// The points, sorted so that neighbours are asked together: where a whole cluster of them misses the hull, none
+    /// is asked. Answers speak of the order given.
     pub fn new(points: &[Point3<f64>]) -> Self {
-        let (centre, radius) = sphere(points);
-        let blocks = points.chunks(LANES).map(|block| Block::new(block, &centre)).collect();
-        let clusters = points.chunks(LANES * CLUSTER).map(|cluster| Sphere::new(cluster, &centre)).collect();
-        Self { centre, radius, count: points.len(), blocks, clusters, order: Vec::new() }
-    }
-
-    /// The points sorted so that neighbours are asked together, for points that lie on a surface: where a whole
-    /// cluster of them misses the hull, none is asked. Answers keep the order given.
-    pub fn clustered(points: &[Point3<f64>]) -> Self {
         let (centre, radius) = sphere(points);
         let mut order: Vec<u32> = (0..points.len() as u32).collect();
         split(points, &mut order);
         let sorted: Vec<_> = order.iter().map(|&k| points[k as usize]).collect();
-        Self { centre, radius, order, ..Self::new(&sorted) }
+        let blocks = sorted.chunks(LANES).map(|block| Block::new(block, &centre)).collect();
+        let clusters = sorted.chunks(LANES * CLUSTER).map(|cluster| Sphere::new(cluster, &centre)).collect();
+        Self { centre, radius, count: points.len(), blocks, clusters, order }
     }
 
     /// How many.
@@ -81,11 +75,6 @@ impl Points {
         self.clusters.iter().zip(self.blocks.chunks(CLUSTER))
     }
 
-    /// Whether clusters are small beside the whole, so that it pays to ask for them.
-    pub(super) fn is_clustered(&self) -> bool {
-        self.clusters.len() > 1 && !self.order.is_empty()
-    }
-
     /// How many points of a block are points, not filling.
     #[inline(always)]
     pub(super) fn filled(&self, block: usize) -> usize {
@@ -95,7 +84,7 @@ impl Points {
     /// The index, as given, of a point of the blocks.
     #[inline(always)]
     pub(super) fn given(&self, place: usize) -> usize {
-        self.order.get(place).map_or(place, |&index| index as usize)
+        self.order[place] as usize
     }
 
     /// A point of the blocks about the middle of all.

@@ -9,7 +9,7 @@
 //! So the distance is the smaller of the way along the row and one more than the least of three neighbours, carried
 //! down and then up. Within a row no pixel waits for another, and a row is a few vector instructions.
 
-use super::region::{Region, WORD};
+use super::region::{Region, WORD, Word};
 use crate::vectorised::vectorised;
 
 /// The distance where no background exists: an open border and a silhouette without an edge.
@@ -111,20 +111,20 @@ impl Pixels for u16 {
 }
 
 vectorised! {
-    fn transform_narrow(subject: &[u64], words: usize, table: &mut [u8], width: usize, row: &mut [u8]) -> u8 {
+    fn transform_narrow(subject: &[Word], words: usize, table: &mut [u8], width: usize, row: &mut [u8]) -> u8 {
         transform(subject, words, table, width, row)
     }
 }
 
 vectorised! {
-    fn transform_wide(subject: &[u64], words: usize, table: &mut [u16], width: usize, row: &mut [u16]) -> u16 {
+    fn transform_wide(subject: &[Word], words: usize, table: &mut [u16], width: usize, row: &mut [u16]) -> u16 {
         transform(subject, words, table, width, row)
     }
 }
 
 /// Fills `table`, rows of `width`, and returns its largest distance. `row` is scratch.
 #[inline(always)]
-fn transform<T: Pixels>(subject: &[u64], words: usize, table: &mut [T], width: usize, row: &mut [T]) -> T {
+fn transform<T: Pixels>(subject: &[Word], words: usize, table: &mut [T], width: usize, row: &mut [T]) -> T {
     // Nothing is known above the first row: it gives no way.
     let mut start = 0;
     for bits in subject.chunks_exact(words) {
@@ -162,11 +162,11 @@ fn carry<T: Pixels>(from: &[T], here: &mut [T]) {
 
 /// Distances to the nearest background pixel of the same row, for each run of subject pixels.
 #[inline(always)]
-fn along_row<T: Pixels>(bits: &[u64], width: usize, row: &mut [T]) {
+fn along_row<T: Pixels>(bits: &[Word], width: usize, row: &mut [T]) {
     row.fill(T::ZERO);
     let mut end = 0;
     while let Some(start) = next_bit(bits, end, 0).filter(|&start| start < width) {
-        end = next_bit(bits, start, u64::MAX).map_or(width, |end| end.min(width));
+        end = next_bit(bits, start, Word::MAX).map_or(width, |end| end.min(width));
         // A run at the region's side goes on beyond the image, where nothing is background.
         let open_left = if start == 0 { u16::MAX } else { 0 };
         let open_right = if end == width { u16::MAX } else { 0 };
@@ -186,9 +186,9 @@ fn along_row<T: Pixels>(bits: &[u64], width: usize, row: &mut [T]) {
 
 /// The first set bit of `bits ^ flip` from `from` on.
 #[inline(always)]
-fn next_bit(bits: &[u64], from: usize, flip: u64) -> Option<usize> {
+fn next_bit(bits: &[Word], from: usize, flip: Word) -> Option<usize> {
     let mut k = from / WORD;
-    let mut word = (bits.get(k)? ^ flip) & (u64::MAX << (from % WORD));
+    let mut word = (bits.get(k)? ^ flip) & (Word::MAX << (from % WORD));
     while word == 0 {
         k += 1;
         word = bits.get(k)? ^ flip;

@@ -142,7 +142,7 @@ impl Silhouette {
         let pixels = 2 * half + 1;
         let rect = self.region.rect();
         if rect.contains(i - half, j) && rect.contains(i + half, j) {
-            return !(self.region.subject_from(i - half, j) as u32) & ((1 << pixels) - 1);
+            return !self.region.subject_from(i - half, j) & ((1 << pixels) - 1);
         }
         let background = |k: &i32| !self.is_subject(i - half + k, j);
         (0..pixels).filter(background).fold(0, |bits, k| bits | 1 << k)

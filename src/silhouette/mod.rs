@@ -22,6 +22,7 @@ use distance::DistanceTable;
 use edge::EdgeTable;
 use image::GrayImage;
 use region::Region;
+pub(crate) use region::Word;
 pub(crate) use tiles::Tiles;
 
 /// A pixel is subject from this byte upwards: covered by half or more.
@@ -48,10 +49,10 @@ pub(crate) struct Tables<'a> {
     pub(crate) height: usize,
     /// Words in a row of bits.
     pub(crate) words: usize,
-    /// Subject pixels, 64 a word, the first in the lowest bit.
-    pub(crate) subject: &'a [u64],
+    /// Subject pixels, 32 a word, the first in the lowest bit.
+    pub(crate) subject: &'a [Word],
     /// Subject pixels and those around each.
-    pub(crate) near: &'a [u64],
+    pub(crate) near: &'a [Word],
     /// Chebyshev distances; 255 for all that are larger than 254.
     pub(crate) distance: &'a [u8],
     pub(crate) tiles: &'a Tiles,
@@ -222,7 +223,7 @@ impl Silhouette {
         let beside = move |(i, j): (i32, i32)| {
             subject(i - 1, j) || subject(i + 1, j) || subject(i, j - 1) || subject(i, j + 1)
         };
-        let word = move |(k, &word): (usize, &u64)| {
+        let word = move |(k, &word): (usize, &Word)| {
             let (x, y) = (rect.x0 + (k % words * region::WORD) as i32, rect.y0 + (k / words) as i32);
             (0..region::WORD as i32).filter(move |bit| word >> bit & 1 == 1).map(move |bit| (x + bit, y))
         };

@@ -16,8 +16,11 @@ use image::GrayImage;
 /// Pixels kept around the subject's rectangle: a contact normal's window around an edge pixel reaches 7 beyond it.
 pub(super) const MARGIN: i32 = 8;
 
-/// Pixels in a word.
-pub(super) const WORD: usize = 64;
+/// Pixels side by side as bits, the first in the lowest.
+pub(crate) type Word = u32;
+
+/// How many.
+pub(super) const WORD: usize = Word::BITS as usize;
 
 /// What one pass over a mask tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,11 +38,11 @@ pub(super) struct Region {
     /// The mask's bytes; beyond the image those of the border.
     bytes: Vec<u8>,
     /// Subject pixels, the first pixel of a row in its first word's lowest bit.
-    subject: Vec<u64>,
+    subject: Vec<Word>,
     /// Subject pixels and the eight around each.
-    near: Vec<u64>,
+    near: Vec<Word>,
     /// Background pixels with a subject pixel beside, above or below.
-    edges: Vec<u64>,
+    edges: Vec<Word>,
 }
 
 impl Region {
@@ -81,22 +84,22 @@ impl Region {
         self.rect().width().div_ceil(WORD)
     }
 
-    pub(super) fn subject(&self) -> &[u64] {
+    pub(super) fn subject(&self) -> &[Word] {
         &self.subject
     }
 
-    pub(super) fn near(&self) -> &[u64] {
+    pub(super) fn near(&self) -> &[Word] {
         &self.near
     }
 
-    pub(super) fn edges(&self) -> &[u64] {
+    pub(super) fn edges(&self) -> &[Word] {
         &self.edges
     }
 
-    /// The 64 subject bits of row `j` from column `i` on, the first in the lowest bit. Row and column lie in the
+    /// The 32 subject bits of row `j` from column `i` on, the first in the lowest bit. Row and column lie in the
     /// region; what is beyond its right side reads as background.
     #[inline(always)]
-    pub(super) fn subject_from(&self, i: i32, j: i32) -> u64 {
+    pub(super) fn subject_from(&self, i: i32, j: i32) -> Word {
         let rect = self.rect();
         let (x, words) = ((i - rect.x0) as usize, self.words());
         let at = (j - rect.y0) as usize * words + x / WORD;
@@ -108,7 +111,7 @@ impl Region {
 
     /// Bytes of memory behind the tables, the mask's own bytes not counted.
     pub(super) fn working_memory(&self) -> usize {
-        8 * (self.subject.capacity() + self.near.capacity() + self.edges.capacity())
+        4 * (self.subject.capacity() + self.near.capacity() + self.edges.capacity())
     }
 }
 
@@ -180,7 +183,7 @@ fn crop(mask: &GrayImage, rect: &Rect, beyond: u8, bytes: &mut Vec<u8>) {
 
 vectorised! {
     /// The subject bits of `bytes`, rows of `width`, a multiple of 8.
-    fn pack(bytes: &[u8], width: usize, bits: &mut Vec<u64>) {
+    fn pack(bytes: &[u8], width: usize, bits: &mut Vec<Word>) {
         bits.clear();
         for row in bytes.chunks_exact(width.max(1)) {
             let (whole, rest) = row.as_chunks::<WORD>();
@@ -192,33 +195,33 @@ vectorised! {
     }
 }
 
-/// Up to 64 bytes, in whole eights, as bits.
+/// Up to 32 bytes, in whole eights, as bits.
 #[inline(always)]
-fn pack_word(bytes: &[u8]) -> u64 {
+fn pack_word(bytes: &[u8]) -> Word {
     let eights = bytes.as_chunks::<8>().0.iter().enumerate();
     eights.fold(0, |word, (k, eight)| {
         let tops = u64::from_le_bytes(*eight) >> 7 & 0x0101_0101_0101_0101;
         // Byte m's bit comes to stand at 56 + m; no two products share a bit, so that nothing carries.
-        word | (tops.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * k)
+        word | ((tops.wrapping_mul(0x0102_0408_1020_4080) >> 56) as Word) << (8 * k)
     })
 }
 
 vectorised! {
     /// From the subject's bits those near it, and the background pixels at its edge.
-    fn neighbours(subject: &[u64], words: usize, near: &mut Vec<u64>, edges: &mut Vec<u64>) {
+    fn neighbours(subject: &[Word], words: usize, near: &mut Vec<Word>, edges: &mut Vec<Word>) {
         near.clear();
         edges.clear();
         let row = |j: usize| subject.get(j * words..(j + 1) * words).unwrap_or(&[]);
         for j in 0..subject.len() / words.max(1) {
             let (above, here, below) = (row(j.wrapping_sub(1).min(subject.len())), row(j), row(j + 1));
-            let word = |row: &[u64], k: usize| row.get(k).copied().unwrap_or(0);
+            let word = |row: &[Word], k: usize| row.get(k).copied().unwrap_or(0);
             let column = |k: usize| word(above, k) | word(here, k) | word(below, k);
             let (mut before, mut middle) = (0, column(0));
             for k in 0..words {
                 let after = column(k + 1);
-                near.push(middle | middle << 1 | middle >> 1 | before >> 63 | after << 63);
-                let left = here[k] << 1 | word(here, k.wrapping_sub(1)) >> 63;
-                let right = here[k] >> 1 | word(here, k + 1) << 63;
+                near.push(middle | middle << 1 | middle >> 1 | before >> (WORD - 1) | after << (WORD - 1));
+                let left = here[k] << 1 | word(here, k.wrapping_sub(1)) >> (WORD - 1);
+                let right = here[k] >> 1 | word(here, k + 1) << (WORD - 1);
                 edges.push(!here[k] & (word(above, k) | word(below, k) | left | right));
                 (before, middle) = (middle, after);
             }

@@ -28,7 +28,9 @@ impl Tiles {
             self.sums.push(0);
             for k in 0..words {
                 let any = rows.iter().skip(k).step_by(words).fold(0, |any, word| any | word);
-                for tile in any.to_le_bytes().into_iter().take((self.columns - k * WORD / SIDE).min(SIDE)) {
+                for tile in
+                    any.to_le_bytes().into_iter().take((self.columns - k * WORD / SIDE).min(WORD / SIDE))
+                {
                     sum += u32::from(tile != 0);
                     self.sums.push(self.sums[self.sums.len() - stride] + sum);
                 }

@@ -55,7 +55,7 @@ pub(super) fn exits(
     points: &Sightings,
     direction: &[Lane; 3],
     first: &[usize; LANES],
-    used: u16,
+    used: u32,
 ) -> Lane {
     let [x, y, z] = direction;
     let mut exit = wall(volume, points, direction);
@@ -74,7 +74,7 @@ pub(super) fn exits(
         let ahead = view.project_directions(x, y, z);
         let mut in_doubt = used & !stays_clear(sighting, &ahead, &exit);
         for (k, first) in first.iter().enumerate() {
-            in_doubt &= !(u16::from(*first == place) << k);
+            in_doubt &= !(u32::from(*first == place) << k);
         }
         if in_doubt != 0 {
             let lines = Lines { start: sighting.at, ahead, column: sighting.column, row: sighting.row };
@@ -93,7 +93,7 @@ fn distance(view: &Folded, column: u32, row: u32) -> u8 {
 /// Which lines surely stay on subject pixels up to their exits: those whose end lies in the square of subject pixels
 /// around their start.
 #[inline(always)]
-fn stays_clear(sighting: &Sighting, ahead: &Homogeneous, exit: &Lane) -> u16 {
+fn stays_clear(sighting: &Sighting, ahead: &Homogeneous, exit: &Lane) -> u32 {
     let mut clear = [false; LANES];
     for k in 0..LANES {
         let depth = sighting.at.depth[k] + exit[k] * ahead.depth[k];
@@ -107,7 +107,7 @@ fn stays_clear(sighting: &Sighting, ahead: &Homogeneous, exit: &Lane) -> u16 {
     }
     let mut bits = 0;
     for (k, clear) in clear.into_iter().enumerate() {
-        bits |= u16::from(clear) << k;
+        bits |= u32::from(clear) << k;
     }
     bits
 }

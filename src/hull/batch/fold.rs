@@ -3,14 +3,14 @@
 //! The product is formed in double precision and only then rounded, so that the frame may lie anywhere: with points
 //! about their middle the error stays below a thousandth of a pixel.
 
-use super::super::points::{Lane, Points};
+use super::super::points::{LANES, Lane, Points};
 use super::super::{Aabb, Hull, View};
 use crate::silhouette::{Rect, Silhouette, Tables};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Translation3};
 
 /// Depths below this, in metres, count as behind the camera.
-const NEAREST: f32 = 1e-6;
+pub(super) const NEAREST: f32 = 1e-6;
 
 /// Whole numbers are this one's lowest bits once added to it.
 const WHOLE: f32 = 8_388_608.0;
@@ -100,15 +100,13 @@ impl<'a> Folded<'a> {
 
     /// Column and row of the region, kept within it: its rim is background. Points behind the camera come to the rim.
     #[inline(always)]
-    pub(super) fn pixels(&self, h: &Homogeneous) -> ([u32; 16], [u32; 16]) {
+    pub(super) fn pixels(&self, h: &Homogeneous) -> ([u32; LANES], [u32; LANES]) {
         let (right, below) = (self.tables.width as f32 - 0.5, self.tables.height as f32 - 0.5);
-        let (mut columns, mut rows) = ([0; 16], [0; 16]);
-        for k in 0..columns.len() {
-            let ahead = h.depth[k] > NEAREST;
-            let per_depth = 1.0 / h.depth[k];
-            let (u, v) = (h.u[k] * per_depth, h.v[k] * per_depth);
-            columns[k] = whole(if ahead { u } else { 0.0 }, right);
-            rows[k] = whole(v, below);
+        let (mut columns, mut rows) = ([0; LANES], [0; LANES]);
+        for k in 0..LANES {
+            let per_depth = either(h.depth[k] > NEAREST, 1.0 / h.depth[k], 0.0);
+            columns[k] = whole(h.u[k] * per_depth, right);
+            rows[k] = whole(h.v[k] * per_depth, below);
         }
         (columns, rows)
     }
@@ -155,13 +153,13 @@ impl FoldedBox {
 
     /// Which points lie in it, a bit each.
     #[inline(always)]
-    pub(super) fn contains(&self, x: &Lane, y: &Lane, z: &Lane) -> u16 {
-        let mut inside = u16::MAX;
+    pub(super) fn contains(&self, x: &Lane, y: &Lane, z: &Lane) -> u32 {
+        let mut inside = u32::MAX;
         for (row, half) in self.rows.iter().zip(self.half) {
             let offset = affine(row, x, y, z);
             let mut bits = 0;
             for (k, offset) in offset.iter().enumerate() {
-                bits |= u16::from(offset.abs() <= half) << k;
+                bits |= u32::from(offset.abs() <= half) << k;
             }
             inside &= bits;
         }
@@ -182,16 +180,24 @@ pub(super) fn fold<'a>(
     )
 }
 
+/// Both are computed, and one is taken: no branch for the compiler to stumble over.
 #[inline(always)]
-fn whole(x: f32, most: f32) -> u32 {
-    // NaN becomes the lower bound. Half is taken off since the sum rounds to the nearest.
-    let x = x.max(0.5).min(most);
+pub(super) fn either(condition: bool, yes: f32, no: f32) -> f32 {
+    if condition { yes } else { no }
+}
+
+/// The whole number below `x`, which is brought between one half and `most`; NaN becomes the lower bound.
+#[inline(always)]
+pub(super) fn whole(x: f32, most: f32) -> u32 {
+    let x = either(x > 0.5, x, 0.5);
+    let x = either(x < most, x, most);
+    // Half is taken off since the sum rounds to the nearest.
     (x - 0.5 + WHOLE).to_bits() & 0x007f_ffff
 }
 
 #[inline(always)]
 pub(super) fn affine(row: &[f32; 4], x: &Lane, y: &Lane, z: &Lane) -> Lane {
-    let mut sum = [0.0; 16];
+    let mut sum = [0.0; LANES];
     for k in 0..sum.len() {
         sum[k] = row[0] * x[k] + row[1] * y[k] + row[2] * z[k] + row[3];
     }
@@ -200,7 +206,7 @@ pub(super) fn affine(row: &[f32; 4], x: &Lane, y: &Lane, z: &Lane) -> Lane {
 
 #[inline(always)]
 pub(super) fn linear(row: &[f32; 4], x: &Lane, y: &Lane, z: &Lane) -> Lane {
-    let mut sum = [0.0; 16];
+    let mut sum = [0.0; LANES];
     for k in 0..sum.len() {
         sum[k] = row[0] * x[k] + row[1] * y[k] + row[2] * z[k];
     }

@@ -68,7 +68,7 @@ vectorised! {
             for (k, first) in first.iter_mut().enumerate() {
                 *first = way(k).view as usize;
             }
-            let exit = exits(views, volume, sightings, &direction, &first, u16::MAX);
+            let exit = exits(views, volume, sightings, &direction, &first, u32::MAX);
             longest = exit.into_iter().fold(longest, f32::max);
         }
         longest

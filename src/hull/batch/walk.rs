@@ -25,7 +25,7 @@ pub(super) struct Lines {
 pub(super) fn walk(
     lines: &Lines,
     limit: &mut Lane,
-    mut walking: u16,
+    mut walking: u32,
     distance: impl Fn(usize, u32, u32) -> u8,
 ) {
     let (start, ahead) = (&lines.start, &lines.ahead);
@@ -76,7 +76,7 @@ pub(super) fn walk(
         }
         (column, row) = (next_column, next_row);
         for (k, past) in past.into_iter().enumerate() {
-            walking &= !(u16::from(past) << k);
+            walking &= !(u32::from(past) << k);
         }
         if walking == 0 {
             return;

@@ -53,7 +53,7 @@ impl Boxes {
     pub fn new(bodies: &Bodies) -> Self {
         let Bodies { samples, poses } = bodies.clone();
         let points: Vec<_> = samples.points().iter().map(|sample| sample.point).collect();
-        Self { samples, points: Points::clustered(&points), poses }
+        Self { samples, points: Points::new(&points), poses }
     }
 }
 

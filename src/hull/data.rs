@@ -149,6 +149,11 @@ impl HullData {
     pub fn update(&self, time: f64) -> Result<Arc<Hull>> {
         let mut state = self.lock();
         let hull = state.frame(time)?;
+        // Of two frames of one time the later one stands.
+        if state.frames.back().is_some_and(|last| last.time() == time) {
+            let replaced = state.frames.pop_back();
+            state.retired.extend(replaced);
+        }
         state.frames.push_back(hull.clone());
         while state.frames.len() > 2 && state.frames[1].time() < time - HISTORY {
             let past = state.frames.pop_front();

@@ -76,8 +76,9 @@ fn resize<T: Copy + Default>(table: &mut Vec<T>, length: usize) {
     table.resize(length, T::default());
 }
 
-/// Pixels written at once along a row.
-const BLOCK: usize = 16;
+/// Pixels done at once. A loop over so many is turned into vector instructions; one over few is unrolled first, and
+/// then no longer.
+const BLOCK: usize = 64;
 
 /// A distance's number.
 trait Pixels: Copy + Ord {
@@ -152,12 +153,33 @@ fn transform<T: Pixels>(subject: &[Word], words: usize, table: &mut [T], width: 
 #[inline(always)]
 fn carry<T: Pixels>(from: &[T], here: &mut [T]) {
     let width = here.len();
-    let (left, middle, right) = (&from[..width - 2], &from[1..width - 1], &from[2..width]);
-    for (((here, &left), &middle), &right) in here[1..].iter_mut().zip(left).zip(middle).zip(right) {
-        *here = (*here).min(left.min(middle).min(right).one_more());
+    let inner = width - 2;
+    for start in (0..inner).step_by(BLOCK) {
+        // The last block overlaps the one before: what is taken twice is the same.
+        let start = start.min(inner.saturating_sub(BLOCK));
+        match (from[start..].first_chunk(), here[start + 1..].first_chunk_mut()) {
+            (Some(from), Some(here)) if start + BLOCK <= inner => carry_block(from, here),
+            _ => carry_few(&from[start..], &mut here[start + 1..width - 1]),
+        }
     }
     here[0] = here[0].min(from[0].min(from[1]).one_more());
     here[width - 1] = here[width - 1].min(from[width - 1].min(from[width - 2]).one_more());
+}
+
+/// The pixels `here` from the row of those around them, which begins one earlier.
+#[inline(always)]
+fn carry_block<T: Pixels>(from: &[T; BLOCK + 2], here: &mut [T; BLOCK]) {
+    for k in 0..BLOCK {
+        here[k] = here[k].min(from[k].min(from[k + 1]).min(from[k + 2]).one_more());
+    }
+}
+
+/// The same for a narrow region.
+#[inline(always)]
+fn carry_few<T: Pixels>(from: &[T], here: &mut [T]) {
+    for (here, from) in here.iter_mut().zip(from.windows(3)) {
+        *here = (*here).min(from[0].min(from[1]).min(from[2]).one_more());
+    }
 }
 
 /// Distances to the nearest background pixel of the same row, for each run of subject pixels.

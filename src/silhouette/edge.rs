@@ -126,9 +126,8 @@ impl Silhouette {
             // Whole numbers: the sums are exact in any order.
             let (mut x, mut y, mut count) = (0, 0, 0);
             for dy in -half..=half {
-                let row = self.background_around(i, j + dy, half);
-                let pixels = row.count_ones() as i32;
-                x += offsets(row) - half * pixels;
+                let (pixels, offsets) = sums(self.background_around(i, j + dy, half));
+                x += offsets - half * pixels;
                 y += dy * pixels;
                 count += pixels;
             }
@@ -215,8 +214,24 @@ const BELL: [[f64; SIDE]; SIDE] = {
     weights
 };
 
-/// The sum of the positions of the set bits.
-fn offsets(bits: u32) -> i32 {
-    const PLACES: [u32; 4] = [0xaaaa_aaaa, 0xcccc_cccc, 0xf0f0_f0f0, 0xff00_ff00];
-    PLACES.iter().zip(0..).map(|(&place, k)| ((bits & place).count_ones() << k) as i32).sum()
+/// How many of the low nine bits are set, and the sum of their positions.
+fn sums(bits: u32) -> (i32, i32) {
+    const TABLE: [(u8, u8); 512] = {
+        let mut table = [(0, 0); 512];
+        let mut bits = 0;
+        while bits < 512 {
+            let mut place = 0;
+            while place < 9 {
+                if bits >> place & 1 == 1 {
+                    table[bits].0 += 1;
+                    table[bits].1 += place;
+                }
+                place += 1;
+            }
+            bits += 1;
+        }
+        table
+    };
+    let (count, places) = TABLE[(bits & 511) as usize];
+    (i32::from(count), i32::from(places))
 }

@@ -1,7 +1,7 @@
 //! Where many points inside leave the hull.
 
 use super::super::points::{LANES, Lane};
-use super::fold::{Folded, FoldedBox, Homogeneous, affine, linear};
+use super::fold::{Folded, FoldedBox, Homogeneous, affine, either, linear};
 use super::walk::{Lines, walk};
 
 /// Points inside, as many as are asked together, and where each view sees them.
@@ -94,20 +94,20 @@ fn distance(view: &Folded, column: u32, row: u32) -> u8 {
 /// around their start.
 #[inline(always)]
 fn stays_clear(sighting: &Sighting, ahead: &Homogeneous, exit: &Lane) -> u32 {
-    let mut clear = [false; LANES];
+    let mut clear = [0_u32; LANES];
     for k in 0..LANES {
         let depth = sighting.at.depth[k] + exit[k] * ahead.depth[k];
         let per_depth = 1.0 / depth;
         let u = (sighting.at.u[k] + exit[k] * ahead.u[k]) * per_depth;
         let v = (sighting.at.v[k] + exit[k] * ahead.v[k]) * per_depth;
-        let low = 1.0 - sighting.clear[k];
-        let (du, dv) = (u - sighting.column[k], v - sighting.row[k]);
-        clear[k] =
-            (depth > 0.0) & (du >= low) & (dv >= low) & (du <= sighting.clear[k]) & (dv <= sighting.clear[k]);
+        // From the pixel's middle to the square's side.
+        let half = sighting.clear[k] - 0.5;
+        let (du, dv) = (u - sighting.column[k] - 0.5, v - sighting.row[k] - 0.5);
+        clear[k] = u32::from((depth > 0.0) & (du.abs() <= half) & (dv.abs() <= half));
     }
     let mut bits = 0;
-    for (k, clear) in clear.into_iter().enumerate() {
-        bits |= u32::from(clear) << k;
+    for (k, clear) in clear.iter().enumerate() {
+        bits |= clear << k;
     }
     bits
 }
@@ -119,9 +119,13 @@ fn wall(volume: &FoldedBox, points: &Sightings, [dx, dy, dz]: &[Lane; 3]) -> Lan
     for (row, half) in volume.rows.iter().zip(volume.half) {
         let (at, ahead) = (affine(row, &points.x, &points.y, &points.z), linear(row, dx, dy, dz));
         for k in 0..LANES {
-            // 0 / 0 is NaN, which min leaves out.
-            exit[k] = exit[k].min((half.copysign(ahead[k]) - at[k]) / ahead[k]);
+            let t = (half.copysign(ahead[k]) - at[k]) / ahead[k];
+            // 0 / 0 is NaN, and not nearer.
+            exit[k] = either(t < exit[k], t, exit[k]);
         }
     }
-    exit.map(|t| t.max(0.0))
+    for exit in &mut exit {
+        *exit = either(*exit > 0.0, *exit, 0.0);
+    }
+    exit
 }

@@ -2,7 +2,7 @@
 
 use super::super::points::{LANES, Lane, Points};
 use super::exit::{Sightings, exits};
-use super::fold::{Folded, FoldedBox};
+use super::fold::{Folded, FoldedBox, either};
 use crate::vectorised::vectorised;
 use nalgebra::Vector3;
 
@@ -82,19 +82,21 @@ fn nearest_views(views: &[Folded], points: &Sightings) -> ([usize; LANES], Lane)
     let mut largest = [0.0_f32; LANES];
     for (view, sighting) in views.iter().zip(&points.views) {
         for k in 0..LANES {
-            largest[k] = largest[k].max(sighting.at.depth[k] * view.footprint);
+            let size = sighting.at.depth[k] * view.footprint;
+            largest[k] = either(size > largest[k], size, largest[k]);
         }
     }
-    let (mut soonest, mut first, mut half) = ([f32::INFINITY; LANES], [0; LANES], [0.0; LANES]);
+    let (mut soonest, mut first, mut half) = ([f32::INFINITY; LANES], [0.0; LANES], [0.0; LANES]);
     for (place, (view, sighting)) in views.iter().zip(&points.views).enumerate() {
         for k in 0..LANES {
             let growth = largest[k] / (sighting.at.depth[k] * view.footprint);
             let iteration = ((sighting.clear[k] - 1.0) / growth).ceil();
-            let sooner = iteration < soonest[k];
-            soonest[k] = if sooner { iteration } else { soonest[k] };
-            first[k] = if sooner { place as u32 } else { first[k] };
             let reach = 1.0 + (iteration * growth).floor();
-            half[k] = if sooner { reach.max(sighting.clear[k]) } else { half[k] };
+            let reach = either(reach > sighting.clear[k], reach, sighting.clear[k]);
+            let sooner = iteration < soonest[k];
+            soonest[k] = either(sooner, iteration, soonest[k]);
+            first[k] = either(sooner, place as f32, first[k]);
+            half[k] = either(sooner, reach, half[k]);
         }
     }
     (first.map(|place| place as usize), half)

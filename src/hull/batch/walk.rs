@@ -4,7 +4,7 @@
 //! crosses into the pixel behind it. Points that have arrived wait for the others.
 
 use super::super::points::{LANES, Lane};
-use super::fold::Homogeneous;
+use super::fold::{Homogeneous, either};
 
 /// No walk takes more steps; a line through the largest image takes fewer.
 const MOST_STEPS: usize = 1 << 18;
@@ -45,41 +45,49 @@ pub(super) fn walk(
         if walking == 0 {
             return;
         }
-        let (mut past, mut next_column, mut next_row) = ([false; LANES], column, row);
+        let (mut past, mut next_column, mut next_row) = ([0_u32; LANES], [0.0; LANES], [0.0; LANES]);
         for k in 0..LANES {
+            let (su, sv, sd) = (start.u[k], start.v[k], start.depth[k]);
+            let (au, av, ad) = (ahead.u[k], ahead.v[k], ahead.depth[k]);
             // The signs of du/dt and dv/dt: the depth squared that divides both is positive.
-            let rightwards = ahead.u[k] * start.depth[k] - start.u[k] * ahead.depth[k] > 0.0;
-            let downwards = ahead.v[k] * start.depth[k] - start.v[k] * ahead.depth[k] > 0.0;
-            let side =
-                |from: f32, forwards: bool| if forwards { from + clear[k] } else { from - clear[k] + 1.0 };
-            let (right, below) = (side(column[k], rightwards), side(row[k], downwards));
-            let crossing = |side: f32, start_x: f32, ahead_x: f32| {
-                let t = (side * start.depth[k] - start_x) / (ahead_x - side * ahead.depth[k]);
-                // A line that never reaches the side crosses it behind the camera, or nowhere.
-                let is_ahead = t.is_finite() && start.depth[k] + t * ahead.depth[k] > 0.0;
-                if is_ahead { t } else { f32::INFINITY }
-            };
-            let by_column = crossing(right, start.u[k], ahead.u[k]);
-            let by_row = crossing(below, start.v[k], ahead.v[k]);
-            let when = by_column.min(by_row).max(t[k]);
-            past[k] = when >= limit[k];
-            let per_depth = 1.0 / (start.depth[k] + when * ahead.depth[k]);
-            let keep =
-                |x: f32, middle: f32| x.floor().max(middle - clear[k] + 1.0).min(middle + clear[k] - 1.0);
-            let u = keep((start.u[k] + when * ahead.u[k]) * per_depth, column[k]);
-            let v = keep((start.v[k] + when * ahead.v[k]) * per_depth, row[k]);
-            let entered = |side: f32, forwards: bool| if forwards { side } else { side - 1.0 };
+            let (rightwards, downwards) = (au * sd - su * ad > 0.0, av * sd - sv * ad > 0.0);
+            let right = column[k] + either(rightwards, clear[k], 1.0 - clear[k]);
+            let below = row[k] + either(downwards, clear[k], 1.0 - clear[k]);
+            let by_column = crossing(right * sd - su, au - right * ad, sd, ad);
+            let by_row = crossing(below * sd - sv, av - below * ad, sd, ad);
             let first = by_column <= by_row;
-            next_column[k] = if first { entered(right, rightwards) } else { u };
-            next_row[k] = if first { v } else { entered(below, downwards) };
+            let when = either(first, by_column, by_row);
+            let when = either(when > t[k], when, t[k]);
+            past[k] = u32::from(when >= limit[k]);
+            let per_depth = 1.0 / (sd + when * ad);
+            let (u, v) = (((su + when * au) * per_depth).floor(), ((sv + when * av) * per_depth).floor());
+            let beside = clear[k] - 1.0;
+            let (u, v) = (within(u, column[k], beside), within(v, row[k], beside));
+            next_column[k] = either(first, either(rightwards, right, right - 1.0), u);
+            next_row[k] = either(first, v, either(downwards, below, below - 1.0));
             t[k] = when;
         }
         (column, row) = (next_column, next_row);
         for (k, past) in past.into_iter().enumerate() {
-            walking &= !(u32::from(past) << k);
+            walking &= !(past << k);
         }
         if walking == 0 {
             return;
         }
     }
+}
+
+/// When a line reaches a side, at `numerator / slope`; one that never does crosses it behind the camera, or nowhere.
+#[inline(always)]
+fn crossing(numerator: f32, slope: f32, depth: f32, ahead: f32) -> f32 {
+    let t = numerator / slope;
+    let is_ahead = (depth + t * ahead > 0.0) & (t.abs() < f32::INFINITY);
+    either(is_ahead, t, f32::INFINITY)
+}
+
+/// `x` kept within `reach` of `middle`.
+#[inline(always)]
+fn within(x: f32, middle: f32, reach: f32) -> f32 {
+    let x = either(x > middle - reach, x, middle - reach);
+    either(x < middle + reach, x, middle + reach)
 }

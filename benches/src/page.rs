@@ -22,7 +22,7 @@ pub fn write(path: &Path, rows: &[Row]) -> io::Result<()> {
 }
 
 fn section(rows: &[Row]) -> String {
-    let mut text = format!("\nMeasured on one core of an {}.\n\n", cpu());
+    let mut text = format!("\nProcessor: {}, one core of it.\n\n", cpu());
     text += "| figure | measured | asked | the clock starts at | what |\n|---|--:|--:|---|---|\n";
     for row in rows {
         let asked = row.figure.bound.map(|bound| bound.to_string()).unwrap_or_default();

@@ -40,50 +40,68 @@ pub fn measure(session: &mut Session) {
 }
 
 fn race<'a>(scene: &'a Scene, bodies: &'a Bodies, cell: f64) -> Race<'a> {
-    let rig = Rig::new(scene);
-    let carved = {
-        let rig = Rig::new(scene);
-        move |grid: &mut Grid| grid.carve(&rig.publish(&scene.masks))
-    };
-    // Each route has memory of its own, used again from frame to frame.
-    let carved = std::rc::Rc::new(carved);
-    let route = || (carved.clone(), Grid::new(cell), Mesh::default(), Vec::new());
-    let mut ode = ode_mesh::Boxes::new(bodies).expect("ODE opens");
-    let (mut for_mesh, mut for_voxels) = (parry::Boxes::new(bodies), parry::Boxes::new(bodies));
-    let (mut counts, mut vectors) = (Vec::new(), Vec::new());
-    let rig = std::rc::Rc::new(rig);
-    let same_rig = rig.clone();
-    let boxes = std::rc::Rc::new(Boxes::new(bodies));
-    let (same_boxes, mut workspace) = (boxes.clone(), Workspace::new());
-    let race = Race::new()
-        .with("contacts", move || {
-            rig.publish(&scene.masks).contacts(&boxes, &mut counts);
-            counts.len()
-        })
-        .with("vectors", move || {
-            same_rig.publish(&scene.masks).body_vectors(&same_boxes, &mut vectors, &mut workspace);
-            vectors.len()
-        });
-    let (carve, mut grid, ..) = route();
-    let race = race.with("carve", move || carve(&mut grid));
-    let (carve, mut grid, mut mesh, mut counts) = route();
+    let race = with_ours(Race::new(), scene, bodies);
+    let mut route = Route::new(scene, cell);
+    let race = race.with("carve", move || route.carve());
+    let mut route = Route::new(scene, cell);
+    let mut boxes = ode_mesh::Boxes::new(bodies).expect("ODE opens");
     let race = race.with("ode_trimesh", move || {
-        carve(&mut grid);
-        mesh.build(&grid);
-        ode.with_mesh(&mesh, &mut counts);
-        counts.len()
+        route.mesh();
+        boxes.with_mesh(&route.mesh, &mut route.counts);
+        route.counts.len()
     });
-    let (carve, mut grid, mut mesh, mut counts) = route();
+    let (mut route, mut boxes) = (Route::new(scene, cell), parry::Boxes::new(bodies));
     let race = race.with("parry_trimesh", move || {
-        carve(&mut grid);
-        mesh.build(&grid);
-        for_mesh.with_mesh(&mesh, &mut counts);
+        route.mesh();
+        boxes.with_mesh(&route.mesh, &mut route.counts);
+        route.counts.len()
+    });
+    let (mut route, mut boxes) = (Route::new(scene, cell), parry::Boxes::new(bodies));
+    race.with("parry_voxels", move || {
+        route.carve();
+        boxes.with_voxels(&route.grid, &mut route.counts);
+        route.counts.len()
+    })
+}
+
+fn with_ours<'a>(race: Race<'a>, scene: &'a Scene, bodies: &'a Bodies) -> Race<'a> {
+    let (rig, boxes, mut counts) = (Rig::new(scene), Boxes::new(bodies), Vec::new());
+    let race = race.with("contacts", move || {
+        rig.publish(&scene.masks).contacts(&boxes, &mut counts);
         counts.len()
     });
-    let (carve, mut grid, _, mut counts) = route();
-    race.with("parry_voxels", move || {
-        carve(&mut grid);
-        for_voxels.with_voxels(&grid, &mut counts);
-        counts.len()
+    let (rig, boxes, mut vectors) = (Rig::new(scene), Boxes::new(bodies), Vec::new());
+    let mut workspace = Workspace::new();
+    race.with("vectors", move || {
+        rig.publish(&scene.masks).body_vectors(&boxes, &mut vectors, &mut workspace);
+        vectors.len()
     })
+}
+
+/// What the routes over voxels have in common. Each has memory of its own, used again from frame to frame.
+struct Route<'a> {
+    scene: &'a Scene,
+    rig: Rig,
+    grid: Grid,
+    mesh: Mesh,
+    /// How many contacts each box has.
+    counts: Vec<usize>,
+}
+
+impl<'a> Route<'a> {
+    fn new(scene: &'a Scene, cell: f64) -> Self {
+        let (rig, grid) = (Rig::new(scene), Grid::new(cell));
+        Self { scene, rig, grid, mesh: Mesh::default(), counts: Vec::new() }
+    }
+
+    /// Masks in, voxels out.
+    fn carve(&mut self) {
+        self.grid.carve(&self.rig.publish(&self.scene.masks));
+    }
+
+    /// Masks in, triangles out.
+    fn mesh(&mut self) {
+        self.carve();
+        self.mesh.build(&self.grid);
+    }
 }

@@ -48,7 +48,7 @@ fn resolution(session: &mut Session) {
     session.reported("query_4k_over_vga_literal", ratio, Start::Frame, what);
     let sizes = SIZES.map(|(name, (width, height))| (f64::from(width * height) * 1e-6, name.to_owned()));
     let lines = [CONTENDERS[0], CONTENDERS[1], ("prepare", "preparing the frame")];
-    draw(session, "resolution", "pixels of a mask", QUERY, sizes.to_vec(), &times, &lines);
+    draw(session, "resolution", "pixels of a mask", TIME, sizes.to_vec(), &times, &lines);
 }
 
 fn samples(session: &mut Session) {
@@ -97,6 +97,7 @@ fn depth(session: &mut Session) {
 type Cost = (&'static str, f64);
 
 const FRAME: Cost = ("masks to body vectors (ms)", 1e-3);
+const TIME: Cost = ("time (ms)", 1e-3);
 const QUERY: Cost = ("body vectors (ms)", 1e-3);
 /// Of one point among [`POINTS`].
 const RESPONSE: Cost = ("response of a point (ns)", 1e-9 * POINTS as f64);

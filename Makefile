@@ -15,7 +15,7 @@ INSTALLED := $(INCLUDEDIR)/ode_visual_hull.h $(LIBDIR)/pkgconfig/ode_visual_hull
 	$(addprefix $(LIBDIR)/$(LIBRARY),.a .so .so.$(MAJOR) .so.$(VERSION))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup lib install uninstall demo test figures clean
+.PHONY: help setup lib install uninstall demo test figures bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1	\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -35,6 +35,9 @@ test: setup ## formatting, lints, documentation and all tests
 
 figures: setup ## measures every quality figure: a table, and target/figures.json
 	cargo run --release --example figures
+
+bench: setup ## the library beside the paper's algorithm and rebuilt meshes: docs/performance.md, and target/figures.json
+	cargo run --release --package ode-visual-hull-bench
 
 lib: $(RELEASE)/$(LIBRARY).so ## the C library, shared and static, in target/release
 

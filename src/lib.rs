@@ -104,6 +104,7 @@ pub mod sample;
 pub mod segment;
 pub mod silhouette;
 pub mod synthetic;
+mod vectorised;
 
 pub use error::{Error, Result};
 

@@ -3,6 +3,7 @@
 use std::fmt;
 
 /// A measured number.
+#[derive(Debug, Clone)]
 pub struct Figure {
     /// Lower case, words joined by underscores, the unit last.
     pub name: String,

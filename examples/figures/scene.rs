@@ -66,7 +66,7 @@ fn cameras(n: usize) -> Vec<Camera> {
 
 fn hull(cameras: &[Camera], mask: impl Fn(&Camera) -> GrayImage) -> Hull {
     let view = |camera: &Camera| {
-        let silhouette = Silhouette::new(mask(camera), Border::Background);
+        let silhouette = Silhouette::new(&mask(camera), Border::Background);
         View::new(Arc::new(camera.clone()), Arc::new(silhouette), None)
     };
     let bounds = Aabb::new(point![-0.8, -0.8, -0.3], point![0.8, 0.8, 1.3]).expect("a valid volume");

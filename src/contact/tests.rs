@@ -19,7 +19,7 @@ fn table() -> Hull {
     let subject = Subject::new(vec![placed]);
     let cameras = layout::face_on(lengths, &Isometry3::identity(), 2.8, 0.2, (640, 480), 0.45).unwrap();
     let view = |camera| {
-        let silhouette = Silhouette::new(coverage(&camera, &subject), Border::Background);
+        let silhouette = Silhouette::new(&coverage(&camera, &subject), Border::Background);
         View::new(Arc::new(camera), Arc::new(silhouette), None)
     };
     let bounds = Aabb::new(point![-0.6, -0.6, -0.3], point![0.6, 0.6, 0.8]).unwrap();

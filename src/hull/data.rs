@@ -1,9 +1,10 @@
 //! The views, masks and frames of one subject: what cameras write and simulations read.
 
-use super::{Aabb, Hull, Unseen, View};
+use super::slot::Slot;
+use super::{Aabb, Hull, Unseen};
 use crate::camera::Camera;
 use crate::lock::lock;
-use crate::silhouette::{Border, SUBJECT, Silhouette, Undistortion};
+use crate::silhouette::Border;
 use crate::{Error, Result};
 use image::GrayImage;
 use std::collections::VecDeque;
@@ -30,19 +31,9 @@ struct State {
     unseen: Unseen,
     /// Published frames, the latest last.
     frames: VecDeque<Arc<Hull>>,
+    /// Frames that history has dropped: their memory is for the next ones, once nobody else holds them.
+    retired: Vec<Arc<Hull>>,
     published: u64,
-}
-
-/// One view's camera and latest mask.
-#[derive(Debug, Clone)]
-struct Slot {
-    camera: Arc<Camera>,
-    pinhole: Arc<Camera>,
-    lens: Option<Arc<Undistortion>>,
-    seen: Option<Arc<Silhouette>>,
-    mask: Option<Arc<GrayImage>>,
-    silhouette: Option<Arc<Silhouette>>,
-    enabled: bool,
 }
 
 impl Default for State {
@@ -52,6 +43,7 @@ impl Default for State {
             bounds: None,
             unseen: Unseen::Outside,
             frames: VecDeque::new(),
+            retired: Vec::new(),
             published: 0,
         }
     }
@@ -101,7 +93,7 @@ impl HullData {
     /// # Errors
     /// An index out of range.
     pub fn camera(&self, view: usize) -> Result<Arc<Camera>> {
-        Ok(self.lock().slot(view)?.camera.clone())
+        Ok(self.lock().slot(view)?.camera().clone())
     }
 
     /// Sets the work volume: points outside are outside the hull.
@@ -125,7 +117,7 @@ impl HullData {
         }
         let mut state = self.lock();
         if border_of(state.unseen) != border_of(unseen) {
-            state.views.iter_mut().try_for_each(|slot| slot.prepare(border_of(unseen)))?;
+            state.views.iter_mut().for_each(|slot| slot.change_border(border_of(unseen)));
         }
         state.unseen = unseen;
         Ok(())
@@ -146,20 +138,18 @@ impl HullData {
     /// An index out of range; a mask of another size than the camera's image; a full mask, which says that the
     /// segmentation failed. The last good mask then stays. An empty mask is no error: the subject may have left.
     pub fn set_mask(&self, view: usize, mask: &GrayImage) -> Result<()> {
-        let (mut slot, border) = {
-            let state = self.lock();
-            (state.slot(view)?.clone(), border_of(state.unseen))
+        let (mut preparation, border) = {
+            let mut state = self.lock();
+            let border = border_of(state.unseen);
+            (state.slot_mut(view)?.begin(), border)
         };
-        slot.check(mask)?;
         // Prepared outside the lock, so that cameras on several threads do not wait for one another.
-        slot.mask = Some(Arc::new(mask.clone()));
-        slot.prepare(border)?;
+        preparation.prepare(mask, border)?;
         let mut state = self.lock();
         if border != border_of(state.unseen) {
-            slot.prepare(border_of(state.unseen))?;
+            preparation.prepare(mask, border_of(state.unseen))?;
         }
-        let place = state.slot_mut(view)?;
-        (place.mask, place.silhouette) = (slot.mask, slot.silhouette);
+        state.slot_mut(view)?.finish(preparation);
         Ok(())
     }
 
@@ -170,10 +160,16 @@ impl HullData {
     /// is not finite or lies before the last frame's. The last frame then stays in force.
     pub fn update(&self, time: f64) -> Result<Arc<Hull>> {
         let mut state = self.lock();
-        let hull = Arc::new(state.frame(time)?);
+        let hull = state.frame(time)?;
+        // Of two frames of one time the later one stands.
+        if state.frames.back().is_some_and(|last| last.time() == time) {
+            let replaced = state.frames.pop_back();
+            state.retired.extend(replaced);
+        }
         state.frames.push_back(hull.clone());
         while state.frames.len() > 2 && state.frames[1].time() < time - HISTORY {
-            state.frames.pop_front();
+            let past = state.frames.pop_front();
+            state.retired.extend(past);
         }
         state.published += 1;
         Ok(hull)
@@ -206,7 +202,7 @@ impl State {
         self.views.get_mut(view).ok_or_else(|| no_such_view(view, count))
     }
 
-    fn frame(&self, time: f64) -> Result<Hull> {
+    fn frame(&mut self, time: f64) -> Result<Arc<Hull>> {
         if self.views.is_empty() {
             return Err(Error::argument(
                 "expected at least one view, found none; add views before the update",
@@ -228,90 +224,29 @@ impl State {
                  clock"
             )));
         }
-        let views = self.views.iter().map(|slot| slot.view(&bounds)).collect::<Result<Vec<View>>>()?;
-        Ok(Hull::new(views, bounds, self.unseen, time))
-    }
-}
-
-impl Slot {
-    fn new(camera: Camera) -> Result<Self> {
-        let lens = Undistortion::new(&camera).map(Arc::new);
-        if lens.is_none() && !camera.distortion().is_none() {
-            let (width, height) = camera.size();
-            let problem = format!(
-                "expected a lens that can be undistorted within the largest image, found {width} x {height} pixels \
-                 with distortion {:?}; scale the images down or undistort them first",
-                camera.distortion().coefficients()
-            );
-            return Err(Error::view(camera.name(), problem));
+        let mut hull = self.free_frame();
+        let mut views = Arc::get_mut(&mut hull).map(Hull::take_views).unwrap_or_default();
+        for slot in &mut self.views {
+            views.push(slot.view(&bounds)?);
         }
-        let seen =
-            lens.as_ref().map(|lens| Arc::new(Silhouette::new(lens.seen().clone(), Border::Background)));
-        let camera = Arc::new(camera);
-        let pinhole = lens.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
-        Ok(Self { camera, pinhole, lens, seen, mask: None, silhouette: None, enabled: true })
-    }
-
-    fn name(&self) -> &str {
-        self.camera.name()
-    }
-
-    fn check(&self, mask: &GrayImage) -> Result<()> {
-        let (width, height) = self.camera.size();
-        if mask.dimensions() != (width, height) {
-            let found = format!("found {} x {}", mask.width(), mask.height());
-            let problem = format!(
-                "mask: expected {width} x {height} pixels as in the calibration, {found}; scale the mask or calibrate \
-                 at its size"
-            );
-            return Err(Error::view(self.name(), problem));
+        let frame = Hull::new(views, bounds, self.unseen, time);
+        match Arc::get_mut(&mut hull) {
+            Some(place) => *place = frame,
+            None => hull = Arc::new(frame),
         }
-        if mask.as_raw().iter().all(|&byte| byte >= SUBJECT) {
-            let problem = "mask: expected some background, found every pixel subject; \
-                           it is inverted or the segmentation failed; the last good mask stays";
-            return Err(Error::view(self.name(), problem));
-        }
-        Ok(())
+        Ok(hull)
     }
 
-    /// Prepares the latest mask; what the view does not see is subject where it abstains, so that it has no edge.
-    fn prepare(&mut self, border: Border) -> Result<()> {
-        let Some(mask) = &self.mask else { return Ok(()) };
-        let unseen = if border == Border::Open { 255 } else { 0 };
-        let flat = match &self.lens {
-            Some(lens) => lens.apply(mask, unseen)?,
-            None => GrayImage::clone(mask),
-        };
-        self.silhouette = Some(Arc::new(Silhouette::new(flat, border)));
-        Ok(())
-    }
-
-    fn view(&self, bounds: &Aabb) -> Result<View> {
-        let silhouette = match &self.silhouette {
-            Some(silhouette) => silhouette.clone(),
-            // Nobody asks a disabled view.
-            None if !self.enabled => Arc::new(Silhouette::new(GrayImage::default(), Border::Open)),
-            None => {
-                let problem =
-                    "expected a mask before the first update, found none; set one, or disable the view";
-                return Err(Error::view(self.name(), problem));
+    /// A frame that nobody holds any more. All of these let go of their silhouettes.
+    fn free_frame(&mut self) -> Arc<Hull> {
+        let mut free = None;
+        for k in (0..self.retired.len()).rev() {
+            if let Some(hull) = Arc::get_mut(&mut self.retired[k]) {
+                hull.forget_views();
+                free = Some(self.retired.swap_remove(k));
             }
-        };
-        let view = View::new(self.pinhole.clone(), silhouette, self.seen.clone()).with_enabled(self.enabled);
-        if self.enabled && !view.sees_some_of(bounds) {
-            let centre = self.camera.centre();
-            let forward = self.camera.forward();
-            return Err(Error::view(
-                self.name(),
-                format!(
-                    "expected a camera that sees the work volume, found one at ({:.3}, {:.3}, {:.3}) m that looks \
-                     along ({:.3}, {:.3}, {:.3}), away from it; check that the pose maps world to camera with z \
-                     forward, y down, or disable the view",
-                    centre.x, centre.y, centre.z, forward.x, forward.y, forward.z
-                ),
-            ));
         }
-        Ok(view)
+        free.unwrap_or_else(|| Arc::new(Hull::new(Vec::new(), Aabb::EMPTY, self.unseen, 0.0)))
     }
 }
 

@@ -37,15 +37,14 @@ pub(super) fn clipped_box(bounds: &Aabb, camera: &Camera, planes: &[Vector3<f64>
     let centre = camera.centre();
     let near = (camera.forward() * -1.0, centre + camera.forward() * MIN_DEPTH);
     let cuts = || planes.iter().map(|&outward| (outward, centre)).chain([near]);
-    let mut corners: Vec<Point3<f64>> = Vec::new();
+    let mut aabb = Aabb::EMPTY;
     for face in faces(bounds) {
-        let polygon = cuts().fold(face, |polygon, (outward, on)| clip(&polygon, &outward, &on));
-        corners.extend(polygon);
+        let polygon = cuts().fold(face, |polygon, (outward, on)| polygon.clipped(&outward, &on));
+        aabb = aabb.union(&Aabb::of_points(polygon.corners()));
     }
     if bounds.contains(&centre) {
-        corners.push(centre);
+        aabb = aabb.union(&Aabb { min: centre, max: centre });
     }
-    let aabb = Aabb::of_points(&corners);
     // A cull must never change a verdict: more than the rounding of a clipped corner, less than any pixel.
     if aabb.is_empty() {
         aabb
@@ -54,33 +53,54 @@ pub(super) fn clipped_box(bounds: &Aabb, camera: &Camera, planes: &[Vector3<f64>
     }
 }
 
-/// The six faces of a box as quadrilaterals.
-fn faces(aabb: &Aabb) -> [Vec<Point3<f64>>; 6] {
-    let corners = aabb.corners();
-    let quad = |a: usize, b: usize, c: usize, d: usize| vec![corners[a], corners[b], corners[c], corners[d]];
-    [
-        quad(0, 2, 6, 4),
-        quad(1, 3, 7, 5),
-        quad(0, 1, 5, 4),
-        quad(2, 3, 7, 6),
-        quad(0, 1, 3, 2),
-        quad(4, 5, 7, 6),
-    ]
+/// The most corners of a quadrilateral cut by five planes: each cut adds one.
+const MOST_CORNERS: usize = 9;
+
+/// A convex polygon.
+#[derive(Clone, Copy)]
+struct Polygon {
+    corners: [Point3<f64>; MOST_CORNERS],
+    count: usize,
 }
 
-/// The part of a convex polygon behind the plane through `on` with normal `outward`.
-fn clip(polygon: &[Point3<f64>], outward: &Vector3<f64>, on: &Point3<f64>) -> Vec<Point3<f64>> {
-    let height = |p: &Point3<f64>| outward.dot(&(p - on));
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
-    for (k, here) in polygon.iter().enumerate() {
-        let next = &polygon[(k + 1) % polygon.len()];
-        let (h0, h1) = (height(here), height(next));
-        if h0 <= 0.0 {
-            kept.push(*here);
-        }
-        if (h0 < 0.0 && h1 > 0.0) || (h0 > 0.0 && h1 < 0.0) {
-            kept.push(here + (next - here) * (h0 / (h0 - h1)));
+impl Polygon {
+    fn corners(&self) -> &[Point3<f64>] {
+        &self.corners[..self.count]
+    }
+
+    fn push(&mut self, corner: Point3<f64>) {
+        // Rounding cannot add corners to a convex polygon by more than a rim: what is left out then lies on it.
+        if let Some(place) = self.corners.get_mut(self.count) {
+            *place = corner;
+            self.count += 1;
         }
     }
-    kept
+
+    /// The part behind the plane through `on` with normal `outward`.
+    fn clipped(&self, outward: &Vector3<f64>, on: &Point3<f64>) -> Self {
+        let height = |p: &Point3<f64>| outward.dot(&(p - on));
+        let mut kept = Self { corners: [Point3::origin(); MOST_CORNERS], count: 0 };
+        for (k, here) in self.corners().iter().enumerate() {
+            let next = &self.corners()[(k + 1) % self.count];
+            let (h0, h1) = (height(here), height(next));
+            if h0 <= 0.0 {
+                kept.push(*here);
+            }
+            if (h0 < 0.0 && h1 > 0.0) || (h0 > 0.0 && h1 < 0.0) {
+                kept.push(here + (next - here) * (h0 / (h0 - h1)));
+            }
+        }
+        kept
+    }
+}
+
+/// The six faces of a box as quadrilaterals.
+fn faces(aabb: &Aabb) -> [Polygon; 6] {
+    let corners = aabb.corners();
+    let quad = |ring: [usize; 4]| {
+        let mut face = Polygon { corners: [Point3::origin(); MOST_CORNERS], count: 0 };
+        ring.into_iter().for_each(|corner| face.push(corners[corner]));
+        face
+    };
+    [[0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6], [0, 1, 3, 2], [4, 5, 7, 6]].map(quad)
 }

@@ -11,20 +11,25 @@
 //! through the masks (paper, section 4). [`mod@reference`] is the same algorithm written to be read.
 
 mod aabb;
+mod batch;
 mod data;
 mod frustum;
 mod image_line;
 mod march;
+mod points;
 mod ray;
 pub mod reference;
 mod response;
 mod search;
+mod slot;
 mod sweep;
 mod view;
 
 pub use aabb::Aabb;
+pub use batch::{BodyResponse, Inside, PointResponse, Workspace};
 pub use data::HullData;
 pub use march::EdgeModel;
+pub use points::Points;
 pub use ray::RayHit;
 pub use response::{Push, Response};
 pub use search::NearestEdge;
@@ -114,6 +119,17 @@ impl Hull {
     pub fn new(views: Vec<View>, bounds: Aabb, unseen: Unseen, time: f64) -> Self {
         let (aabb, emptiness) = bounding_box(&views, &bounds, unseen);
         Self { views, bounds, unseen, culls: Culls::DEFAULT, time, aabb, emptiness }
+    }
+
+    /// Lets go of the views, for a frame that nobody asks any more; the memory of their list stays.
+    fn forget_views(&mut self) {
+        self.views.clear();
+    }
+
+    /// The memory of the list of views.
+    fn take_views(&mut self) -> Vec<View> {
+        self.views.clear();
+        std::mem::take(&mut self.views)
     }
 
     /// The same hull with other culls.

@@ -81,7 +81,7 @@ fn mask(camera: &Camera, samples: u32) -> GrayImage {
 fn hull(unseen: Unseen, samples: u32) -> Hull {
     let border = if unseen == Unseen::Outside { Border::Background } else { Border::Open };
     let view = |camera: Camera| {
-        let silhouette = Silhouette::new(mask(&camera, samples), border);
+        let silhouette = Silhouette::new(&mask(&camera, samples), border);
         View::new(Arc::new(camera), Arc::new(silhouette), None)
     };
     Hull::new(cameras().into_iter().map(view).collect(), bounds(), unseen, 0.0)
@@ -223,7 +223,7 @@ fn a_view_that_does_not_see_the_point_decides_by_the_policy() {
     let mut views: Vec<View> = hull(Unseen::ABSTAIN, 1).views().to_vec();
     let away =
         Camera::look_at("away", (64, 48), 0.2, point![3.0, 0.0, 0.3], point![3.0, 3.0, 0.3], Vector3::z());
-    let blank = Silhouette::new(GrayImage::new(64, 48), Border::Open);
+    let blank = Silhouette::new(&GrayImage::new(64, 48), Border::Open);
     views.push(View::new(Arc::new(away.unwrap()), Arc::new(blank), None));
     let middle = point![0.05, 0.0, 0.35];
     assert!(Hull::new(views.clone(), bounds(), Unseen::ABSTAIN, 0.0).inside(&middle));
@@ -235,7 +235,7 @@ fn a_view_that_does_not_see_the_point_decides_by_the_policy() {
 fn an_empty_hull_tells_which_view_emptied_it() {
     let mut views: Vec<View> = hull(Unseen::Outside, 1).views().to_vec();
     let camera = cameras().swap_remove(3);
-    let blank = Silhouette::new(GrayImage::new(160, 120), Border::Background);
+    let blank = Silhouette::new(&GrayImage::new(160, 120), Border::Background);
     views[3] = View::new(Arc::new(camera), Arc::new(blank), None);
     let emptied = Hull::new(views.clone(), bounds(), Unseen::Outside, 0.0);
     assert_eq!(emptied.emptiness(), Some(Emptiness::EmptySilhouette { view: 3 }));

@@ -74,6 +74,11 @@ impl View {
         self.seen.as_deref()
     }
 
+    /// World to image, row-major; its third row gives the depth in metres.
+    pub(super) fn projection(&self) -> &Matrix3x4<f64> {
+        &self.projection
+    }
+
     /// Homogeneous image coordinates of `p`: `(u depth, v depth, depth)`.
     pub(super) fn homogeneous(&self, p: &Point3<f64>) -> Vector3<f64> {
         self.projection * p.to_homogeneous()
@@ -157,8 +162,13 @@ impl View {
         self.backproject_normal(&edge.point, &edge.normal)
     }
 
-    /// Metres that one pixel covers at the depth of a point: the smaller of the steps to the right and down
-    /// (design: d_i of the window search).
+    /// Metres that one pixel covers at a depth of one metre.
+    pub(super) fn footprint_at_one_metre(&self) -> f64 {
+        self.footprint(&Pixel { u: 0.0, v: 0.0, depth: 1.0 })
+    }
+
+    /// The same at the depth of a point: the smaller of the steps to the right and down (design: d_i of the window
+    /// search).
     pub(super) fn footprint(&self, pixel: &Pixel) -> f64 {
         let k = self.camera.intrinsics();
         let right = pixel.depth / k[(0, 0)];

@@ -1,11 +1,15 @@
 //! Normals at the edge of a silhouette: the paper's, and the one that contacts use.
 
-use super::{HALF_COVERAGE, Rect, Silhouette};
+use super::region::{Region, WORD};
+use super::{HALF_COVERAGE, Silhouette};
 use nalgebra::{Point2, Vector2};
-use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
 /// Half-width of the contact normal's window, in pixels.
 const WINDOW: i32 = 6;
+
+/// Pixels on its side.
+const SIDE: usize = 2 * WINDOW as usize + 1;
 
 /// Squared distance, in pixels, at which the contact normal's weights `(1 - r^2 / REACH_SQUARED)^3` end: a round bell
 /// of standard deviation 2.2, wide enough to see past the stairs of a binary edge, narrow enough to follow a finger.
@@ -25,83 +29,150 @@ pub struct Edge {
     pub normal: Vector2<f64>,
 }
 
-/// The edge pixels of a silhouette, row-major, each with its [`Edge`] once somebody asked for it.
+/// The contact edges of a silhouette's edge pixels, row-major, each once somebody asked for it.
 #[derive(Debug, Default)]
-pub(super) struct EdgeTable(Vec<EdgePixel>);
-
-#[derive(Debug)]
-struct EdgePixel {
-    /// Row and column.
-    at: (i32, i32),
-    edge: OnceLock<Option<Edge>>,
+pub(super) struct EdgeTable {
+    /// Edge pixels before each row.
+    before_row: Vec<u32>,
+    state: Vec<AtomicU8>,
+    /// Point and normal, as bits.
+    edges: Vec<[AtomicU64; 4]>,
 }
 
+const UNKNOWN: u8 = 0;
+const NONE: u8 = 1;
+const KNOWN: u8 = 2;
+
 impl EdgeTable {
-    pub(super) fn of(silhouette: &Silhouette) -> Self {
-        let rect = silhouette.rect;
-        if rect.is_empty() {
-            return Self::default();
+    /// Makes room for the region's edge pixels, none of them known.
+    pub(super) fn fill(&mut self, region: &Region) {
+        self.before_row.clear();
+        let mut count = 0;
+        for row in region.edges().chunks_exact(region.words().max(1)) {
+            self.before_row.push(count as u32);
+            count += row.iter().map(|word| word.count_ones() as usize).sum::<usize>();
         }
-        let mut pixels = Vec::new();
-        for j in rect.y0 - 1..=rect.y1 {
-            for i in rect.x0 - 1..=rect.x1 {
-                let beside = [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)];
-                let subject = |(i, j): (i32, i32)| rect.contains(i, j) && silhouette.is_subject(i, j);
-                if !silhouette.is_subject(i, j) && beside.into_iter().any(subject) {
-                    pixels.push(EdgePixel { at: (j, i), edge: OnceLock::new() });
+        self.state.clear();
+        self.state.resize_with(count, AtomicU8::default);
+        if self.edges.len() < count {
+            self.edges.resize_with(count, Default::default);
+        }
+    }
+
+    /// The edge at `(i, j)`, computed by `edge` where it is not known yet.
+    pub(super) fn get(
+        &self,
+        region: &Region,
+        (i, j): (i32, i32),
+        edge: impl FnOnce() -> Option<Edge>,
+    ) -> Option<Edge> {
+        let Some(index) = self.index(region, i, j) else { return edge() };
+        let (state, place) = (&self.state[index], &self.edges[index]);
+        match state.load(Ordering::Acquire) {
+            UNKNOWN => {
+                // Two threads may both get here. They store the same bits, before either says that they are known.
+                let found = edge();
+                if let Some(Edge { point, normal }) = found {
+                    for (place, number) in place.iter().zip([point.x, point.y, normal.x, normal.y]) {
+                        place.store(number.to_bits(), Ordering::Relaxed);
+                    }
                 }
+                state.store(if found.is_some() { KNOWN } else { NONE }, Ordering::Release);
+                found
+            }
+            NONE => None,
+            _ => {
+                let [x, y, nx, ny] = [0, 1, 2, 3].map(|k| f64::from_bits(place[k].load(Ordering::Relaxed)));
+                Some(Edge { point: Point2::new(x, y), normal: Vector2::new(nx, ny) })
             }
         }
-        Self(pixels)
     }
 
-    pub(super) fn get(&self, silhouette: &Silhouette, i: i32, j: i32) -> Option<Edge> {
-        match self.0.binary_search_by_key(&(j, i), |pixel| pixel.at) {
-            Ok(found) => *self.0[found].edge.get_or_init(|| silhouette.contact_edge(i, j)),
-            Err(_) => silhouette.contact_edge(i, j),
+    /// Rank of an edge pixel among all.
+    fn index(&self, region: &Region, i: i32, j: i32) -> Option<usize> {
+        let (rect, words) = (region.rect(), region.words());
+        if !rect.contains(i, j) {
+            return None;
         }
+        let (x, y) = ((i - rect.x0) as usize, (j - rect.y0) as usize);
+        let row = &region.edges()[y * words..(y + 1) * words];
+        let (word, bit) = (row[x / WORD], x % WORD);
+        let before: u32 = row[..x / WORD].iter().map(|word| word.count_ones()).sum();
+        let rank = before + (word & ((1 << bit) - 1)).count_ones();
+        (word >> bit & 1 == 1).then(|| (self.before_row[y] + rank) as usize)
     }
 
-    pub(super) fn pixels(&self) -> impl Iterator<Item = (i32, i32)> {
-        self.0.iter().map(|pixel| (pixel.at.1, pixel.at.0))
+    /// Bytes of memory behind the table.
+    pub(super) fn working_memory(&self) -> usize {
+        4 * self.before_row.capacity() + self.state.capacity() + 32 * self.edges.capacity()
     }
 }
 
 impl Silhouette {
+    /// The contact normal and edge point at background pixel `(i, j)`, computed once a pixel.
+    pub fn edge(&self, i: i32, j: i32) -> Option<Edge> {
+        self.edges.get(&self.region, (i, j), || self.contact_edge(i, j))
+    }
+
     /// The paper's normal (section 4.2) at background pixel `(i, j)`: the mean vector from there to the background
     /// pixels of the 5x5 window around, of 7x7 or 9x9 where that mean is short; `None` where all are.
     pub fn paper_normal(&self, i: i32, j: i32) -> Option<Vector2<f64>> {
+        self.paper_mean(i, j).map(|mean| mean.normalize())
+    }
+
+    /// The mean itself, in pixels.
+    pub(crate) fn paper_mean(&self, i: i32, j: i32) -> Option<Vector2<f64>> {
         [2, 3, 4].into_iter().find_map(|half| {
-            let window = Rect::window(i, j, half);
-            let (mut sum, mut count) = (Vector2::zeros(), 0.0);
-            for y in window.y0..window.y1 {
-                for x in window.x0..window.x1 {
-                    if !self.is_subject(x, y) {
-                        sum += Vector2::new(f64::from(x - i), f64::from(y - j));
-                        count += 1.0;
-                    }
-                }
+            // Whole numbers: the sums are exact in any order.
+            let (mut x, mut y, mut count) = (0, 0, 0);
+            for dy in -half..=half {
+                let (pixels, offsets) = sums(self.background_around(i, j + dy, half));
+                x += offsets - half * pixels;
+                y += dy * pixels;
+                count += pixels;
             }
-            let mean = sum / f64::max(count, 1.0);
-            (mean.norm() >= SHORTEST_MEAN).then(|| mean.normalize())
+            let mean = Vector2::new(f64::from(x), f64::from(y)) / f64::max(f64::from(count), 1.0);
+            (mean.norm() >= SHORTEST_MEAN).then_some(mean)
         })
+    }
+
+    /// Background bits of the `2 half + 1` pixels of row `j` around column `i`, the leftmost in the lowest bit.
+    fn background_around(&self, i: i32, j: i32, half: i32) -> u32 {
+        let pixels = 2 * half + 1;
+        let rect = self.region.rect();
+        if rect.contains(i - half, j) && rect.contains(i + half, j) {
+            return !self.region.subject_from(i - half, j) & ((1 << pixels) - 1);
+        }
+        let background = |k: &i32| !self.is_subject(i - half + k, j);
+        (0..pixels).filter(background).fold(0, |bits, k| bits | 1 << k)
     }
 
     /// The contact normal at `(i, j)`: the same mean with each vector weighted by `(1 - coverage)` and a bell,
     /// which takes the square window's bias away; and the edge point beneath it.
-    fn contact_edge(&self, i: i32, j: i32) -> Option<Edge> {
+    pub(super) fn contact_edge(&self, i: i32, j: i32) -> Option<Edge> {
         let (mut sum, mut total) = (Vector2::zeros(), 0.0);
-        for dy in -WINDOW..=WINDOW {
-            for dx in -WINDOW..=WINDOW {
-                let weight = f64::from(255 - self.value(i + dx, j + dy)) * bell(dx, dy);
-                sum += Vector2::new(f64::from(dx), f64::from(dy)) * weight;
-                total += weight;
+        for (dy, bells) in (-WINDOW..=WINDOW).zip(&BELL) {
+            for ((dx, bell), value) in (-WINDOW..=WINDOW).zip(bells).zip(self.values_around(i, j + dy)) {
+                // Most pixels weigh nothing, and adding nothing changes no bit.
+                if value != 255 && *bell != 0.0 {
+                    let weight = f64::from(255 - value) * bell;
+                    sum += Vector2::new(f64::from(dx), f64::from(dy)) * weight;
+                    total += weight;
+                }
             }
         }
         let normal = (sum / total).try_normalize(SHORTEST_MEAN)?;
         let centre = Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
         let point = centre - normal * self.depth_of_edge(centre, normal);
         Some(Edge { point, normal })
+    }
+
+    /// The bytes of row `j` in a window around column `i`.
+    fn values_around(&self, i: i32, j: i32) -> [u8; SIDE] {
+        match self.region.row::<SIDE>(i - WINDOW, j) {
+            Some(row) => *row,
+            None => std::array::from_fn(|k| self.value(i - WINDOW + k as i32, j)),
+        }
     }
 
     /// How far inwards of a background pixel's centre the edge lies, in pixels: where coverage reaches one half, or
@@ -128,8 +199,39 @@ impl Silhouette {
     }
 }
 
-/// The weight of the pixel `(dx, dy)` from the middle of the contact normal's window.
-fn bell(dx: i32, dy: i32) -> f64 {
-    let rest = f64::max(1.0 - f64::from(dx * dx + dy * dy) / REACH_SQUARED, 0.0);
-    rest * rest * rest
+/// The weights of the contact normal's window.
+const BELL: [[f64; SIDE]; SIDE] = {
+    let mut weights = [[0.0; SIDE]; SIDE];
+    let mut k = 0;
+    while k < SIDE * SIDE {
+        let (dx, dy) = ((k % SIDE) as i32 - WINDOW, (k / SIDE) as i32 - WINDOW);
+        let rest = 1.0 - (dx * dx + dy * dy) as f64 / REACH_SQUARED;
+        if rest > 0.0 {
+            weights[k / SIDE][k % SIDE] = rest * rest * rest;
+        }
+        k += 1;
+    }
+    weights
+};
+
+/// How many of the low nine bits are set, and the sum of their positions.
+fn sums(bits: u32) -> (i32, i32) {
+    const TABLE: [(u8, u8); 512] = {
+        let mut table = [(0, 0); 512];
+        let mut bits = 0;
+        while bits < 512 {
+            let mut place = 0;
+            while place < 9 {
+                if bits >> place & 1 == 1 {
+                    table[bits].0 += 1;
+                    table[bits].1 += place;
+                }
+                place += 1;
+            }
+            bits += 1;
+        }
+        table
+    };
+    let (count, places) = TABLE[(bits & 511) as usize];
+    (i32::from(count), i32::from(places))
 }

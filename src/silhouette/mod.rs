@@ -7,7 +7,10 @@
 mod distance;
 mod edge;
 mod mask;
+mod nearest;
 mod rect;
+mod region;
+mod tiles;
 mod undistort;
 
 pub use edge::Edge;
@@ -15,7 +18,12 @@ pub use mask::load_mask;
 pub use rect::Rect;
 pub use undistort::Undistortion;
 
+use distance::DistanceTable;
+use edge::EdgeTable;
 use image::GrayImage;
+use region::Region;
+pub(crate) use region::Word;
+pub(crate) use tiles::Tiles;
 
 /// A pixel is subject from this byte upwards: covered by half or more.
 pub const SUBJECT: u8 = 128;
@@ -32,36 +40,89 @@ pub enum Border {
     Open,
 }
 
-/// One view's mask, prepared. Immutable, so that any number of threads may ask it.
+/// What is prepared of a silhouette: tables over its rectangle and some pixels around, row-major.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tables<'a> {
+    /// Column and row of the first pixel.
+    pub(crate) corner: (i32, i32),
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    /// Words in a row of bits.
+    pub(crate) words: usize,
+    /// Subject pixels, 32 a word, the first in the lowest bit.
+    pub(crate) subject: &'a [Word],
+    /// Subject pixels and those around each.
+    pub(crate) near: &'a [Word],
+    /// Chebyshev distances; 255 for all that are larger than 254.
+    pub(crate) distance: &'a [u8],
+    pub(crate) tiles: &'a Tiles,
+}
+
+/// One view's mask, prepared. Immutable while it is shared, so that any number of threads may ask it.
+///
+/// What is kept of the mask are the subject's rectangle and eight pixels around it. Bytes farther out, which can only
+/// be coverage below one half, count as background.
 #[derive(Debug)]
 pub struct Silhouette {
-    mask: GrayImage,
     border: Border,
     image: Rect,
     rect: Rect,
     has_coverage: bool,
-    /// Chebyshev distance in pixels to the nearest background pixel, row-major over `rect`.
-    distance: Vec<u16>,
-    edges: edge::EdgeTable,
+    region: Region,
+    distances: DistanceTable,
+    tiles: Tiles,
+    edges: EdgeTable,
+    columns: Vec<u8>,
 }
 
 impl Silhouette {
     /// Prepares `mask`. Any image is accepted; an empty or a full one simply has no edge.
-    pub fn new(mask: GrayImage, border: Border) -> Self {
-        let image = Rect::of_image(mask.width(), mask.height());
-        let rect = subject_rect(&mask);
-        let is_subject = |i: i32, j: i32| mask.get_pixel(i as u32, j as u32).0[0] >= SUBJECT;
-        let distance = distance::chebyshev(&image, &rect, border, is_subject);
-        let has_coverage = mask.as_raw().iter().any(|&byte| byte != 0 && byte != 255);
-        let mut silhouette =
-            Self { mask, border, image, rect, has_coverage, distance, edges: edge::EdgeTable::default() };
-        silhouette.edges = edge::EdgeTable::of(&silhouette);
+    pub fn new(mask: &GrayImage, border: Border) -> Self {
+        let mut silhouette = Self::blank(border);
+        silhouette.refill(mask, border);
         silhouette
     }
 
-    /// The mask as it was given.
-    pub fn mask(&self) -> &GrayImage {
-        &self.mask
+    /// A silhouette of no image at all.
+    pub(crate) fn blank(border: Border) -> Self {
+        Self {
+            border,
+            image: Rect::EMPTY,
+            rect: Rect::EMPTY,
+            has_coverage: false,
+            region: Region::default(),
+            distances: DistanceTable::default(),
+            tiles: Tiles::default(),
+            edges: EdgeTable::default(),
+            columns: Vec::new(),
+        }
+    }
+
+    /// Prepares another mask in the memory of the last one.
+    pub fn refill(&mut self, mask: &GrayImage, border: Border) {
+        let scan = region::scan(mask, &mut self.columns);
+        self.image = Rect::of_image(mask.width(), mask.height());
+        (self.border, self.rect, self.has_coverage) = (border, scan.rect, scan.has_coverage);
+        self.region.fill(mask, &scan.rect, border);
+        self.distances.fill(&self.region);
+        self.tiles.fill(&self.region);
+        self.edges.fill(&self.region);
+    }
+
+    /// Bytes of memory for what is prepared, beside the mask's own bytes.
+    pub fn working_memory(&self) -> usize {
+        self.region.working_memory()
+            + self.distances.working_memory()
+            + self.tiles.working_memory()
+            + self.edges.working_memory()
+            + self.columns.capacity()
+    }
+
+    /// The mask, as far as it is kept.
+    pub(crate) fn to_mask(&self) -> GrayImage {
+        GrayImage::from_fn(self.image.x1 as u32, self.image.y1 as u32, |i, j| {
+            image::Luma([self.value(i as i32, j as i32)])
+        })
     }
 
     /// The pixels of the whole image.
@@ -86,13 +147,10 @@ impl Silhouette {
 
     /// The byte of pixel `(i, j)`; beyond the image 0 or, where the border is open, 255.
     pub fn value(&self, i: i32, j: i32) -> u8 {
-        if self.image.contains(i, j) {
-            self.mask.as_raw()[self.image.index(i, j)]
-        } else {
-            match self.border {
-                Border::Background => 0,
-                Border::Open => 255,
-            }
+        match self.region.byte(i, j) {
+            Some(byte) => byte,
+            None if self.border == Border::Open && !self.image.contains(i, j) => 255,
+            None => 0,
         }
     }
 
@@ -105,12 +163,39 @@ impl Silhouette {
     /// [`u16::MAX`] where there is none.
     pub fn distance(&self, i: i32, j: i32) -> u16 {
         if self.rect.contains(i, j) {
-            self.distance[self.rect.index(i, j)]
+            self.distances.at(self.region.rect().index(i, j))
         } else if self.border == Border::Open && !self.image.contains(i, j) {
             distance::NO_EDGE
         } else {
             0
         }
+    }
+
+    /// The tables themselves, for queries of many points.
+    pub(crate) fn tables(&self) -> Tables<'_> {
+        let rect = self.region.rect();
+        Tables {
+            corner: (rect.x0, rect.y0),
+            width: rect.width(),
+            height: rect.height(),
+            words: self.region.words(),
+            subject: self.region.subject(),
+            near: self.region.near(),
+            distance: self.distances.narrow(),
+            tiles: &self.tiles,
+        }
+    }
+
+    /// Whether `part` may hold subject pixels: false only where it surely holds none.
+    pub(crate) fn may_touch(&self, part: &Rect) -> bool {
+        let corner = self.region.rect();
+        let shifted = Rect {
+            x0: part.x0.saturating_sub(corner.x0),
+            y0: part.y0.saturating_sub(corner.y0),
+            x1: part.x1.saturating_sub(corner.x0),
+            y1: part.y1.saturating_sub(corner.y0),
+        };
+        self.tiles.any(&shifted)
     }
 
     /// Coverage at image position `(u, v)`, 0 to 255, bilinear between pixel centres.
@@ -123,63 +208,28 @@ impl Silhouette {
 
     /// The bytes at the corners of the bilinear cell between the centres of pixels `(i, j)` and `(i + 1, j + 1)`.
     pub(crate) fn cell(&self, i: i32, j: i32) -> [f64; 4] {
-        [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| f64::from(self.value(i, j)))
-    }
-
-    /// The background pixel nearest to `(i, j)` (Euclidean, then row-major) within the window of half-width `half`.
-    pub fn nearest_background(&self, i: i32, j: i32, half: i32) -> Option<(i32, i32)> {
-        let first = i32::from(self.distance(i, j));
-        if first == 0 {
-            return Some((i, j));
-        }
-        let mut best: Option<(i64, i32, i32)> = None;
-        let mut ring = first;
-        // A ring at Chebyshev radius r holds nothing nearer than r, so the search ends where r exceeds the best.
-        while ring <= half && best.is_none_or(|(squared, ..)| i64::from(ring).pow(2) <= squared) {
-            let candidates = ring_pixels(i, j, ring).filter(|&(x, y)| !self.is_subject(x, y));
-            let nearest = candidates.map(|(x, y)| (squared_distance(i, j, x, y), y, x)).min();
-            best = best.into_iter().chain(nearest).min();
-            ring += 1;
-        }
-        best.map(|(_, y, x)| (x, y))
-    }
-
-    /// The contact normal and edge point at background pixel `(i, j)`, computed once a pixel.
-    pub fn edge(&self, i: i32, j: i32) -> Option<Edge> {
-        self.edges.get(self, i, j)
+        let bytes = match (self.region.row::<2>(i, j), self.region.row::<2>(i, j + 1)) {
+            (Some(&[a, b]), Some(&[c, d])) => [a, b, c, d],
+            _ => [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| self.value(i, j)),
+        };
+        bytes.map(f64::from)
     }
 
     /// The background pixels with a subject pixel beside, above or below, row-major.
     pub fn edge_pixels(&self) -> impl Iterator<Item = (i32, i32)> {
-        self.edges.pixels()
+        let rect = self.region.rect();
+        let words = self.region.words().max(1);
+        let subject = |i, j| self.rect.contains(i, j) && self.is_subject(i, j);
+        let beside = move |(i, j): (i32, i32)| {
+            subject(i - 1, j) || subject(i + 1, j) || subject(i, j - 1) || subject(i, j + 1)
+        };
+        let word = move |(k, &word): (usize, &Word)| {
+            let (x, y) = (rect.x0 + (k % words * region::WORD) as i32, rect.y0 + (k / words) as i32);
+            (0..region::WORD as i32).filter(move |bit| word >> bit & 1 == 1).map(move |bit| (x + bit, y))
+        };
+        // The table holds pixels beside an open border too, which is no edge.
+        self.region.edges().iter().enumerate().flat_map(word).filter(move |&pixel| beside(pixel))
     }
-}
-
-fn squared_distance(i: i32, j: i32, x: i32, y: i32) -> i64 {
-    (i64::from(x) - i64::from(i)).pow(2) + (i64::from(y) - i64::from(j)).pow(2)
-}
-
-/// The pixels at Chebyshev distance `radius` from `(i, j)`.
-fn ring_pixels(i: i32, j: i32, radius: i32) -> impl Iterator<Item = (i32, i32)> {
-    let rows = (i - radius..=i + radius).flat_map(move |x| [(x, j - radius), (x, j + radius)]);
-    let columns = (j - radius + 1..j + radius).flat_map(move |y| [(i - radius, y), (i + radius, y)]);
-    rows.chain(columns)
-}
-
-fn subject_rect(mask: &GrayImage) -> Rect {
-    let mut rect = Rect { x0: i32::MAX, y0: i32::MAX, x1: i32::MIN, y1: i32::MIN };
-    for (j, row) in mask.rows().enumerate() {
-        let subject = |byte: &image::Luma<u8>| byte.0[0] >= SUBJECT;
-        let mut columns = row.enumerate().filter(|(_, byte)| subject(byte)).map(|(i, _)| i as i32);
-        if let Some(first) = columns.next() {
-            let last = columns.next_back().unwrap_or(first);
-            rect.x0 = rect.x0.min(first);
-            rect.x1 = rect.x1.max(last + 1);
-            rect.y0 = rect.y0.min(j as i32);
-            rect.y1 = j as i32 + 1;
-        }
-    }
-    if rect.is_empty() { Rect::EMPTY } else { rect }
 }
 
 #[cfg(test)]

@@ -36,7 +36,7 @@ fn brute_force_distance(s: &Silhouette, i: i32, j: i32) -> u16 {
 #[test]
 fn distance_is_the_half_width_of_the_first_window_with_background() {
     for border in [Border::Background, Border::Open] {
-        let s = Silhouette::new(drawn(70, 50, blob), border);
+        let s = Silhouette::new(&drawn(70, 50, blob), border);
         for j in 0..50 {
             for i in 0..70 {
                 assert_eq!(s.distance(i, j), brute_force_distance(&s, i, j), "{border:?} ({i}, {j})");
@@ -47,14 +47,14 @@ fn distance_is_the_half_width_of_the_first_window_with_background() {
 
 #[test]
 fn nearest_background_is_the_euclidean_then_row_major_first() {
-    let s = Silhouette::new(drawn(70, 50, blob), Border::Background);
+    let s = Silhouette::new(&drawn(70, 50, blob), Border::Background);
     for (i, j) in (0..50).flat_map(|j| (0..70).map(move |i| (i, j))) {
         let half = 3 * i32::from(s.distance(i, j));
         let window = Rect::window(i, j, half);
         let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
         let brute = pixels
             .filter(|&(x, y)| !s.is_subject(x, y))
-            .min_by_key(|&(x, y)| (squared_distance(i, j, x, y), y, x));
+            .min_by_key(|&(x, y)| ((x - i).pow(2) + (y - j).pow(2), y, x));
         assert_eq!(s.nearest_background(i, j, half), brute, "({i}, {j})");
     }
 }
@@ -62,18 +62,82 @@ fn nearest_background_is_the_euclidean_then_row_major_first() {
 #[test]
 fn rect_is_the_tightest() {
     let s = Silhouette::new(
-        drawn(70, 50, |u, v| u > 10.0 && u < 20.0 && v > 30.0 && v < 33.0),
+        &drawn(70, 50, |u, v| u > 10.0 && u < 20.0 && v > 30.0 && v < 33.0),
         Border::Background,
     );
     assert_eq!(s.rect(), Rect { x0: 10, y0: 30, x1: 20, y1: 33 });
-    assert!(Silhouette::new(GrayImage::new(8, 8), Border::Background).rect().is_empty());
+    assert!(Silhouette::new(&GrayImage::new(8, 8), Border::Background).rect().is_empty());
+}
+
+#[test]
+fn distances_beyond_a_byte_are_exact() {
+    // Deep, and wider than a byte from one side only where the border is open.
+    let mask = drawn(700, 620, |u, v| (u - 330.0).abs() < 300.0 && (v - 310.0).abs() < 290.0);
+    for border in [Border::Background, Border::Open] {
+        let s = Silhouette::new(&mask, border);
+        assert_eq!((s.distance(330, 310), s.distance(31, 310), s.distance(330, 20)), (290, 2, 1));
+        assert_eq!(s.distance(330, 310 - 40), 251);
+        assert_eq!(s.distance(330, 310 - 30), 261);
+    }
+    let half = Silhouette::new(&drawn(900, 40, |u, _| u < 800.0), Border::Open);
+    assert_eq!([800, 799, 500, 0].map(|i| half.distance(i, 20)), [0, 1, 300, 800]);
+}
+
+#[test]
+fn tiles_never_miss_a_subject_pixel_and_know_empty_ones() {
+    let s = Silhouette::new(&drawn(200, 150, |u, v| blob(u - 90.0, v - 60.0)), Border::Background);
+    let mut empty = 0;
+    for k in 0..2000 {
+        let (x0, y0) = (k * 37 % 190, k * 53 % 140);
+        let rect = Rect { x0, y0, x1: x0 + 1 + k % 19, y1: y0 + 1 + k % 23 };
+        let any = |rect: &Rect| (rect.y0..rect.y1).any(|j| (rect.x0..rect.x1).any(|i| s.is_subject(i, j)));
+        assert!(s.may_touch(&rect) || !any(&rect), "{rect:?}");
+        // A tile is 8 pixels wide: with seven more on each side every tile asked is in sight.
+        assert!(!s.may_touch(&rect) || any(&rect.grown(7)), "{rect:?}");
+        empty += i32::from(!s.may_touch(&rect));
+    }
+    assert!(empty > 500);
+}
+
+#[test]
+fn a_silhouette_made_in_the_memory_of_another_is_the_same() {
+    let masks = [
+        drawn(70, 50, blob),
+        GrayImage::new(70, 50),
+        drawn(200, 150, |u, v| blob(u - 90.0, v - 60.0)),
+        covered(70, 50, blob),
+        drawn(700, 620, |u, v| (u - 330.0).abs() < 300.0 && (v - 310.0).abs() < 290.0),
+    ];
+    let mut reused = Silhouette::blank(Border::Open);
+    for (mask, border) in masks.iter().cycle().zip([Border::Background, Border::Open].iter().cycle()).take(10)
+    {
+        reused.refill(mask, *border);
+        let fresh = Silhouette::new(mask, *border);
+        assert_eq!(reused.rect(), fresh.rect());
+        assert_eq!(reused.has_coverage(), fresh.has_coverage());
+        assert!(reused.edge_pixels().eq(fresh.edge_pixels()));
+        assert!(reused.edge_pixels().all(|(i, j)| reused.edge(i, j) == fresh.edge(i, j)));
+        let pixels = (-3..53).flat_map(|j| (-3..73).map(move |i| (i, j)));
+        for (i, j) in pixels {
+            assert_eq!(reused.value(i, j), fresh.value(i, j));
+            assert_eq!(reused.distance(i, j), fresh.distance(i, j));
+        }
+    }
+}
+
+#[test]
+fn an_edge_is_the_same_when_asked_again() {
+    let s = Silhouette::new(&covered(70, 50, blob), Border::Background);
+    let once: Vec<_> = s.edge_pixels().map(|(i, j)| s.edge(i, j)).collect();
+    assert!(once.len() > 100 && s.edge_pixels().map(|(i, j)| s.edge(i, j)).eq(once.iter().copied()));
+    assert!(s.edge_pixels().map(|(i, j)| s.contact_edge(i, j)).eq(once));
 }
 
 #[test]
 fn a_full_open_image_has_no_edge_and_a_full_closed_one_has_its_border() {
     let full = drawn(9, 9, |_, _| true);
-    assert_eq!(Silhouette::new(full.clone(), Border::Open).distance(4, 4), u16::MAX);
-    assert_eq!(Silhouette::new(full, Border::Background).distance(4, 4), 5);
+    assert_eq!(Silhouette::new(&full, Border::Open).distance(4, 4), u16::MAX);
+    assert_eq!(Silhouette::new(&full, Border::Background).distance(4, 4), 5);
 }
 
 #[test]
@@ -83,7 +147,7 @@ fn contact_normals_of_a_straight_edge_are_right_at_every_slope() {
         let inside = |u: f64, v: f64| (u - 30.3) * normal.x + (v - 30.2) * normal.y < 0.0;
         // Binary: half a pixel of stair over the 6 px that the window sees, atan(0.5 / 6). Coverage has no stairs.
         for (mask, worst) in [(drawn(60, 60, inside), 4.8_f64), (covered(60, 60, inside), 1.0)] {
-            let s = Silhouette::new(mask, Border::Open);
+            let s = Silhouette::new(&mask, Border::Open);
             for (i, j) in s.edge_pixels().filter(|&(i, j)| (12..48).contains(&i) && (12..48).contains(&j)) {
                 let edge = s.edge(i, j).unwrap();
                 let error = edge.normal.angle(&normal).to_degrees();
@@ -103,7 +167,7 @@ fn coverage_normals_of_a_straight_edge_are_right_to_a_tenth_of_a_degree_on_avera
         let (n, offset) = (Vector2::new(slope.sin(), -slope.cos()), 30.3 * slope.sin() - 30.2 * slope.cos());
         let coverage = |i: u32, j: u32| half_plane_coverage(f64::from(i), f64::from(j), &n, offset);
         let mask = GrayImage::from_fn(60, 60, |i, j| image::Luma([(255.0 * coverage(i, j)).round() as u8]));
-        let s = Silhouette::new(mask, Border::Open);
+        let s = Silhouette::new(&mask, Border::Open);
         let inner = s.edge_pixels().filter(|&(i, j)| (14..46).contains(&i) && (14..46).contains(&j));
         errors.extend(inner.map(|(i, j)| s.edge(i, j).unwrap().normal.angle(&n).to_degrees()));
     }
@@ -127,7 +191,7 @@ fn half_plane_coverage(x: f64, y: f64, n: &Vector2<f64>, offset: f64) -> f64 {
 fn edge_points_lie_on_a_straight_edge() {
     let normal = Vector2::new(0.6, -0.8);
     let offset = |u: f64, v: f64| (u - 30.3) * normal.x + (v - 30.2) * normal.y;
-    let s = Silhouette::new(covered(60, 60, |u, v| offset(u, v) < 0.0), Border::Open);
+    let s = Silhouette::new(&covered(60, 60, |u, v| offset(u, v) < 0.0), Border::Open);
     for (i, j) in s.edge_pixels().filter(|&(i, j)| (12..48).contains(&i) && (12..48).contains(&j)) {
         let point = s.edge(i, j).unwrap().point;
         // Bilinear interpolation of area coverage: within a tenth of a pixel.
@@ -141,7 +205,7 @@ fn paper_normals_have_the_bias_of_their_square_window() {
     for (slope, bias) in [(0.0_f64, 0.0), (20.0, 5.8), (30.0, 6.6), (45.0, 0.0)] {
         let normal = Vector2::new(slope.to_radians().sin(), -slope.to_radians().cos());
         let s = Silhouette::new(
-            drawn(200, 200, |u, v| (u - 100.3) * normal.x + (v - 100.2) * normal.y < 0.0),
+            &drawn(200, 200, |u, v| (u - 100.3) * normal.x + (v - 100.2) * normal.y < 0.0),
             Border::Open,
         );
         let inner = s.edge_pixels().filter(|&(i, j)| (20..180).contains(&i) && (20..180).contains(&j));

@@ -103,6 +103,16 @@ impl Undistortion {
     /// # Errors
     /// A mask of another size than the original camera's image.
     pub fn apply(&self, mask: &GrayImage, unseen_value: u8) -> Result<GrayImage> {
+        let mut image = GrayImage::default();
+        self.apply_into(mask, unseen_value, &mut image)?;
+        Ok(image)
+    }
+
+    /// The same, written to `image`, which becomes the pinhole's size where it is not yet.
+    ///
+    /// # Errors
+    /// A mask of another size than the original camera's image.
+    pub fn apply_into(&self, mask: &GrayImage, unseen_value: u8, image: &mut GrayImage) -> Result<()> {
         let (width, height) = self.original_size;
         if mask.dimensions() != self.original_size {
             let (w, h) = mask.dimensions();
@@ -120,9 +130,11 @@ impl Undistortion {
             at => tap.interpolate(&source[at as usize..], right, below),
         });
         let (width, height) = self.pinhole.size();
-        let mut image = GrayImage::from_pixel(width, height, Luma([unseen_value]));
+        if image.dimensions() != (width, height) {
+            *image = GrayImage::from_pixel(width, height, Luma([unseen_value]));
+        }
         image.iter_mut().zip(values).for_each(|(pixel, value)| *pixel = value);
-        Ok(image)
+        Ok(())
     }
 }
 

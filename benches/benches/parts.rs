@@ -1,0 +1,79 @@
+//! The library's parts one by one: `cargo bench -p ode-visual-hull-bench`.
+//!
+//! Seven VGA views of a person; times are for the whole batch that an item count stands beside.
+
+use divan::{Bencher, black_box, counter::ItemsCount};
+use nalgebra::{Isometry3, Point3, Vector3};
+use ode_visual_hull::hull::{EdgeModel, Points, Workspace};
+use ode_visual_hull_bench::ours::{Boxes, Frame, Rig};
+use ode_visual_hull_bench::random::Random;
+use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, SAMPLES_4000, Scene, UHD, VGA, Who};
+
+fn main() {
+    divan::main();
+}
+
+fn person() -> Frame {
+    let scene = Scene::new(Who::Person, 7, VGA);
+    Rig::new(&scene).publish(&scene.masks)
+}
+
+/// 1000 points at random inside.
+fn points_inside(frame: &Frame) -> Vec<Point3<f64>> {
+    let mut random = Random(11);
+    let points = std::iter::repeat_with(|| random.point(frame.aabb()));
+    points.filter(|p| frame.hull().inside(p)).take(1000).collect()
+}
+
+#[divan::bench(args = [VGA, FULL_HD, UHD], max_time = 2)]
+fn prepare_seven_masks(bencher: Bencher, size: &(u32, u32)) {
+    let scene = Scene::new(Who::Person, 7, *size);
+    let rig = Rig::new(&scene);
+    bencher.bench_local(|| rig.publish(&scene.masks));
+}
+
+#[divan::bench]
+fn inside(bencher: Bencher) {
+    let frame = person();
+    let points = Bodies::scattered(60, SAMPLES_400).world_points();
+    let (count, points) = (ItemsCount::new(points.len()), Points::new(&points));
+    let mut workspace = Workspace::new();
+    bencher
+        .counter(count)
+        .bench_local(|| frame.inside(&points, &Isometry3::identity(), &mut workspace).count());
+}
+
+#[divan::bench]
+fn respond(bencher: Bencher) {
+    let frame = person();
+    let points = points_inside(&frame);
+    let (count, points) = (ItemsCount::new(points.len()), Points::new(&points));
+    let mut workspace = Workspace::new();
+    bencher.counter(count).bench_local(|| frame.sum_of_responses(&points, &mut workspace));
+}
+
+#[divan::bench(args = [EdgeModel::Pixel, EdgeModel::Coverage])]
+fn exit(bencher: Bencher, edge: &EdgeModel) {
+    let frame = person();
+    let points = points_inside(&frame);
+    let direction = Vector3::new(0.6, 0.64, 0.48);
+    bencher.counter(ItemsCount::new(points.len())).bench_local(|| {
+        points.iter().map(|p| frame.hull().exit(black_box(p), &direction, *edge)).sum::<f64>()
+    });
+}
+
+#[divan::bench(args = [SAMPLES_400, SAMPLES_4000])]
+fn body_vectors_of_60_boxes(bencher: Bencher, min_feature: f64) {
+    let frame = person();
+    let boxes = Boxes::new(&Bodies::scattered(60, min_feature));
+    let (mut vectors, mut workspace) = (Vec::new(), Workspace::new());
+    bencher.bench_local(|| frame.body_vectors(&boxes, &mut vectors, &mut workspace));
+}
+
+#[divan::bench(args = [SAMPLES_400, SAMPLES_4000])]
+fn contacts_of_60_boxes(bencher: Bencher, min_feature: f64) {
+    let frame = person();
+    let boxes = Boxes::new(&Bodies::scattered(60, min_feature));
+    let mut counts = Vec::new();
+    bencher.bench_local(|| frame.contacts(&boxes, &mut counts));
+}

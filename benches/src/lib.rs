@@ -1,0 +1,27 @@
+//! The contenders of the comparison, each on the same masks and the same bodies.
+//!
+//! ```text
+//!              ┌─► ours     the library                                   ─► inside, responses, body vectors, contacts
+//!   scene ─────┼─► literal  the paper's algorithm, pixel by pixel         ─► inside, responses, body vectors
+//!   masks,     └─► carve    voxels, by the library's inside test
+//!   boxes             ├─► nets ─┬─► ode       a triangle mesh of ODE      ─► contacts
+//!                     │         └─► parry     a triangle mesh of parry3d  ─► contacts
+//!                     └──────────► parry      voxels of parry3d           ─► contacts
+//! ```
+//!
+//! The program `ode-visual-hull-bench` measures them; `benches/parts.rs` measures the library's parts alone.
+
+#![deny(unsafe_code)]
+
+pub mod carve;
+pub mod literal;
+pub mod nets;
+pub mod ode;
+pub mod ours;
+pub mod parry;
+#[path = "../../examples/figures/random.rs"]
+pub mod random;
+pub mod scene;
+
+#[cfg(test)]
+mod tests;

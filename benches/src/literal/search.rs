@@ -1,0 +1,115 @@
+//! The search for the nearest silhouette edge by windows that grow, each view's at its own speed.
+
+use super::{LiteralHull, LiteralView, MAX_VIEWS, Vec3};
+use ode_visual_hull::silhouette::SUBJECT;
+
+/// The nearest edge of a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NearestEdge {
+    /// Index of the view that decides.
+    pub(super) view: usize,
+    /// The point's pixel in it.
+    pub(super) pixel: (i32, i32),
+    /// The background pixel that is the projection of b.
+    pub(super) b: (i32, i32),
+}
+
+/// A view's window.
+#[derive(Debug, Clone, Copy, Default)]
+struct Window {
+    centre: (i32, i32),
+    /// How much faster it grows than the slowest.
+    growth: f32,
+    /// Half-width of what is scanned already.
+    scanned: i32,
+}
+
+impl LiteralHull<'_> {
+    /// The first background that a window meets; of views that meet one at the same iteration the first.
+    pub(super) fn nearest_edge(&self, a: &Vec3) -> Option<NearestEdge> {
+        let mut windows = [Window::default(); MAX_VIEWS];
+        let windows = &mut windows[..self.views.len()];
+        let mut d_max = 0.0_f32;
+        for (window, view) in windows.iter_mut().zip(&self.views) {
+            (window.centre, window.growth) = view.sight(a);
+            d_max = d_max.max(window.growth);
+        }
+        windows.iter_mut().for_each(|window| window.growth = d_max / window.growth);
+        for k in 0..i32::MAX {
+            for (index, (window, view)) in windows.iter_mut().zip(&self.views).enumerate() {
+                let half = 1 + (k as f32 * window.growth) as i32;
+                if let Some(b) = view.nearest_background(window.centre, window.scanned + 1, half) {
+                    return Some(NearestEdge { view: index, pixel: window.centre, b });
+                }
+                window.scanned = half;
+            }
+        }
+        None
+    }
+}
+
+/// Whether all bytes are [`SUBJECT`] or more, which is their highest bit: eight at a time.
+fn all_subject(bytes: &[u8]) -> bool {
+    const { assert!(SUBJECT == 0x80) };
+    const HIGH: u64 = u64::from_ne_bytes([SUBJECT; 8]);
+    let (words, rest) = bytes.as_chunks::<8>();
+    let words = words.iter().fold(HIGH, |all, word| all & u64::from_ne_bytes(*word));
+    words & HIGH == HIGH && rest.iter().fold(SUBJECT, |all, byte| all & byte) == SUBJECT
+}
+
+/// Squared distance in pixels, row, column: the order in which the nearest pixel is chosen.
+type Candidate = (i32, i32, i32);
+
+impl LiteralView<'_> {
+    /// The background pixel nearest to `centre` on the rings `first..=last` about it, where all within is subject.
+    fn nearest_background(&self, centre: (i32, i32), first: i32, last: i32) -> Option<(i32, i32)> {
+        let found = (first..=last).find(|&radius| self.ring_has_background(centre, radius))?;
+        let mut best = self.nearest_on_ring(centre, found);
+        for radius in found + 1..=last {
+            // A ring holds nothing nearer than its radius.
+            if best.is_some_and(|(squared, ..)| squared < radius * radius) {
+                break;
+            }
+            best = best.into_iter().chain(self.nearest_on_ring(centre, radius)).min();
+        }
+        best.map(|(_, y, x)| (x, y))
+    }
+
+    fn ring_has_background(&self, (i, j): (i32, i32), radius: i32) -> bool {
+        if !self.holds_square((i, j), radius) {
+            return true;
+        }
+        let row = |y: i32| !all_subject(self.row(y, i - radius, i + radius));
+        row(j - radius) || row(j + radius) || self.columns_have_background((i, j), radius)
+    }
+
+    /// The ring's two columns between its rows.
+    fn columns_have_background(&self, (i, j): (i32, i32), radius: i32) -> bool {
+        let (bytes, stride) = self.bytes_at((i - radius, j - radius));
+        let (width, mut left, mut all) = (2 * radius as usize, stride, SUBJECT);
+        for _ in 1..width {
+            all &= bytes[left] & bytes[left + width];
+            left += stride;
+        }
+        all != SUBJECT
+    }
+
+    fn nearest_on_ring(&self, (i, j): (i32, i32), radius: i32) -> Option<Candidate> {
+        let mut best: Option<Candidate> = None;
+        let mut consider = |x: i32, y: i32| {
+            if !self.is_subject(x, y) {
+                let candidate = ((x - i).pow(2) + (y - j).pow(2), y, x);
+                best = Some(best.map_or(candidate, |best| best.min(candidate)));
+            }
+        };
+        for x in i - radius..=i + radius {
+            consider(x, j - radius);
+            consider(x, j + radius);
+        }
+        for y in j - radius + 1..j + radius {
+            consider(i - radius, y);
+            consider(i + radius, y);
+        }
+        best
+    }
+}

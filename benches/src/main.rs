@@ -1,0 +1,77 @@
+//! Measures the library beside its contenders, all in one run, and writes what it finds into `target/figures.json`,
+//! and where all groups are measured into `docs/performance.md`; the scaling's plots into `docs/performance/`.
+//!
+//! `make bench`, or `cargo run --release -p ode-visual-hull-bench -- --help`. It fails where a bound is missed.
+
+mod contacts;
+#[path = "../../examples/figures/figure.rs"]
+mod figure;
+mod frames;
+mod page;
+mod peers;
+mod plot;
+mod points;
+mod prepare;
+#[path = "../../examples/figures/report.rs"]
+mod report;
+mod scaling;
+mod session;
+mod simulation;
+mod timing;
+
+use clap::Parser;
+use session::Session;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Measures a group's figures.
+type Measure = fn(&mut Session);
+
+/// The groups by their names on the command line.
+const GROUPS: [(&str, Measure); 7] = [
+    ("points", points::measure),
+    ("prepare", prepare::measure),
+    ("frames", frames::measure),
+    ("contacts", contacts::measure),
+    ("peers", peers::measure),
+    ("simulation", simulation::measure),
+    ("scaling", scaling::measure),
+];
+
+/// The visual hull beside the paper's algorithm and beside rebuilding a mesh, in one run.
+#[derive(Parser)]
+struct Options {
+    /// Measures this group alone; may be given several times
+    #[arg(long, value_parser = GROUPS.map(|(name, _)| name))]
+    only: Vec<String>,
+
+    /// Rounds in which all contenders of a comparison take turns
+    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: u32,
+}
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut session = Session::new(options.rounds as usize, root.join("docs"));
+    for (name, measure) in GROUPS {
+        if options.only.is_empty() || options.only.iter().any(|only| only == name) {
+            session.begin(name);
+            measure(&mut session);
+        }
+    }
+    let rows = session.finish();
+    let figures: Vec<_> = rows.iter().map(|row| row.figure.clone()).collect();
+    report::print_table(&figures);
+    let mut written = report::record(&root.join("target/figures.json"), &figures);
+    if options.only.is_empty() {
+        // The page tells of one run.
+        written = written.and_then(|()| page::write(&root.join("docs/performance.md"), &rows));
+    }
+    if let Err(error) = written {
+        eprintln!("expected to write target/figures.json and docs/performance.md, found: {error}");
+        return ExitCode::FAILURE;
+    }
+    println!("\n{} figures written to target/figures.json", figures.len());
+    if figures.iter().all(figure::Figure::holds) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

@@ -1,0 +1,3 @@
+//! What calls ODE past the library's wrapper.
+
+pub mod mesh;

@@ -1,0 +1,121 @@
+//! The library under test: the one file that names its fast interface.
+
+use crate::scene::{Bodies, Scene};
+use image::GrayImage;
+use nalgebra::{Isometry3, Point3, Vector3};
+use ode_visual_hull::contact::{self, Settings};
+use ode_visual_hull::hull::{Aabb, BodyResponse, Hull, HullData, Inside, Points, Workspace};
+use ode_visual_hull::sample::Samples;
+use std::cell::Cell;
+use std::sync::Arc;
+
+/// Seconds from frame to frame.
+const FRAME: f64 = 1.0 / 60.0;
+
+/// A rig that takes masks and publishes frames, as a program would have it.
+#[derive(Debug)]
+pub struct Rig {
+    data: HullData,
+    time: Cell<f64>,
+}
+
+impl Rig {
+    /// The cameras and the work volume of `scene`.
+    pub fn new(scene: &Scene) -> Self {
+        let data = HullData::new();
+        for camera in &scene.cameras {
+            data.add_view(camera.clone()).expect("names of their own");
+        }
+        data.set_bounds(scene.bounds).expect("a volume");
+        Self { data, time: Cell::new(0.0) }
+    }
+
+    /// Masks in, a frame out: all that has to be done before the first query.
+    pub fn publish(&self, masks: &[GrayImage]) -> Frame {
+        for (view, mask) in masks.iter().enumerate() {
+            self.data.set_mask(view, mask).expect("a mask of the camera's size");
+        }
+        self.time.set(self.time.get() + FRAME);
+        Frame(self.data.update(self.time.get()).expect("all views have masks"))
+    }
+}
+
+/// The boxes as the library takes them.
+#[derive(Debug)]
+pub struct Boxes {
+    samples: Samples,
+    points: Points,
+    poses: Vec<Isometry3<f64>>,
+}
+
+impl Boxes {
+    /// The same boxes.
+    pub fn new(bodies: &Bodies) -> Self {
+        let Bodies { samples, poses } = bodies.clone();
+        let points: Vec<_> = samples.points().iter().map(|sample| sample.point).collect();
+        Self { samples, points: Points::new(&points), poses }
+    }
+}
+
+/// A published frame.
+#[derive(Debug, Clone)]
+pub struct Frame(Arc<Hull>);
+
+impl Frame {
+    /// The hull itself.
+    pub fn hull(&self) -> &Hull {
+        &self.0
+    }
+
+    /// A box around the hull.
+    pub fn aabb(&self) -> &Aabb {
+        self.0.aabb()
+    }
+
+    /// Which of `points` are inside.
+    pub fn inside<'w>(
+        &self,
+        points: &Points,
+        world_from_points: &Isometry3<f64>,
+        workspace: &'w mut Workspace,
+    ) -> Inside<'w> {
+        self.0.inside_many(points, world_from_points, workspace).expect("a finite pose")
+    }
+
+    /// The paper's responses of `points`, added up.
+    pub fn sum_of_responses(&self, points: &Points, workspace: &mut Workspace) -> Vector3<f32> {
+        let responses = self.0.respond_many(points, &Isometry3::identity(), workspace);
+        responses.expect("a finite pose").iter().map(|response| response.w()).sum()
+    }
+
+    /// The paper's body vectors (section 5), written to `vectors`.
+    pub fn body_vectors(&self, boxes: &Boxes, vectors: &mut Vec<BodyResponse>, workspace: &mut Workspace) {
+        vectors.clear();
+        vectors.extend(
+            boxes
+                .poses
+                .iter()
+                .map(|pose| self.0.respond_body(&boxes.points, pose, workspace).expect("a finite pose")),
+        );
+    }
+
+    /// The library's contacts as a simulation gets them by default; how many each body has, written to `counts`.
+    pub fn contacts(&self, boxes: &Boxes, counts: &mut Vec<usize>) {
+        let settings = Settings::default();
+        counts.clear();
+        counts.extend(
+            boxes
+                .poses
+                .iter()
+                .map(|pose| contact::collide(&self.0, &boxes.samples, pose, &settings, None).contacts.len()),
+        );
+    }
+
+    /// How many pixels `p` is inside: the smallest Chebyshev distance to the background over the views, 0 outside.
+    pub fn depth_px(&self, p: &Point3<f64>) -> u16 {
+        let distance = |view: &ode_visual_hull::hull::View| {
+            view.pixel(p).map_or(0, |(i, j)| view.silhouette().distance(i, j))
+        };
+        self.0.views().iter().map(distance).min().unwrap_or(0)
+    }
+}

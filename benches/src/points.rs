@@ -1,0 +1,125 @@
+//! Single points: inside or not, and the way out.
+
+use crate::figure::Bound;
+use crate::session::{Session, Start};
+use crate::timing::Race;
+use nalgebra::{Isometry3, Point3};
+use ode_visual_hull::hull::{Points, Workspace};
+use ode_visual_hull_bench::literal::{LiteralHull, Vec3};
+use ode_visual_hull_bench::ours::{Frame, Rig};
+use ode_visual_hull_bench::random::Random;
+use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, Scene, VGA, Who};
+
+/// Points of an inside test.
+const MANY: usize = 24_000;
+
+/// Points of a response.
+const FEW: usize = 2_000;
+
+pub fn measure(session: &mut Session) {
+    let scene = Scene::new(Who::Person, 7, VGA);
+    let frame = Rig::new(&scene).publish(&scene.masks);
+    let random = anywhere(&frame, MANY);
+    let surface: Vec<_> = Bodies::scattered(MANY / 400, SAMPLES_400).world_points();
+    let names = ["inside_random_over_literal", "inside_surface_over_literal"];
+    let whats = [
+        "points at random in the hull's box: inside or not",
+        "samples of 60 boxes, box by box: inside or not",
+    ];
+    for ((points, name), (what, bound)) in
+        [random, surface].iter().zip(names).zip(whats.into_iter().zip([5.0, 9.0]))
+    {
+        let race = inside(&scene, &frame, points);
+        let times = session.race(race);
+        session.asked(name, times.ratio("literal", "ours"), Bound::AtLeast(bound), Start::Frame, what);
+        let per_second = points.len() as f64 / times.seconds("ours") * 1e-6;
+        session.reported(&name.replace("over_literal", "mpoints_per_s"), per_second, Start::Frame, what);
+    }
+    let near = at_depth(&frame, 1..=5, FEW);
+    responses(
+        session,
+        "near",
+        &scene,
+        &frame,
+        &near,
+        15.0,
+        "responses of points 1 to 5 pixels inside the person",
+    );
+    let scene = Scene::new(Who::Barrel, 7, VGA);
+    let frame = Rig::new(&scene).publish(&scene.masks);
+    let deep = at_depth(&frame, 20..=60, FEW);
+    responses(
+        session,
+        "deep",
+        &scene,
+        &frame,
+        &deep,
+        200.0,
+        "responses of points 20 to 60 pixels inside a barrel",
+    );
+}
+
+fn inside<'a>(scene: &'a Scene, frame: &'a Frame, points: &[Point3<f64>]) -> Race<'a> {
+    let literal = LiteralHull::new(scene, frame.aabb());
+    let (plain, batch) = (plain(points), Points::new(points));
+    let mut workspace = Workspace::new();
+    Race::new()
+        .with("literal", move || plain.iter().filter(|p| literal.inside(p)).count())
+        .with("ours", move || frame.inside(&batch, &Isometry3::identity(), &mut workspace).count())
+}
+
+fn responses(
+    session: &mut Session,
+    name: &str,
+    scene: &Scene,
+    frame: &Frame,
+    points: &[Point3<f64>],
+    bound: f64,
+    what: &'static str,
+) {
+    let times = session.race(respond(Race::new(), name, scene, frame, points));
+    let ratio = times.ratio(&format!("literal {name}"), &format!("ours {name}"));
+    session.asked(&format!("response_{name}_over_literal"), ratio, Bound::AtLeast(bound), Start::Frame, what);
+    let per_second = points.len() as f64 / times.seconds(&format!("ours {name}")) * 1e-6;
+    session.reported(&format!("response_{name}_mpoints_per_s"), per_second, Start::Frame, what);
+}
+
+/// Adds the responses of `points`, by the literal program and by ours; `label` ends their names.
+pub fn respond<'a>(
+    race: Race<'a>,
+    label: &str,
+    scene: &'a Scene,
+    frame: &'a Frame,
+    points: &[Point3<f64>],
+) -> Race<'a> {
+    let literal = LiteralHull::new(scene, frame.aabb());
+    let (plain, batch) = (plain(points), Points::new(points));
+    let mut workspace = Workspace::new();
+    race.with(format!("literal {label}"), move || {
+        plain.iter().filter_map(|p| Some(literal.respond(p)?.w()[2])).sum::<f32>()
+    })
+    .with(format!("ours {label}"), move || frame.sum_of_responses(&batch, &mut workspace))
+}
+
+/// `count` points at random in the hull's box.
+fn anywhere(frame: &Frame, count: usize) -> Vec<Point3<f64>> {
+    let mut random = Random(2);
+    (0..count).map(|_| random.point(frame.aabb())).collect()
+}
+
+/// `count` points at random whose depth lies in `depths` pixels, each depth as often.
+pub fn at_depth(frame: &Frame, depths: std::ops::RangeInclusive<u16>, count: usize) -> Vec<Point3<f64>> {
+    let mut random = Random(3);
+    let mut missing = vec![count.div_ceil(depths.len()); depths.len()];
+    let points = std::iter::repeat_with(|| random.point(frame.aabb()));
+    let wanted = |p: &Point3<f64>| -> bool {
+        let depth = frame.depth_px(p);
+        let class = missing.get_mut(usize::from(depth.wrapping_sub(*depths.start())));
+        class.filter(|missing| **missing > 0).map(|missing| *missing -= 1).is_some()
+    };
+    points.filter(wanted).take(count).collect()
+}
+
+fn plain(points: &[Point3<f64>]) -> Vec<Vec3> {
+    points.iter().map(|p| p.coords.cast::<f32>().into()).collect()
+}

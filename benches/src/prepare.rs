@@ -1,0 +1,28 @@
+//! Preparing a frame: masks in, ready for the first query.
+
+use crate::session::{Session, Start};
+use crate::timing::Race;
+use image::GrayImage;
+use ode_visual_hull_bench::ours::Rig;
+use ode_visual_hull_bench::scene::{FULL_HD, Scene, VGA, Who};
+
+pub fn measure(session: &mut Session) {
+    let what = "seven masks prepared, in milliseconds";
+    for (name, size) in [("vga", VGA), ("1080p", FULL_HD)] {
+        let scene = Scene::new(Who::Person, 7, size);
+        let rig = Rig::new(&scene);
+        let race = Race::new()
+            .with("prepare", || rig.publish(&scene.masks))
+            .with("read", || scene.masks.iter().map(largest_byte).max());
+        let times = session.race(race);
+        session.reported(&format!("prepare_{name}_ms"), 1e3 * times.seconds("prepare"), Start::Masks, what);
+        let what = "preparing a frame over one plain read of its masks";
+        let ratio = times.ratio("prepare", "read");
+        session.reported(&format!("prepare_over_memory_read_{name}"), ratio, Start::Masks, what);
+    }
+}
+
+/// Touches every byte and does next to nothing with it.
+fn largest_byte(mask: &GrayImage) -> u8 {
+    mask.as_raw().iter().fold(0, |most, &byte| most.max(byte))
+}

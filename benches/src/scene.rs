@@ -1,0 +1,135 @@
+//! What every contender is given: cameras, exact masks, and boxes about a subject.
+//!
+//! Metres, z up. The cameras stand around the subject at 3.2 m, so that a pixel covers 6 mm at VGA.
+
+use crate::random::Random;
+use image::GrayImage;
+use nalgebra::{Isometry3, Point3, Translation3, Vector3, point, vector};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::hull::Aabb;
+use ode_visual_hull::sample::{self, Samples};
+use ode_visual_hull::synthetic::{self, Paint, Placed, Solid, Subject, layout};
+
+/// Image sizes in pixels, and what they are called.
+pub const SIZES: [(&str, (u32, u32)); 3] =
+    [("VGA", (640, 480)), ("1080p", (1920, 1080)), ("4K", (3840, 2160))];
+
+/// 640 x 480 pixels.
+pub const VGA: (u32, u32) = SIZES[0].1;
+
+/// 1920 x 1080 pixels.
+pub const FULL_HD: (u32, u32) = SIZES[1].1;
+
+/// 3840 x 2160 pixels.
+pub const UHD: (u32, u32) = SIZES[2].1;
+
+/// The lengths of every box, in metres.
+pub const BOX: Vector3<f64> = Vector3::new(0.105, 0.19, 0.232);
+
+/// The samples' `min_feature`, in metres, that puts 400 of them on a box.
+pub const SAMPLES_400: f64 = 0.03;
+
+/// The samples' `min_feature`, in metres, that puts 4000 of them on a box.
+pub const SAMPLES_4000: f64 = 0.0095;
+
+const RADIUS: f64 = 3.2;
+const FIELD_OF_VIEW: f64 = 1.1;
+const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.95);
+
+/// Heights of the cameras in metres, in turn: the lowest look along the floor, the highest down at the head.
+const HEIGHTS: [f64; 7] = [0.2, 1.6, 0.8, 2.3, 0.4, 1.2, 1.9];
+
+/// The moment of the person's walk.
+const TIME: f64 = 0.2;
+
+/// Who stands before the cameras.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Who {
+    /// 1.75 m tall, of capsules, in the middle of a step: no point is deeper than 17 pixels at VGA.
+    Person,
+    /// An upright capsule, 1.7 m tall and 0.84 m wide, for points that lie deep.
+    Barrel,
+}
+
+/// Cameras, what they see, and the work volume.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Around the subject.
+    pub cameras: Vec<Camera>,
+    /// One a camera, 0 or 255, decided by exact ray casting.
+    pub masks: Vec<GrayImage>,
+    /// The work volume.
+    pub bounds: Aabb,
+}
+
+impl Scene {
+    /// `cameras` views of `size` pixels.
+    pub fn new(who: Who, cameras: usize, size: (u32, u32)) -> Self {
+        let subject = match who {
+            Who::Person => Subject::person_at(TIME),
+            Who::Barrel => barrel(),
+        };
+        Self::of(&subject, cameras, size)
+    }
+
+    /// The person of [`Subject::person_at`] at `time` seconds.
+    pub fn person_at(time: f64, cameras: usize, size: (u32, u32)) -> Self {
+        Self::of(&Subject::person_at(time), cameras, size)
+    }
+
+    fn of(subject: &Subject, cameras: usize, size: (u32, u32)) -> Self {
+        let cameras = layout::staggered(cameras, RADIUS, &HEIGHTS, TARGET, size, FIELD_OF_VIEW)
+            .expect("a valid layout");
+        let masks = cameras.iter().map(|camera| synthetic::silhouette(camera, subject)).collect();
+        let bounds = Aabb::new(point![-1.0, -1.0, -0.1], point![1.0, 1.0, 2.0]).expect("a volume");
+        Self { cameras, masks, bounds }
+    }
+
+    /// How many bytes its masks have.
+    pub fn mask_bytes(&self) -> usize {
+        self.masks.iter().map(|mask| mask.as_raw().len()).sum()
+    }
+}
+
+fn barrel() -> Subject {
+    let solid = Solid::capsule(0.42, 0.86).expect("positive lengths");
+    Subject::new(vec![Placed::new(solid, Isometry3::translation(0.0, 0.0, 0.87), Paint::plain([200; 3]))])
+}
+
+/// Equal boxes, scattered.
+#[derive(Debug, Clone)]
+pub struct Bodies {
+    /// Of one box, in its own frame.
+    pub samples: Samples,
+    /// Where the boxes are: world from box.
+    pub poses: Vec<Isometry3<f64>>,
+}
+
+impl Bodies {
+    /// `count` boxes at random about a person, a quarter of which touches it, with samples of
+    /// `min_feature`. More boxes are the same ones and others.
+    pub fn scattered(count: usize, min_feature: f64) -> Self {
+        let samples = sample::box_(BOX, min_feature).expect("a box that can be sampled");
+        let about = Aabb { min: point![-0.45, -0.6, 0.1], max: point![0.45, 0.6, 1.7] };
+        let mut random = Random(7);
+        let mut pose = || {
+            let at = random.point(&about);
+            Isometry3::from_parts(Translation3::from(at.coords), random.rotation())
+        };
+        Self { samples, poses: (0..count).map(|_| pose()).collect() }
+    }
+
+    /// The samples of all bodies in the world, body by body.
+    pub fn world_points(&self) -> Vec<Point3<f64>> {
+        let of = |pose: &Isometry3<f64>| {
+            let pose = *pose;
+            self.samples.points().iter().map(move |sample| pose * sample.point)
+        };
+        self.poses.iter().flat_map(of).collect()
+    }
+
+    /// Half the boxes' lengths.
+    pub fn half_lengths(&self) -> Vector3<f64> {
+        vector![BOX.x / 2.0, BOX.y / 2.0, BOX.z / 2.0]
+    }
+}

@@ -1,0 +1,92 @@
+//! One run of the program: how long to measure, what was measured, and who is told of it.
+
+use crate::figure::{Bound, Figure};
+use crate::timing::{Race, Times};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::{Path, PathBuf};
+
+/// What a figure's clock starts with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Start {
+    /// Masks: the frame is prepared on the clock.
+    Masks,
+    /// A prepared frame: queries alone.
+    Frame,
+    /// A step of a simulation, its frame prepared before.
+    Step,
+}
+
+/// A figure, and what it is about.
+#[derive(Debug, Clone)]
+pub struct Row {
+    pub figure: Figure,
+    pub start: Start,
+    /// Half a sentence.
+    pub what: &'static str,
+}
+
+/// One run of the program.
+pub struct Session {
+    rounds: usize,
+    docs: PathBuf,
+    bar: ProgressBar,
+    rows: Vec<Row>,
+}
+
+impl Session {
+    /// Races of `rounds` rounds, and plots below the folder `docs`.
+    pub fn new(rounds: usize, docs: PathBuf) -> Self {
+        let style = ProgressStyle::with_template("{msg:28} [{bar:40}] {pos}/{len} rounds, {elapsed}")
+            .expect("a valid template")
+            .progress_chars("=> ");
+        let bar = ProgressBar::new(0).with_style(style);
+        Self { rounds, docs, bar, rows: Vec::new() }
+    }
+
+    /// Tells what comes next.
+    pub fn begin(&self, name: &str) {
+        self.bar.set_message(name.to_owned());
+    }
+
+    /// Lets the contenders take turns.
+    pub fn race(&self, race: Race<'_>) -> Times {
+        race.run(self.rounds, &self.bar)
+    }
+
+    /// How many rounds a race has.
+    pub fn rounds(&self) -> usize {
+        self.rounds
+    }
+
+    /// A figure with a bound.
+    pub fn asked(&mut self, name: &str, value: f64, bound: Bound, start: Start, what: &'static str) {
+        self.rows.push(Row { figure: Figure::asked(name, value, bound), start, what });
+    }
+
+    /// A figure that is reported whatever it is.
+    pub fn reported(&mut self, name: &str, value: f64, start: Start, what: &'static str) {
+        self.rows.push(Row { figure: Figure::reported(name, value), start, what });
+    }
+
+    /// Where documentation is written.
+    pub fn docs(&self) -> &Path {
+        &self.docs
+    }
+
+    /// All that was measured.
+    pub fn finish(self) -> Vec<Row> {
+        self.bar.finish_and_clear();
+        self.rows
+    }
+}
+
+impl Start {
+    /// As a table has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Masks => "masks",
+            Self::Frame => "prepared frame",
+            Self::Step => "step",
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! One view of a data object: its camera, its latest silhouette, and the memory of those that nobody asks any more.
+
+use super::{Aabb, View};
+use crate::camera::Camera;
+use crate::silhouette::{Border, SUBJECT, Silhouette, Undistortion};
+use crate::{Error, Result};
+use image::GrayImage;
+use std::sync::Arc;
+
+/// A view's camera and latest silhouette.
+#[derive(Debug)]
+pub(super) struct Slot {
+    lens: Arc<Lens>,
+    silhouette: Option<Arc<Silhouette>>,
+    pub(super) enabled: bool,
+    /// Whether the camera sees some of the work volume given beside.
+    sees: Option<(Aabb, bool)>,
+    /// Every silhouette made lately: those that nobody holds any more give their memory to the next ones.
+    made: Vec<Arc<Silhouette>>,
+    /// Memory for a mask on its way through the lens.
+    flat: Option<GrayImage>,
+}
+
+/// What never changes of a view.
+#[derive(Debug)]
+pub(super) struct Lens {
+    camera: Arc<Camera>,
+    pinhole: Arc<Camera>,
+    undistortion: Option<Undistortion>,
+    seen: Option<Arc<Silhouette>>,
+}
+
+/// A mask's preparation, which needs no lock.
+#[derive(Debug)]
+pub(super) struct Preparation {
+    lens: Arc<Lens>,
+    silhouette: Arc<Silhouette>,
+    flat: Option<GrayImage>,
+}
+
+impl Slot {
+    pub(super) fn new(camera: Camera) -> Result<Self> {
+        let undistortion = Undistortion::new(&camera);
+        if undistortion.is_none() && !camera.distortion().is_none() {
+            let (width, height) = camera.size();
+            let problem = format!(
+                "expected a lens that can be undistorted within the largest image, found {width} x {height} pixels \
+                 with distortion {:?}; scale the images down or undistort them first",
+                camera.distortion().coefficients()
+            );
+            return Err(Error::view(camera.name(), problem));
+        }
+        let seen = undistortion.as_ref().map(|lens| Silhouette::new(lens.seen(), Border::Background));
+        let camera = Arc::new(camera);
+        let pinhole =
+            undistortion.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
+        let lens = Arc::new(Lens { camera, pinhole, undistortion, seen: seen.map(Arc::new) });
+        Ok(Self { lens, silhouette: None, enabled: true, sees: None, made: Vec::new(), flat: None })
+    }
+
+    pub(super) fn name(&self) -> &str {
+        self.lens.camera.name()
+    }
+
+    pub(super) fn camera(&self) -> &Arc<Camera> {
+        &self.lens.camera
+    }
+
+    /// What the next mask's preparation needs, in memory that is free.
+    pub(super) fn begin(&mut self) -> Preparation {
+        let free = self.made.iter().position(|made| Arc::strong_count(made) == 1);
+        let silhouette = free.map(|k| self.made.swap_remove(k));
+        let silhouette = silhouette.unwrap_or_else(|| Arc::new(Silhouette::blank(Border::Background)));
+        Preparation { lens: self.lens.clone(), silhouette, flat: self.flat.take() }
+    }
+
+    /// Takes a prepared silhouette into force, from the next frame on.
+    pub(super) fn finish(&mut self, preparation: Preparation) {
+        self.silhouette = Some(preparation.silhouette.clone());
+        self.made.push(preparation.silhouette);
+        self.flat = self.flat.take().or(preparation.flat);
+        // What history no longer holds is needed once more at most: for the mask that comes next.
+        while self.made.iter().filter(|made| Arc::strong_count(made) == 1).count() > 1 {
+            let Some(k) = self.made.iter().position(|made| Arc::strong_count(made) == 1) else { break };
+            self.made.swap_remove(k);
+        }
+    }
+
+    /// Prepares the latest silhouette anew for another border: what the view does not see is then something else.
+    pub(super) fn change_border(&mut self, border: Border) {
+        if let Some(silhouette) = &self.silhouette {
+            let mut mask = silhouette.to_mask();
+            if let Some(lens) = &self.lens.undistortion {
+                let unseen = unseen_value(border);
+                let pixels = mask.iter_mut().zip(lens.seen().iter());
+                pixels.filter(|(_, seen)| **seen < SUBJECT).for_each(|(pixel, _)| *pixel = unseen);
+            }
+            self.silhouette = Some(Arc::new(Silhouette::new(&mask, border)));
+            self.made.clear();
+        }
+    }
+
+    /// The view of the next frame.
+    pub(super) fn view(&mut self, bounds: &Aabb) -> Result<View> {
+        let silhouette = match &self.silhouette {
+            Some(silhouette) => silhouette.clone(),
+            // Nobody asks a disabled view.
+            None if !self.enabled => Arc::new(Silhouette::blank(Border::Open)),
+            None => {
+                let problem =
+                    "expected a mask before the first update, found none; set one, or disable the view";
+                return Err(Error::view(self.name(), problem));
+            }
+        };
+        let Lens { pinhole, seen, .. } = &*self.lens;
+        let view = View::new(pinhole.clone(), silhouette, seen.clone()).with_enabled(self.enabled);
+        if self.enabled && !self.sees_some_of(&view, bounds) {
+            let (centre, forward) = (self.camera().centre(), self.camera().forward());
+            return Err(Error::view(
+                self.name(),
+                format!(
+                    "expected a camera that sees the work volume, found one at ({:.3}, {:.3}, {:.3}) m that looks \
+                     along ({:.3}, {:.3}, {:.3}), away from it; check that the pose maps world to camera with z \
+                     forward, y down, or disable the view",
+                    centre.x, centre.y, centre.z, forward.x, forward.y, forward.z
+                ),
+            ));
+        }
+        Ok(view)
+    }
+
+    /// Asked once a work volume.
+    fn sees_some_of(&mut self, view: &View, bounds: &Aabb) -> bool {
+        let (_, sees) = match self.sees {
+            Some(known) if known.0 == *bounds => known,
+            _ => *self.sees.insert((*bounds, view.sees_some_of(bounds))),
+        };
+        sees
+    }
+}
+
+impl Preparation {
+    /// Prepares `mask`; what the view does not see is subject where it abstains, so that it has no edge.
+    ///
+    /// # Errors
+    /// As [`HullData::set_mask`](super::HullData::set_mask).
+    pub(super) fn prepare(&mut self, mask: &GrayImage, border: Border) -> Result<()> {
+        self.lens.check(mask)?;
+        let flat = match &self.lens.undistortion {
+            Some(lens) => {
+                let flat = self.flat.get_or_insert_default();
+                lens.apply_into(mask, unseen_value(border), flat)?;
+                flat
+            }
+            None => mask,
+        };
+        match Arc::get_mut(&mut self.silhouette) {
+            Some(silhouette) => silhouette.refill(flat, border),
+            None => self.silhouette = Arc::new(Silhouette::new(flat, border)),
+        }
+        Ok(())
+    }
+}
+
+impl Lens {
+    fn check(&self, mask: &GrayImage) -> Result<()> {
+        let (width, height) = self.camera.size();
+        if mask.dimensions() != (width, height) {
+            let found = format!("found {} x {}", mask.width(), mask.height());
+            let problem = format!(
+                "mask: expected {width} x {height} pixels as in the calibration, {found}; scale the mask or calibrate \
+                 at its size"
+            );
+            return Err(Error::view(self.camera.name(), problem));
+        }
+        if mask.as_raw().iter().all(|&byte| byte >= SUBJECT) {
+            let problem = "mask: expected some background, found every pixel subject; \
+                           it is inverted or the segmentation failed; the last good mask stays";
+            return Err(Error::view(self.camera.name(), problem));
+        }
+        Ok(())
+    }
+}
+
+/// The mask's value where a lens did not see.
+fn unseen_value(border: Border) -> u8 {
+    if border == Border::Open { 255 } else { 0 }
+}

@@ -1,0 +1,143 @@
+//! The background pixel nearest to a pixel inside.
+//!
+//! ```text
+//!      near: row by row, 32 pixels a word        deep: ring by ring, four sides each
+//!        . . . . . . . . .                         +---o-x---+   o the middle of a side, from which it is searched
+//!        . . . a . . x . .                         |    a    |     both ways; what lies farther from it than the
+//!        . . . . . . . . .                         |         x     nearest pixel found so far is not looked at
+//!                                                  +---------+   x background
+//! ```
+
+use super::Silhouette;
+use super::region::Word;
+
+/// A pixel and its rank: squared distance, then row-major.
+type Ranked = (i64, i32, i32);
+
+/// Up to this Chebyshev distance the nearest background pixel is in sight of a row's word: it lies at most 14 pixels
+/// away.
+const NEAR: i32 = 10;
+
+/// Pixels left of the middle one in a word around it.
+const LEFT: i32 = 15;
+
+impl Silhouette {
+    /// The background pixel nearest to `(i, j)` (Euclidean, then row-major) within the window of half-width `half`.
+    #[inline]
+    pub fn nearest_background(&self, i: i32, j: i32, half: i32) -> Option<(i32, i32)> {
+        let first = i32::from(self.distance(i, j));
+        let region = self.region.rect();
+        let in_sight =
+            |reach: i32| region.contains(i - reach, j - reach) && region.contains(i + reach, j + reach);
+        if first == 0 {
+            Some((i, j))
+        } else if half < first {
+            None
+        } else if first <= NEAR && in_sight(LEFT + 1) {
+            Some(self.nearest_by_rows(i, j, first, half))
+        } else {
+            self.nearest_by_rings(i, j, first, half)
+        }
+    }
+
+    /// For a pixel whose nearest background is in sight, `half` not less than its `distance`.
+    #[inline]
+    fn nearest_by_rows(&self, i: i32, j: i32, distance: i32, half: i32) -> (i32, i32) {
+        let within = Word::MAX >> (Word::BITS as i32 - 1 - 2 * half.min(LEFT)) << (LEFT - half.min(LEFT));
+        let (mut squared, mut best) = (i32::MAX, (i, j));
+        // In the order of the rows, so that the first among equals stays. Row offset dy is worth looking at while
+        // dy^2 is not above the best; that is known from the distance to begin with.
+        let reach = half.min(distance + distance / 2);
+        for dy in -reach..=reach {
+            if dy * dy > squared {
+                if dy > 0 {
+                    break;
+                }
+                continue;
+            }
+            let background = !self.region.subject_from(i - LEFT, j + dy) & within;
+            if background != 0 {
+                // The middle pixel is bit LEFT; the left one wins among equals.
+                let left = (background << (Word::BITS as i32 - 1 - LEFT)).leading_zeros() as i32;
+                let right = (background >> LEFT).trailing_zeros() as i32;
+                let dx = if left <= right { -left } else { right };
+                if dx * dx + dy * dy < squared {
+                    (squared, best) = (dx * dx + dy * dy, (i + dx, j + dy));
+                }
+            }
+        }
+        best
+    }
+
+    fn nearest_by_rings(&self, i: i32, j: i32, first: i32, half: i32) -> Option<(i32, i32)> {
+        let mut best: Option<Ranked> = None;
+        let mut ring = first;
+        // A ring at Chebyshev radius r holds nothing nearer than r, so the search ends where r exceeds the best.
+        while ring <= half && best.is_none_or(|(squared, ..)| i64::from(ring).pow(2) <= squared) {
+            for side in [Side::Above, Side::Left, Side::Right, Side::Below] {
+                let reach = best.map_or(ring, |(squared, ..)| reach(squared, ring));
+                let (down, along) = side.steps();
+                let middle = (i + down.0 * ring, j + down.1 * ring);
+                for sign in [-1, 1] {
+                    let step = (along.0 * sign, along.1 * sign);
+                    if let Some(offset) = self.first_background(middle, step, reach) {
+                        let (x, y) = (middle.0 + step.0 * offset, middle.1 + step.1 * offset);
+                        let found = (i64::from(ring).pow(2) + i64::from(offset).pow(2), y, x);
+                        best = Some(best.map_or(found, |best| best.min(found)));
+                    }
+                }
+            }
+            ring += 1;
+        }
+        best.map(|(_, y, x)| (x, y))
+    }
+
+    /// How many steps from `from` on the first background pixel lies, if at most `reach`. A pixel whose distance is d
+    /// has no background within d - 1.
+    #[inline(always)]
+    fn first_background(&self, from: (i32, i32), step: (i32, i32), reach: i32) -> Option<i32> {
+        let region = self.region.rect();
+        let mut offset = 0;
+        while offset <= reach {
+            let (x, y) = (from.0 + step.0 * offset, from.1 + step.1 * offset);
+            let clear = if region.contains(x, y) {
+                i32::from(self.distances.at(region.index(x, y)))
+            } else {
+                i32::from(self.is_subject(x, y))
+            };
+            if clear == 0 {
+                return Some(offset);
+            }
+            offset += clear;
+        }
+        None
+    }
+}
+
+/// How far from a side's middle a pixel at distance `squared` may lie.
+fn reach(squared: i64, ring: i32) -> i32 {
+    let rest = squared - i64::from(ring).pow(2);
+    // A root in double precision is right for squares of pixels, or one too large, which does no harm.
+    ((rest as f64).sqrt() as i64).min(i64::from(ring)) as i32
+}
+
+/// The sides of a ring.
+#[derive(Clone, Copy)]
+enum Side {
+    Above,
+    Left,
+    Right,
+    Below,
+}
+
+impl Side {
+    /// From the middle of the ring to the middle of the side, and along it.
+    fn steps(self) -> ((i32, i32), (i32, i32)) {
+        match self {
+            Self::Above => ((0, -1), (1, 0)),
+            Self::Below => ((0, 1), (1, 0)),
+            Self::Left => ((-1, 0), (0, 1)),
+            Self::Right => ((1, 0), (0, 1)),
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! The part of a mask that is kept: the subject's rectangle with a margin, as bytes and as packed bits.
+//!
+//! ```text
+//!   +--------------------------+  image
+//!   |    +---------------+     |
+//!   |    |  . . ####  .  |     |  region: the rectangle and MARGIN pixels on each side, beyond the image where the
+//!   |    |  .  ######  . |     |          subject touches its border; its width a multiple of 8
+//!   |    +---------------+     |
+//!   +--------------------------+  everything else is background
+//! ```
+
+use super::{Border, Rect, SUBJECT};
+use crate::vectorised::vectorised;
+use image::GrayImage;
+
+/// Pixels kept around the subject's rectangle: a contact normal's window around an edge pixel reaches 7 beyond it.
+pub(super) const MARGIN: i32 = 8;
+
+/// Pixels side by side as bits, the first in the lowest.
+pub(crate) type Word = u32;
+
+/// How many.
+pub(super) const WORD: usize = Word::BITS as usize;
+
+/// What one pass over a mask tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Scan {
+    /// The smallest rectangle around the subject.
+    pub(super) rect: Rect,
+    /// Whether any byte is neither 0 nor 255.
+    pub(super) has_coverage: bool,
+}
+
+/// Bytes and bits of a region, row-major.
+#[derive(Debug, Default)]
+pub(super) struct Region {
+    rect: Option<Rect>,
+    /// The mask's bytes; beyond the image those of the border.
+    bytes: Vec<u8>,
+    /// Subject pixels, the first pixel of a row in its first word's lowest bit.
+    subject: Vec<Word>,
+    /// Subject pixels and the eight around each.
+    near: Vec<Word>,
+    /// Background pixels with a subject pixel beside, above or below.
+    edges: Vec<Word>,
+}
+
+impl Region {
+    /// Takes up what `rect`, the subject's rectangle in `mask`, needs.
+    pub(super) fn fill(&mut self, mask: &GrayImage, rect: &Rect, border: Border) {
+        let rect = around(rect);
+        self.rect = Some(rect);
+        let beyond = if border == Border::Open { 255 } else { 0 };
+        crop(mask, &rect, beyond, &mut self.bytes);
+        pack(&self.bytes, rect.width(), &mut self.subject);
+        let words = rect.width().div_ceil(WORD);
+        neighbours(&self.subject, words, &mut self.near, &mut self.edges);
+    }
+
+    /// The pixels kept; empty where there is no subject.
+    pub(super) fn rect(&self) -> Rect {
+        self.rect.unwrap_or(Rect::EMPTY)
+    }
+
+    /// The mask's byte at `(i, j)`; `None` outside the region.
+    #[inline(always)]
+    pub(super) fn byte(&self, i: i32, j: i32) -> Option<u8> {
+        let rect = self.rect();
+        if rect.contains(i, j) { self.bytes.get(rect.index(i, j)).copied() } else { None }
+    }
+
+    /// `N` bytes from `(i, j)` on; `None` where they do not all lie in one row of the region.
+    pub(super) fn row<const N: usize>(&self, i: i32, j: i32) -> Option<&[u8; N]> {
+        let rect = self.rect();
+        if !rect.contains(i, j) || i + N as i32 > rect.x1 {
+            return None;
+        }
+        let start = rect.index(i, j);
+        self.bytes.get(start..start + N)?.try_into().ok()
+    }
+
+    /// Words in a row of bits.
+    pub(super) fn words(&self) -> usize {
+        self.rect().width().div_ceil(WORD)
+    }
+
+    pub(super) fn subject(&self) -> &[Word] {
+        &self.subject
+    }
+
+    pub(super) fn near(&self) -> &[Word] {
+        &self.near
+    }
+
+    pub(super) fn edges(&self) -> &[Word] {
+        &self.edges
+    }
+
+    /// The 32 subject bits of row `j` from column `i` on, the first in the lowest bit. Row and column lie in the
+    /// region; what is beyond its right side reads as background.
+    #[inline(always)]
+    pub(super) fn subject_from(&self, i: i32, j: i32) -> Word {
+        let rect = self.rect();
+        let (x, words) = ((i - rect.x0) as usize, self.words());
+        let at = (j - rect.y0) as usize * words + x / WORD;
+        let low = self.subject.get(at).map_or(0, |word| word >> (x % WORD));
+        let next = if x / WORD + 1 < words { self.subject.get(at + 1).copied().unwrap_or(0) } else { 0 };
+        // Two shifts, since one by 64 is none.
+        low | next << 1 << (WORD - 1 - x % WORD)
+    }
+
+    /// Bytes of memory behind the tables, the mask's own bytes not counted.
+    pub(super) fn working_memory(&self) -> usize {
+        4 * (self.subject.capacity() + self.near.capacity() + self.edges.capacity())
+    }
+}
+
+/// The region around the subject's rectangle.
+fn around(rect: &Rect) -> Rect {
+    let mut region = rect.grown(MARGIN);
+    region.x1 = region.x0 + region.width().next_multiple_of(8) as i32;
+    region
+}
+
+/// One pass over `mask`; `columns` is scratch.
+pub(super) fn scan(mask: &GrayImage, columns: &mut Vec<u8>) -> Scan {
+    let width = mask.width() as usize;
+    columns.clear();
+    columns.resize(width, 0);
+    if width == 0 {
+        return Scan { rect: Rect::EMPTY, has_coverage: false };
+    }
+    let (first, last, has_coverage) = scan_rows(mask.as_raw(), columns);
+    let is_subject = |byte: &u8| *byte >= SUBJECT;
+    let (left, right) = (columns.iter().position(is_subject), columns.iter().rposition(is_subject));
+    let rect = match (left, right) {
+        (Some(left), Some(right)) => {
+            Rect { x0: left as i32, y0: first as i32, x1: right as i32 + 1, y1: last as i32 + 1 }
+        }
+        _ => Rect::EMPTY,
+    };
+    Scan { rect, has_coverage }
+}
+
+vectorised! {
+    /// First and last row with a subject pixel, and whether any byte is neither 0 nor 255; gathers in `columns` which
+    /// columns hold subject.
+    fn scan_rows(mask: &[u8], columns: &mut [u8]) -> (usize, usize, bool) {
+        let (mut first, mut last, mut has_coverage) = (usize::MAX, 0, false);
+        for (j, row) in mask.chunks_exact(columns.len()).enumerate() {
+            let (any, partial) = row.iter().fold((0, 0), |(any, partial), &byte| {
+                // One more than 0 or 255 has no bit set but the lowest.
+                (any | byte, partial | (byte.wrapping_add(1) & !1))
+            });
+            has_coverage |= partial != 0;
+            if any >= SUBJECT {
+                first = first.min(j);
+                last = j;
+                columns.iter_mut().zip(row).for_each(|(column, byte)| *column |= byte);
+            }
+        }
+        (first, last, has_coverage)
+    }
+}
+
+/// The bytes of `rect`, those beyond the image `beyond`.
+fn crop(mask: &GrayImage, rect: &Rect, beyond: u8, bytes: &mut Vec<u8>) {
+    let image = Rect::of_image(mask.width(), mask.height());
+    let (x0, x1) = (rect.x0.clamp(0, image.x1), rect.x1.clamp(0, image.x1));
+    let (left, right) = ((x0 - rect.x0) as usize, (rect.x1 - x1) as usize);
+    bytes.clear();
+    for j in rect.y0..rect.y1 {
+        if j < 0 || j >= image.y1 {
+            bytes.resize(bytes.len() + rect.width(), beyond);
+            continue;
+        }
+        let start = image.index(x0, j);
+        bytes.resize(bytes.len() + left, beyond);
+        bytes.extend_from_slice(&mask.as_raw()[start..start + (x1 - x0) as usize]);
+        bytes.resize(bytes.len() + right, beyond);
+    }
+}
+
+vectorised! {
+    /// The subject bits of `bytes`, rows of `width`, a multiple of 8.
+    fn pack(bytes: &[u8], width: usize, bits: &mut Vec<Word>) {
+        bits.clear();
+        for row in bytes.chunks_exact(width.max(1)) {
+            let (whole, rest) = row.as_chunks::<WORD>();
+            bits.extend(whole.iter().map(|chunk| pack_word(chunk)));
+            if !rest.is_empty() {
+                bits.push(pack_word(rest));
+            }
+        }
+    }
+}
+
+/// Up to 32 bytes, in whole eights, as bits.
+#[inline(always)]
+fn pack_word(bytes: &[u8]) -> Word {
+    let eights = bytes.as_chunks::<8>().0.iter().enumerate();
+    eights.fold(0, |word, (k, eight)| {
+        let tops = u64::from_le_bytes(*eight) >> 7 & 0x0101_0101_0101_0101;
+        // Byte m's bit comes to stand at 56 + m; no two products share a bit, so that nothing carries.
+        word | ((tops.wrapping_mul(0x0102_0408_1020_4080) >> 56) as Word) << (8 * k)
+    })
+}
+
+vectorised! {
+    /// From the subject's bits those near it, and the background pixels at its edge.
+    fn neighbours(subject: &[Word], words: usize, near: &mut Vec<Word>, edges: &mut Vec<Word>) {
+        near.clear();
+        edges.clear();
+        let row = |j: usize| subject.get(j * words..(j + 1) * words).unwrap_or(&[]);
+        for j in 0..subject.len() / words.max(1) {
+            let (above, here, below) = (row(j.wrapping_sub(1).min(subject.len())), row(j), row(j + 1));
+            let word = |row: &[Word], k: usize| row.get(k).copied().unwrap_or(0);
+            let column = |k: usize| word(above, k) | word(here, k) | word(below, k);
+            let (mut before, mut middle) = (0, column(0));
+            for k in 0..words {
+                let after = column(k + 1);
+                near.push(middle | middle << 1 | middle >> 1 | before >> (WORD - 1) | after << (WORD - 1));
+                let left = here[k] << 1 | word(here, k.wrapping_sub(1)) >> (WORD - 1);
+                let right = here[k] >> 1 | word(here, k + 1) << (WORD - 1);
+                edges.push(!here[k] & (word(above, k) | word(below, k) | left | right));
+                (before, middle) = (middle, after);
+            }
+        }
+    }
+}

@@ -19,7 +19,7 @@ pub(super) struct Sighting {
     pub(super) at: Homogeneous,
     pub(super) column: Lane,
     pub(super) row: Lane,
-    /// Chebyshev distance to the background, at most 255.
+    /// Chebyshev distance to the background.
     pub(super) clear: Lane,
 }
 
@@ -39,7 +39,10 @@ impl Sightings {
             for k in 0..LANES {
                 (sighting.column[k], sighting.row[k]) = (columns[k] as f32, rows[k] as f32);
                 let place = (rows[k] * width + columns[k]) as usize;
-                sighting.clear[k] = f32::from(view.tables.distance.get(place).copied().unwrap_or(0));
+                let clear = view.tables.distance.get(place).copied().unwrap_or(0);
+                let clear =
+                    if clear == u8::MAX { view.exact_distance(columns[k], rows[k]) } else { clear.into() };
+                sighting.clear[k] = f32::from(clear);
             }
             self.views.push(sighting);
         }

@@ -111,6 +111,13 @@ impl<'a> Folded<'a> {
         (columns, rows)
     }
 
+    /// The distance at a pixel of the region, where a byte does not hold it.
+    #[cold]
+    pub(super) fn exact_distance(&self, column: u32, row: u32) -> u16 {
+        let (x, y) = self.tables.corner;
+        self.silhouette.distance(x + column as i32, y + row as i32)
+    }
+
     /// Whether anything that lies within `radius` of a point may appear in the silhouette; `near` more pixels count.
     #[inline(always)]
     pub(super) fn may_touch(&self, centre: &[f32; 3], radius: f32, near: f32) -> bool {

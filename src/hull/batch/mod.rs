@@ -52,6 +52,17 @@ impl Hull {
         Ok(workspace.mark(points))
     }
 
+    /// The points that may be inside by any edge model: all but those surely outside.
+    pub(crate) fn candidates<'w>(
+        &self,
+        points: &Points,
+        world_from_points: &Isometry3<f64>,
+        workspace: &'w mut Workspace,
+    ) -> Result<Inside<'w>> {
+        self.find(points, world_from_points, Within::NearSubject, workspace)?;
+        Ok(workspace.mark(points))
+    }
+
     /// The paper's response of each point inside, in the order in which the points lie in memory.
     ///
     /// # Errors
@@ -113,7 +124,7 @@ impl Hull {
         workspace.found.clear();
         let (_, radius) = points.bounding_sphere();
         let centre = Point3::from(world_from_middle.translation.vector);
-        if points.is_empty() || self.aabb().is_empty() || !self.may_touch(&centre, radius) {
+        if points.is_empty() || self.aabb().is_empty() || !self.may_touch(&centre, radius * (1.0 + 1e-9)) {
             return Ok(());
         }
         if self.may_abstain() {
@@ -241,3 +252,6 @@ impl Hull {
         longest
     }
 }
+
+#[cfg(test)]
+mod tests;

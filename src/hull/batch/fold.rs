@@ -199,7 +199,13 @@ pub(super) fn whole(x: f32, most: f32) -> u32 {
     let x = either(x > 0.5, x, 0.5);
     let x = either(x < most, x, most);
     // Half is taken off since the sum rounds to the nearest.
-    (x - 0.5 + WHOLE).to_bits() & 0x007f_ffff
+    bits_of(x - 0.5)
+}
+
+/// The whole number nearest to `x`, which is not negative and below 2^23.
+#[inline(always)]
+pub(super) fn bits_of(x: f32) -> u32 {
+    (x + WHOLE).to_bits() & 0x007f_ffff
 }
 
 #[inline(always)]

@@ -202,8 +202,8 @@ impl Hull {
         let (views, volume) = fold::fold(self, &world_from_middle);
         folded.extend(views);
         workspace.views.extend(folded.iter().map(|view| view.index));
-        let Workspace { found, sightings, ways, .. } = workspace;
-        respond::ways_out(points, found, &folded, &volume, sightings, ways);
+        let Workspace { found, sightings, pending, ways, .. } = workspace;
+        respond::ways_out(points, found, &folded, &volume, sightings, pending, ways);
         workspace.take_back(folded);
         Ok(())
     }
@@ -246,8 +246,8 @@ impl Hull {
         let mut folded = workspace.lend();
         let (views, volume) = fold::fold(self, &world_from_middle);
         folded.extend(views);
-        let Workspace { ways, sightings, .. } = workspace;
-        let longest = respond::longest_exit(points, ways, direction, &folded, &volume, sightings);
+        let Workspace { ways, sightings, pending, .. } = workspace;
+        let longest = respond::longest_exit(points, ways, direction, &folded, &volume, sightings, pending);
         workspace.take_back(folded);
         longest
     }

@@ -12,10 +12,12 @@ mod escape;
 mod reduce;
 mod tilt;
 
-use crate::hull::{EdgeModel, Hull, Push};
+pub use crate::hull::BodyResponse;
+use crate::hull::{EdgeModel, Hull, Push, Workspace};
 use crate::sample::Samples;
 use cluster::Cluster;
 use nalgebra::{Isometry3, Point3, Vector3};
+use std::cell::Cell;
 
 /// How contacts are made from the colliding samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -72,15 +74,6 @@ pub struct Contacts {
     pub escape: Option<Vector3<f64>>,
 }
 
-/// The paper's response of a body (section 5).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BodyResponse {
-    /// The vector that moves the body out, in metres; zero where nothing collides.
-    pub vector: Vector3<f64>,
-    /// How many samples collide.
-    pub colliding: usize,
-}
-
 /// A body sample inside the hull, in the hull's frame.
 #[derive(Debug, Clone, Copy)]
 struct Colliding {
@@ -101,7 +94,7 @@ pub fn collide(
     settings: &Settings,
     last_escape: Option<Vector3<f64>>,
 ) -> Contacts {
-    let colliding = colliding(hull, body, hull_from_body);
+    let colliding = samples_inside(hull, body, hull_from_body, usize::MAX);
     if colliding.is_empty() || settings.max_contacts == 0 {
         return Contacts::default();
     }
@@ -145,8 +138,8 @@ pub fn collide_any(
     hull_from_body: &Isometry3<f64>,
     settings: &Settings,
 ) -> Vec<Contact> {
-    let found = samples_inside(hull, body, hull_from_body);
-    found.take(settings.max_contacts).map(|sample| own_contact(&sample, settings.max_depth)).collect()
+    let inside = samples_inside(hull, body, hull_from_body, settings.max_contacts);
+    inside.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()
 }
 
 /// The paper's response of a body (section 5): the mean of its colliding samples' responses gives the direction, the
@@ -163,24 +156,33 @@ pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64
     BodyResponse { vector: direction * exits.fold(0.0, f64::max), colliding }
 }
 
-fn colliding(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64>) -> Vec<Colliding> {
-    samples_inside(hull, body, hull_from_body).collect()
+thread_local! {
+    /// Memory for the samples of one body at a time.
+    static SPARE: Cell<Option<Workspace>> = const { Cell::new(None) };
 }
 
-/// The body's samples inside the hull, in their order, each with its way out.
+/// The body's samples inside the hull, in their order, each with its way out; the first `most` of them.
 fn samples_inside(
     hull: &Hull,
     body: &Samples,
     hull_from_body: &Isometry3<f64>,
-) -> impl Iterator<Item = Colliding> {
-    let (centre, radius) = body.bounding_sphere();
-    let near = hull.may_touch(&(hull_from_body * centre), radius);
-    let samples = if near { body.points() } else { &[] };
-    samples.iter().enumerate().filter_map(move |(index, sample)| {
-        let point = hull_from_body * sample.point;
-        let push = hull.push(&point)?;
-        Some(Colliding { index, point, normal: hull_from_body * sample.normal, push })
-    })
+    most: usize,
+) -> Vec<Colliding> {
+    let mut workspace = SPARE.take().unwrap_or_default();
+    let mut inside = Vec::new();
+    // Nothing is inside in a pose that is not finite.
+    if let Ok(candidates) = hull.candidates(body.cloud(), hull_from_body, &mut workspace) {
+        let samples = body.points();
+        let colliding = candidates.iter().filter_map(|index| {
+            let sample = &samples[index];
+            let point = hull_from_body * sample.point;
+            let push = hull.push(&point)?;
+            Some(Colliding { index, point, normal: hull_from_body * sample.normal, push })
+        });
+        inside.extend(colliding.take(most));
+    }
+    SPARE.set(Some(workspace));
+    inside
 }
 
 fn own_contact(sample: &Colliding, max_depth: f64) -> Contact {

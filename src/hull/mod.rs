@@ -13,6 +13,7 @@
 mod aabb;
 mod batch;
 mod data;
+mod exit;
 mod frustum;
 mod image_line;
 mod march;
@@ -21,6 +22,7 @@ mod ray;
 pub mod reference;
 mod response;
 mod search;
+mod sighting;
 mod slot;
 mod sweep;
 mod view;
@@ -182,7 +184,7 @@ impl Hull {
     /// Whether `p` is inside with the silhouettes' edges taken by `edge`. Contacts begin at the coverage edge, where
     /// their exits end.
     pub fn inside_by(&self, p: &Point3<f64>, edge: EdgeModel) -> bool {
-        if !self.bounds.contains(p) || (self.culls.frustum_box && !self.aabb.contains(p)) {
+        if !self.in_boxes(p) {
             return false;
         }
         let (mut inside, mut unseen) = (0, 0);
@@ -194,6 +196,11 @@ impl Hull {
             }
         }
         self.unseen.admits(inside, 0, unseen)
+    }
+
+    /// Whether `p` lies in the work volume, and in the hull's box where that is asked.
+    fn in_boxes(&self, p: &Point3<f64>) -> bool {
+        self.bounds.contains(p) && (!self.culls.frustum_box || self.aabb.contains(p))
     }
 
     /// Metres that a pixel covers at `p` in the view that sees it largest; the work volume's diagonal where none does.

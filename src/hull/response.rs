@@ -1,7 +1,7 @@
 //! The way out for one point (paper, section 4.2).
 
 use super::march::EdgeModel;
-use super::sweep::Sweep;
+use super::sighting::Sightings;
 use super::{Hull, NearestEdge};
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
@@ -37,31 +37,38 @@ impl Hull {
     /// The paper's response of `p`: binary silhouettes, 5x5 normals. `None` outside, and inside a hull none of whose
     /// views has an edge.
     pub fn respond(&self, p: &Point3<f64>) -> Option<Response<'_>> {
-        if !self.inside(p) {
+        if !self.in_boxes(p) {
             return None;
         }
-        let nearest = self.nearest_edge(p)?;
-        let (i, j) = nearest.b;
-        let normal = nearest.view.silhouette().paper_normal(i, j);
-        let centre = Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
-        let normal = nearest.view.backproject_normal(&centre, &normal.unwrap_or_else(|| towards_b(&nearest)));
-        Some(Response { nearest, normal, depth: self.exit(p, &normal, EdgeModel::Pixel) })
+        Sightings::with(|sightings| {
+            if !sightings.take_inside(self, p, EdgeModel::Pixel) {
+                return None;
+            }
+            let (index, nearest) = self.nearest_edge_among(sightings)?;
+            let (i, j) = nearest.b;
+            let normal = nearest.view.silhouette().paper_normal(i, j);
+            let centre = Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
+            let normal = normal.unwrap_or_else(|| towards_b(&nearest));
+            let normal = nearest.view.backproject_normal(&centre, &normal);
+            let depth = self.exit_from(sightings, index, p, &normal, EdgeModel::Pixel);
+            Some(Response { nearest, normal, depth })
+        })
     }
 
     /// The way out of `p` that contacts use; `None` where `p` is outside by the coverage edge.
     pub fn push(&self, p: &Point3<f64>) -> Option<Push> {
-        if !self.inside_by(p, EdgeModel::Coverage) {
+        if !self.in_boxes(p) {
             return None;
         }
-        let nearest = self.nearest_edge(p)?;
-        let direction = self.contact_normal(&nearest);
-        Some(Push { direction, depth: self.exit(p, &direction, EdgeModel::Coverage) })
-    }
-
-    /// Metres from `p`, a point inside, along the unit `direction` to where the hull ends: the nearest exit over the
-    /// views and the work volume.
-    pub fn exit(&self, p: &Point3<f64>, direction: &Vector3<f64>, edge: EdgeModel) -> f64 {
-        Sweep::new(self, p, direction, edge).map_or(0.0, |mut sweep| sweep.exit().t)
+        Sightings::with(|sightings| {
+            if !sightings.take_inside(self, p, EdgeModel::Coverage) {
+                return None;
+            }
+            let (index, nearest) = self.nearest_edge_among(sightings)?;
+            let direction = self.contact_normal(&nearest);
+            let depth = self.exit_from(sightings, index, p, &direction, EdgeModel::Coverage);
+            Some(Push { direction, depth })
+        })
     }
 
     pub(super) fn contact_normal(&self, nearest: &NearestEdge) -> Vector3<f64> {

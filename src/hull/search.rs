@@ -1,5 +1,6 @@
 //! The window search (paper, section 4.2): which view's silhouette edge is nearest to a point inside.
 
+use super::sighting::{Sighting, Sightings};
 use super::{Hull, View};
 use crate::camera::Pixel;
 
@@ -21,42 +22,30 @@ impl Hull {
     /// pixel covers at p; the first k at which some window holds background decides, the first view among equals.
     /// The distance table says without a search at which k that is.
     pub fn nearest_edge(&self, p: &nalgebra::Point3<f64>) -> Option<NearestEdge<'_>> {
-        let sightings = || self.enabled_views().filter_map(|view| Sighting::of(view, p));
-        let d_max = sightings().map(|sighting| sighting.d).fold(0.0, f64::max);
-        let mut first: Option<(i64, Sighting)> = None;
-        for sighting in sightings() {
-            let growth = d_max / sighting.d;
-            if let Some(k) = first_iteration(sighting.distance(), growth)
+        Sightings::with(|sightings| {
+            sightings.take(self, p);
+            self.nearest_edge_among(sightings).map(|(_, nearest)| nearest)
+        })
+    }
+
+    /// The same for a point whose sightings are known, with the index of the view that decides.
+    pub(super) fn nearest_edge_among(&self, sightings: &Sightings) -> Option<(usize, NearestEdge<'_>)> {
+        let d_max = sightings.seen.iter().map(|sighting| sighting.footprint).fold(0.0, f64::max);
+        let mut first: Option<(i64, &Sighting)> = None;
+        for sighting in &sightings.seen {
+            let growth = d_max / sighting.footprint;
+            if let Some(k) = first_iteration(sighting.distance, growth)
                 && first.as_ref().is_none_or(|(sooner, _)| k < *sooner)
             {
                 first = Some((k, sighting));
             }
         }
         let (k, found) = first?;
-        let half = window_half_width(k, d_max / found.d);
+        let half = window_half_width(k, d_max / found.footprint);
         let (i, j) = found.pixel;
-        let b = found.view.silhouette().nearest_background(i, j, half)?;
-        Some(NearestEdge { view: found.view, a: found.a, b })
-    }
-}
-
-/// A point as one view sees it.
-struct Sighting<'a> {
-    view: &'a View,
-    a: Pixel,
-    pixel: (i32, i32),
-    d: f64,
-}
-
-impl<'a> Sighting<'a> {
-    fn of(view: &'a View, p: &nalgebra::Point3<f64>) -> Option<Self> {
-        let a = view.project(p)?;
-        let pixel = super::view::whole(a.u, a.v);
-        view.sees(pixel.0, pixel.1).then(|| Self { view, a, pixel, d: view.footprint(&a) })
-    }
-
-    fn distance(&self) -> u16 {
-        self.view.silhouette().distance(self.pixel.0, self.pixel.1)
+        let view = &self.views()[found.index];
+        let b = view.silhouette().nearest_background(i, j, half)?;
+        Some((found.index, NearestEdge { view, a: found.at, b }))
     }
 }
 

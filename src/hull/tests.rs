@@ -20,7 +20,7 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    fn point(&mut self, aabb: &Aabb) -> Point3<f64> {
+    pub(super) fn point(&mut self, aabb: &Aabb) -> Point3<f64> {
         let extent = aabb.max - aabb.min;
         aabb.min + extent.map(|e| e * self.unit())
     }
@@ -35,11 +35,11 @@ impl Random {
     }
 }
 
-fn bounds() -> Aabb {
+pub(super) fn bounds() -> Aabb {
     Aabb::new(point![-0.6, -0.6, -0.1], point![0.6, 0.6, 0.9]).unwrap()
 }
 
-fn cameras() -> Vec<Camera> {
+pub(super) fn cameras() -> Vec<Camera> {
     let eyes = [[2.0, 0.2, 0.5], [0.1, 2.2, 1.4], [-1.8, -1.1, 0.3], [0.3, -0.2, 2.9], [1.2, -1.6, 1.0]];
     let fov = [0.9, 0.8, 1.0, 0.7, 0.95];
     let look = |k: usize| {
@@ -78,7 +78,7 @@ fn mask(camera: &Camera, samples: u32) -> GrayImage {
     })
 }
 
-fn hull(unseen: Unseen, samples: u32) -> Hull {
+pub(super) fn hull(unseen: Unseen, samples: u32) -> Hull {
     let border = if unseen == Unseen::Outside { Border::Background } else { Border::Open };
     let view = |camera: Camera| {
         let silhouette = Silhouette::new(&mask(&camera, samples), border);
@@ -87,7 +87,7 @@ fn hull(unseen: Unseen, samples: u32) -> Hull {
     Hull::new(cameras().into_iter().map(view).collect(), bounds(), unseen, 0.0)
 }
 
-const POLICIES: [Unseen; 2] = [Unseen::Outside, Unseen::Abstain { min_views: 3 }];
+pub(super) const POLICIES: [Unseen; 2] = [Unseen::Outside, Unseen::Abstain { min_views: 3 }];
 
 #[test]
 fn inside_agrees_with_the_reference_whatever_the_culls() {
@@ -157,6 +157,27 @@ fn exits_in_any_direction_agree_with_the_reference() {
             }
         }
     }
+}
+
+#[test]
+fn an_exit_has_the_same_bits_whether_views_walk_alone_or_in_step() {
+    let mut asked = 0;
+    for (unseen, samples) in POLICIES.into_iter().flat_map(|unseen| [(unseen, 1), (unseen, 4)]) {
+        let hull = hull(unseen, samples);
+        let mut random = Random(8);
+        for k in 0..6000 {
+            let (p, direction) = (random.point(&bounds().grown(0.02)), random.direction());
+            let edge = if k % 2 == 0 { EdgeModel::Pixel } else { EdgeModel::Coverage };
+            if k % 3 != 0 && !hull.inside_by(&p, edge) {
+                continue;
+            }
+            let in_step =
+                sweep::Sweep::new(&hull, &p, &direction, edge).map_or(0.0, |mut sweep| sweep.exit().t);
+            assert_eq!(hull.exit(&p, &direction, edge).to_bits(), in_step.to_bits(), "{p} {direction}");
+            asked += usize::from(in_step > 0.0);
+        }
+    }
+    assert!(asked > 1000, "{asked}");
 }
 
 #[test]

@@ -91,7 +91,11 @@ impl View {
 
     /// Where `p` appears; `None` behind the camera. The image's borders are not looked at.
     pub fn project(&self, p: &Point3<f64>) -> Option<Pixel> {
-        let h = self.homogeneous(p);
+        Self::dehomogenise(&self.homogeneous(p))
+    }
+
+    /// The pixel position of homogeneous image coordinates; `None` behind the camera.
+    pub(super) fn dehomogenise(h: &Vector3<f64>) -> Option<Pixel> {
         (h.z > MIN_DEPTH).then(|| Pixel { u: h.x / h.z, v: h.y / h.z, depth: h.z })
     }
 
@@ -105,6 +109,11 @@ impl View {
     /// Whether pixel `(i, j)` exists and was in the real lens's sight.
     pub(super) fn sees(&self, i: i32, j: i32) -> bool {
         self.silhouette.image().contains(i, j) && self.seen().is_none_or(|seen| seen.is_subject(i, j))
+    }
+
+    /// Whether pixel `(i, j)` lies where subject may be, whichever way its edge is taken.
+    pub(super) fn may_hold(&self, (i, j): (i32, i32)) -> bool {
+        self.rect.contains(i, j)
     }
 
     /// What the view says of `p`, with the silhouette's edge taken by `edge`. The answer is the same whether the
@@ -179,7 +188,13 @@ impl View {
 }
 
 /// The pixel `(floor u, floor v)`, kept within `i32` for points far outside the image.
+#[inline]
 pub(super) fn whole(u: f64, v: f64) -> (i32, i32) {
-    // `as` saturates, so that a point near the camera's plane lands far outside every image.
-    (u.floor() as i32, v.floor() as i32)
+    // `as` saturates, so that a point near the camera's plane lands far outside every image. It rounds towards zero;
+    // a call of `floor` costs more.
+    let floor = |x: f64| {
+        let towards_zero = x as i32;
+        if f64::from(towards_zero) > x { towards_zero.saturating_sub(1) } else { towards_zero }
+    };
+    (floor(u), floor(v))
 }

@@ -59,6 +59,7 @@ pub use sphere::sphere;
 pub use support::{FLAT_ANGLE, Smooth, SupportPoints};
 pub use trimesh::trimesh;
 
+use crate::hull::Points;
 use nalgebra::{Point3, Vector3};
 
 /// One point of a body's surface, in the body's frame.
@@ -74,6 +75,7 @@ pub struct Sample {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
     samples: Vec<Sample>,
+    cloud: Points,
     bounding_radius: f64,
     bounding_sphere: (Point3<f64>, f64),
     covering_radius: f64,
@@ -85,13 +87,22 @@ impl Samples {
     fn new(samples: Vec<Sample>, covering_radius: f64) -> Self {
         let bounding_radius = samples.iter().map(|s| s.point.coords.norm()).fold(0.0, f64::max);
         let bounding_sphere = bounding_sphere(&samples);
-        Self { samples, bounding_radius, bounding_sphere, covering_radius, smooth: None }
+        let cloud = cloud(&samples);
+        Self { samples, cloud, bounding_radius, bounding_sphere, covering_radius, smooth: None }
     }
 
     /// Samples of a smooth body centred on the origin, `reach` its farthest point's distance.
     fn of_smooth(samples: Vec<Sample>, covering_radius: f64, smooth: Smooth, reach: f64) -> Self {
         let bounding_sphere = (Point3::origin(), reach);
-        Self { samples, bounding_radius: reach, bounding_sphere, covering_radius, smooth: Some(smooth) }
+        let cloud = cloud(&samples);
+        Self {
+            samples,
+            cloud,
+            bounding_radius: reach,
+            bounding_sphere,
+            covering_radius,
+            smooth: Some(smooth),
+        }
     }
 
     /// The same samples with bounds that hold `points` of the body too.
@@ -116,6 +127,11 @@ impl Samples {
         &self.samples
     }
 
+    /// The same points as the hull's batch queries take them.
+    pub fn cloud(&self) -> &Points {
+        &self.cloud
+    }
+
     /// Radius of a sphere about the body's origin that holds the body, in metres.
     pub fn bounding_radius(&self) -> f64 {
         self.bounding_radius
@@ -137,6 +153,11 @@ impl Samples {
     pub fn smooth(&self) -> Option<&Smooth> {
         self.smooth.as_ref()
     }
+}
+
+fn cloud(samples: &[Sample]) -> Points {
+    let points: Vec<_> = samples.iter().map(|sample| sample.point).collect();
+    Points::new(&points)
 }
 
 /// The sphere about the middle of the samples' box that holds them all.

@@ -117,34 +117,47 @@ impl Silhouette {
     /// The paper's normal (section 4.2) at background pixel `(i, j)`: the mean vector from there to the background
     /// pixels of the 5x5 window around, of 7x7 or 9x9 where that mean is short; `None` where all are.
     pub fn paper_normal(&self, i: i32, j: i32) -> Option<Vector2<f64>> {
-        self.paper_mean(i, j).map(|mean| mean.normalize())
-    }
-
-    /// The mean itself, in pixels.
-    pub(crate) fn paper_mean(&self, i: i32, j: i32) -> Option<Vector2<f64>> {
         [2, 3, 4].into_iter().find_map(|half| {
-            // Whole numbers: the sums are exact in any order.
-            let (mut x, mut y, mut count) = (0, 0, 0);
-            for dy in -half..=half {
-                let (pixels, offsets) = sums(self.background_around(i, j + dy, half));
-                x += offsets - half * pixels;
-                y += dy * pixels;
-                count += pixels;
-            }
+            let (x, y, count) = self.paper_sum(i, j, half);
             let mean = Vector2::new(f64::from(x), f64::from(y)) / f64::max(f64::from(count), 1.0);
-            (mean.norm() >= SHORTEST_MEAN).then_some(mean)
+            (mean.norm() >= SHORTEST_MEAN).then(|| mean.normalize())
         })
     }
 
-    /// Background bits of the `2 half + 1` pixels of row `j` around column `i`, the leftmost in the lowest bit.
-    fn background_around(&self, i: i32, j: i32, half: i32) -> u32 {
-        let pixels = 2 * half + 1;
+    /// The same in whole pixels, of any length.
+    #[inline]
+    pub(crate) fn paper_direction(&self, i: i32, j: i32) -> Option<(i32, i32)> {
+        [2, 3, 4].into_iter().find_map(|half| {
+            let (x, y, count) = self.paper_sum(i, j, half);
+            // SHORTEST_MEAN is three tenths.
+            (100 * (x * x + y * y) >= 9 * count * count && count > 0).then_some((x, y))
+        })
+    }
+
+    /// The sum of the vectors from `(i, j)` to the background pixels of the window around, and their number: whole
+    /// numbers, exact in any order.
+    #[inline(always)]
+    fn paper_sum(&self, i: i32, j: i32, half: i32) -> (i32, i32, i32) {
         let rect = self.region.rect();
-        if rect.contains(i - half, j) && rect.contains(i + half, j) {
-            return !self.region.subject_from(i - half, j) & ((1 << pixels) - 1);
+        if !rect.contains(i - half, j - half) || !rect.contains(i + half, j + half) {
+            return self.paper_sum_anywhere(i, j, half);
         }
-        let background = |k: &i32| !self.is_subject(i - half + k, j);
-        (0..pixels).filter(background).fold(0, |bits, k| bits | 1 << k)
+        let rows = self.region.rows_from(i - half, j - half);
+        let (mut x, mut y, mut count) = (0, 0, 0);
+        for dy in -half..=half {
+            let (pixels, offsets) = sums(!rows.row(dy + half) & ((2 << (2 * half)) - 1));
+            x += offsets - half * pixels;
+            y += dy * pixels;
+            count += pixels;
+        }
+        (x, y, count)
+    }
+
+    #[cold]
+    fn paper_sum_anywhere(&self, i: i32, j: i32, half: i32) -> (i32, i32, i32) {
+        let offsets = (-half..=half).flat_map(|dy| (-half..=half).map(move |dx| (dx, dy)));
+        let background = offsets.filter(|(dx, dy)| !self.is_subject(i + dx, j + dy));
+        background.fold((0, 0, 0), |(x, y, count), (dx, dy)| (x + dx, y + dy, count + 1))
     }
 
     /// The contact normal at `(i, j)`: the same mean with each vector weighted by `(1 - coverage)` and a bell,
@@ -215,6 +228,7 @@ const BELL: [[f64; SIDE]; SIDE] = {
 };
 
 /// How many of the low nine bits are set, and the sum of their positions.
+#[inline(always)]
 fn sums(bits: u32) -> (i32, i32) {
     const TABLE: [(u8, u8); 512] = {
         let mut table = [(0, 0); 512];

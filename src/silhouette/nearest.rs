@@ -34,39 +34,36 @@ impl Silhouette {
         } else if half < first {
             None
         } else if first <= NEAR && in_sight(LEFT + 1) {
-            Some(self.nearest_by_rows(i, j, first, half))
+            Some(self.nearest_by_rows(i, j, half))
         } else {
             self.nearest_by_rings(i, j, first, half)
         }
     }
 
-    /// For a pixel whose nearest background is in sight, `half` not less than its `distance`.
+    /// For a pixel whose nearest background is in sight, `half` not less than its distance.
     #[inline]
-    fn nearest_by_rows(&self, i: i32, j: i32, distance: i32, half: i32) -> (i32, i32) {
-        let within = Word::MAX >> (Word::BITS as i32 - 1 - 2 * half.min(LEFT)) << (LEFT - half.min(LEFT));
-        let (mut squared, mut best) = (i32::MAX, (i, j));
-        // In the order of the rows, so that the first among equals stays. Row offset dy is worth looking at while
-        // dy^2 is not above the best; that is known from the distance to begin with.
-        let reach = half.min(distance + distance / 2);
-        for dy in -reach..=reach {
-            if dy * dy > squared {
-                if dy > 0 {
-                    break;
-                }
-                continue;
+    fn nearest_by_rows(&self, i: i32, j: i32, half: i32) -> (i32, i32) {
+        let half = half.min(LEFT);
+        let within = Word::MAX >> (Word::BITS as i32 - 1 - 2 * half) << (LEFT - half);
+        let rows = self.region.rows_from(i - LEFT, j);
+        let (mut squared, mut best) = (i32::MAX, (0, 0));
+        for away in 0..=half {
+            if away * away > squared {
+                break;
             }
-            let background = !self.region.subject_from(i - LEFT, j + dy) & within;
-            if background != 0 {
+            for dy in [-away, away] {
+                let background = !rows.row(dy) & within;
                 // The middle pixel is bit LEFT; the left one wins among equals.
                 let left = (background << (Word::BITS as i32 - 1 - LEFT)).leading_zeros() as i32;
                 let right = (background >> LEFT).trailing_zeros() as i32;
                 let dx = if left <= right { -left } else { right };
-                if dx * dx + dy * dy < squared {
-                    (squared, best) = (dx * dx + dy * dy, (i + dx, j + dy));
+                let rank = dx * dx + dy * dy;
+                if background != 0 && (rank < squared || (rank == squared && (dy, dx) < (best.1, best.0))) {
+                    (squared, best) = (rank, (dx, dy));
                 }
             }
         }
-        best
+        (i + best.0, j + best.1)
     }
 
     fn nearest_by_rings(&self, i: i32, j: i32, first: i32, half: i32) -> Option<(i32, i32)> {

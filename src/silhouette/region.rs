@@ -45,6 +45,25 @@ pub(super) struct Region {
     edges: Vec<Word>,
 }
 
+/// Rows of bits that begin anywhere in a word.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rows<'a> {
+    subject: &'a [Word],
+    words: usize,
+    first: usize,
+    shift: usize,
+}
+
+impl Rows<'_> {
+    /// The 32 subject bits of the row `down` below the first, the first pixel's lowest.
+    #[inline(always)]
+    pub(super) fn row(&self, down: i32) -> Word {
+        let at = (self.first as isize + down as isize * self.words as isize) as usize;
+        let word = |at: usize| u64::from(self.subject.get(at).copied().unwrap_or(0));
+        ((word(at) | word(at + 1) << WORD) >> self.shift) as Word
+    }
+}
+
 impl Region {
     /// Takes up what `rect`, the subject's rectangle in `mask`, needs.
     pub(super) fn fill(&mut self, mask: &GrayImage, rect: &Rect, border: Border) {
@@ -96,17 +115,17 @@ impl Region {
         &self.edges
     }
 
-    /// The 32 subject bits of row `j` from column `i` on, the first in the lowest bit. Row and column lie in the
-    /// region; what is beyond its right side reads as background.
+    /// Rows of subject bits from pixel `(i, j)` on, of which the caller reads none that leaves the region.
     #[inline(always)]
-    pub(super) fn subject_from(&self, i: i32, j: i32) -> Word {
-        let rect = self.rect();
-        let (x, words) = ((i - rect.x0) as usize, self.words());
-        let at = (j - rect.y0) as usize * words + x / WORD;
-        let low = self.subject.get(at).map_or(0, |word| word >> (x % WORD));
-        let next = if x / WORD + 1 < words { self.subject.get(at + 1).copied().unwrap_or(0) } else { 0 };
-        // Two shifts, since one by 64 is none.
-        low | next << 1 << (WORD - 1 - x % WORD)
+    pub(super) fn rows_from(&self, i: i32, j: i32) -> Rows<'_> {
+        let (rect, words) = (self.rect(), self.words());
+        let x = (i - rect.x0) as usize;
+        Rows {
+            subject: &self.subject,
+            words,
+            first: (j - rect.y0) as usize * words + x / WORD,
+            shift: x % WORD,
+        }
     }
 
     /// Bytes of memory behind the tables, the mask's own bytes not counted.

@@ -19,7 +19,7 @@ pub(super) struct Sighting {
     pub(super) at: Homogeneous,
     pub(super) column: Lane,
     pub(super) row: Lane,
-    /// Chebyshev distance to the background, at most 255.
+    /// Chebyshev distance to the background.
     pub(super) clear: Lane,
 }
 
@@ -36,10 +36,20 @@ impl Sightings {
             let (columns, rows) = view.pixels(&at);
             let mut sighting = Sighting { at, ..Sighting::default() };
             let width = view.tables.width as u32;
+            let (mut places, mut clear) = ([0; LANES], [0_u32; LANES]);
+            for k in 0..LANES {
+                places[k] = rows[k] * width + columns[k];
+            }
+            for k in 0..LANES {
+                let pixels = view.tables.distance.get(places[k] as usize).copied().unwrap_or(0);
+                clear[k] = u32::from(pixels);
+                if pixels == u8::MAX {
+                    clear[k] = u32::from(view.exact_distance(columns[k], rows[k]));
+                }
+            }
             for k in 0..LANES {
                 (sighting.column[k], sighting.row[k]) = (columns[k] as f32, rows[k] as f32);
-                let place = (rows[k] * width + columns[k]) as usize;
-                sighting.clear[k] = f32::from(view.tables.distance.get(place).copied().unwrap_or(0));
+                sighting.clear[k] = clear[k] as f32;
             }
             self.views.push(sighting);
         }
@@ -47,7 +57,7 @@ impl Sightings {
 }
 
 /// Metres from each point along its `direction` to the first background in any view, or to the side of the work
-/// volume. `first` is for each point the place of the view that is likely to decide.
+/// volume. `first` is for each point the place of the view that is likely to decide; `pending` is scratch.
 #[inline(always)]
 pub(super) fn exits(
     views: &[Folded],
@@ -56,38 +66,58 @@ pub(super) fn exits(
     direction: &[Lane; 3],
     first: &[usize; LANES],
     used: u32,
+    pending: &mut Vec<(usize, usize)>,
 ) -> Lane {
     let [x, y, z] = direction;
     let mut exit = wall(volume, points, direction);
     let mut lines = Lines::default();
-    for k in 0..LANES {
-        let (view, sighting) = (&views[first[k]], &points.views[first[k]]);
+    let line = |lines: &mut Lines, slot: usize, k: usize, place: usize| {
+        let (view, sighting) = (&views[place], &points.views[place]);
         let along = |row: &[f32; 4]| row[0] * x[k] + row[1] * y[k] + row[2] * z[k];
-        (lines.start.u[k], lines.start.v[k]) = (sighting.at.u[k], sighting.at.v[k]);
-        lines.start.depth[k] = sighting.at.depth[k];
-        (lines.ahead.u[k], lines.ahead.v[k]) = (along(&view.p[0]), along(&view.p[1]));
-        lines.ahead.depth[k] = along(&view.p[2]);
-        (lines.column[k], lines.row[k]) = (sighting.column[k], sighting.row[k]);
+        lines.start.u[slot] = sighting.at.u[k];
+        lines.start.v[slot] = sighting.at.v[k];
+        lines.start.depth[slot] = sighting.at.depth[k];
+        lines.ahead.u[slot] = along(&view.p[0]);
+        lines.ahead.v[slot] = along(&view.p[1]);
+        lines.ahead.depth[slot] = along(&view.p[2]);
+        (lines.column[slot], lines.row[slot]) = (sighting.column[k], sighting.row[k]);
+        lines.width[slot] = view.tables.width as u32;
+    };
+    for (k, &place) in first.iter().enumerate() {
+        line(&mut lines, k, k, place);
     }
-    walk(&lines, &mut exit, used, |k, column, row| distance(&views[first[k]], column, row));
+    walk(&lines, &mut exit, used, |k, place| distance(&views[first[k]], place));
+    pending.clear();
     for (place, (view, sighting)) in views.iter().zip(&points.views).enumerate() {
         let ahead = view.project_directions(x, y, z);
         let mut in_doubt = used & !stays_clear(sighting, &ahead, &exit);
-        for (k, first) in first.iter().enumerate() {
-            in_doubt &= !(u32::from(*first == place) << k);
+        while in_doubt != 0 {
+            let k = in_doubt.trailing_zeros() as usize;
+            in_doubt &= in_doubt - 1;
+            if first[k] != place {
+                pending.push((k, place));
+            }
         }
-        if in_doubt != 0 {
-            let lines = Lines { start: sighting.at, ahead, column: sighting.column, row: sighting.row };
-            walk(&lines, &mut exit, in_doubt, |_, column, row| distance(view, column, row));
+    }
+    // What is in doubt are few lines of many views: they walk together.
+    for chunk in pending.chunks(LANES) {
+        let mut limit = [0.0; LANES];
+        for (slot, &(k, place)) in chunk.iter().enumerate() {
+            line(&mut lines, slot, k, place);
+            limit[slot] = exit[k];
+        }
+        let walking = u32::MAX >> (LANES - chunk.len());
+        walk(&lines, &mut limit, walking, |slot, place| distance(&views[chunk[slot].1], place));
+        for (&(k, _), limit) in chunk.iter().zip(limit) {
+            exit[k] = exit[k].min(limit);
         }
     }
     exit
 }
 
 #[inline(always)]
-fn distance(view: &Folded, column: u32, row: u32) -> u8 {
-    let tables = &view.tables;
-    tables.distance.get(row as usize * tables.width + column as usize).copied().unwrap_or(0)
+fn distance(view: &Folded, place: usize) -> u8 {
+    view.tables.distance.get(place).copied().unwrap_or(0)
 }
 
 /// Which lines surely stay on subject pixels up to their exits: those whose end lies in the square of subject pixels

@@ -111,6 +111,13 @@ impl<'a> Folded<'a> {
         (columns, rows)
     }
 
+    /// The distance at a pixel of the region, where a byte does not hold it.
+    #[cold]
+    pub(super) fn exact_distance(&self, column: u32, row: u32) -> u16 {
+        let (x, y) = self.tables.corner;
+        self.silhouette.distance(x + column as i32, y + row as i32)
+    }
+
     /// Whether anything that lies within `radius` of a point may appear in the silhouette; `near` more pixels count.
     #[inline(always)]
     pub(super) fn may_touch(&self, centre: &[f32; 3], radius: f32, near: f32) -> bool {
@@ -192,7 +199,13 @@ pub(super) fn whole(x: f32, most: f32) -> u32 {
     let x = either(x > 0.5, x, 0.5);
     let x = either(x < most, x, most);
     // Half is taken off since the sum rounds to the nearest.
-    (x - 0.5 + WHOLE).to_bits() & 0x007f_ffff
+    bits_of(x - 0.5)
+}
+
+/// The whole number nearest to `x`, which is not negative and below 2^23.
+#[inline(always)]
+pub(super) fn bits_of(x: f32) -> u32 {
+    (x + WHOLE).to_bits() & 0x007f_ffff
 }
 
 #[inline(always)]

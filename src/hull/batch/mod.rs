@@ -52,6 +52,17 @@ impl Hull {
         Ok(workspace.mark(points))
     }
 
+    /// The points that may be inside by any edge model: all but those surely outside.
+    pub(crate) fn candidates<'w>(
+        &self,
+        points: &Points,
+        world_from_points: &Isometry3<f64>,
+        workspace: &'w mut Workspace,
+    ) -> Result<Inside<'w>> {
+        self.find(points, world_from_points, Within::NearSubject, workspace)?;
+        Ok(workspace.mark(points))
+    }
+
     /// The paper's response of each point inside, in the order in which the points lie in memory.
     ///
     /// # Errors
@@ -113,7 +124,7 @@ impl Hull {
         workspace.found.clear();
         let (_, radius) = points.bounding_sphere();
         let centre = Point3::from(world_from_middle.translation.vector);
-        if points.is_empty() || self.aabb().is_empty() || !self.may_touch(&centre, radius) {
+        if points.is_empty() || self.aabb().is_empty() || !self.may_touch(&centre, radius * (1.0 + 1e-9)) {
             return Ok(());
         }
         if self.may_abstain() {
@@ -191,8 +202,8 @@ impl Hull {
         let (views, volume) = fold::fold(self, &world_from_middle);
         folded.extend(views);
         workspace.views.extend(folded.iter().map(|view| view.index));
-        let Workspace { found, sightings, ways, .. } = workspace;
-        respond::ways_out(points, found, &folded, &volume, sightings, ways);
+        let Workspace { found, sightings, pending, ways, .. } = workspace;
+        respond::ways_out(points, found, &folded, &volume, sightings, pending, ways);
         workspace.take_back(folded);
         Ok(())
     }
@@ -235,9 +246,12 @@ impl Hull {
         let mut folded = workspace.lend();
         let (views, volume) = fold::fold(self, &world_from_middle);
         folded.extend(views);
-        let Workspace { ways, sightings, .. } = workspace;
-        let longest = respond::longest_exit(points, ways, direction, &folded, &volume, sightings);
+        let Workspace { ways, sightings, pending, .. } = workspace;
+        let longest = respond::longest_exit(points, ways, direction, &folded, &volume, sightings, pending);
         workspace.take_back(folded);
         longest
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -26,6 +26,7 @@ vectorised! {
         views: &[Folded],
         volume: &FoldedBox,
         sightings: &mut Sightings,
+        pending: &mut Vec<(usize, usize)>,
         ways: &mut Vec<Way>,
     ) {
         for chunk in places.chunks(LANES) {
@@ -38,7 +39,7 @@ vectorised! {
                     used |= 1 << k;
                 }
             }
-            let depth = exits(views, volume, sightings, &normal, &first, used);
+            let depth = exits(views, volume, sightings, &normal, &first, used, pending);
             for (k, &place) in chunk.iter().enumerate() {
                 if used >> k & 1 == 1 {
                     let normal = Vector3::new(normal[0][k], normal[1][k], normal[2][k]);
@@ -58,6 +59,7 @@ vectorised! {
         views: &[Folded],
         volume: &FoldedBox,
         sightings: &mut Sightings,
+        pending: &mut Vec<(usize, usize)>,
     ) -> f32 {
         let direction = [direction.x, direction.y, direction.z].map(|x| [x; LANES]);
         let mut longest = 0.0_f32;
@@ -68,7 +70,7 @@ vectorised! {
             for (k, first) in first.iter_mut().enumerate() {
                 *first = way(k).view as usize;
             }
-            let exit = exits(views, volume, sightings, &direction, &first, u32::MAX);
+            let exit = exits(views, volume, sightings, &direction, &first, u32::MAX, pending);
             longest = exit.into_iter().fold(longest, f32::max);
         }
         longest
@@ -117,10 +119,12 @@ fn normal_of(
     let silhouette = view.silhouette;
     let (bi, bj) = silhouette.nearest_background(i + corner.0, j + corner.1, half as i32)?;
     let (bi, bj) = (bi - corner.0, bj - corner.1);
-    let tangent = silhouette.paper_mean(bi + corner.0, bj + corner.1);
-    let tangent = tangent.map_or(((bi - i) as f32, (bj - j) as f32), |mean| (mean.x as f32, mean.y as f32));
+    let tangent = silhouette.paper_direction(bi + corner.0, bj + corner.1).unwrap_or((bi - i, bj - j));
+    let tangent = (tangent.0 as f32, tangent.1 as f32);
     let (u, v) = (bi as f32 + 0.5, bj as f32 + 0.5);
     let [p0, p1, p2] = &view.p;
     let across = |axis: usize| (p0[axis] - u * p2[axis]) * tangent.0 + (p1[axis] - v * p2[axis]) * tangent.1;
-    Vector3::new(across(0), across(1), across(2)).try_normalize(0.0)
+    let normal = Vector3::new(across(0), across(1), across(2));
+    let length = normal.norm();
+    (length > 0.0).then(|| normal / length)
 }

@@ -4,7 +4,7 @@
 //! crosses into the pixel behind it. Points that have arrived wait for the others.
 
 use super::super::points::{LANES, Lane};
-use super::fold::{Homogeneous, either};
+use super::fold::{Homogeneous, bits_of, either};
 
 /// No walk takes more steps; a line through the largest image takes fewer.
 const MOST_STEPS: usize = 1 << 18;
@@ -17,33 +17,37 @@ pub(super) struct Lines {
     /// The pixel that each point starts in.
     pub(super) column: Lane,
     pub(super) row: Lane,
+    /// Pixels in a row of the table.
+    pub(super) width: [u32; LANES],
 }
 
 /// Walks every line whose bit is set in `walking` until background or its `limit`, and lowers the limit to where it
-/// left. `distance(k, column, row)` is line k's distance table.
+/// left. `distance(k, place)` reads line k's distance table.
 #[inline(always)]
-pub(super) fn walk(
-    lines: &Lines,
-    limit: &mut Lane,
-    mut walking: u32,
-    distance: impl Fn(usize, u32, u32) -> u8,
-) {
+pub(super) fn walk(lines: &Lines, limit: &mut Lane, mut walking: u32, distance: impl Fn(usize, usize) -> u8) {
     let (start, ahead) = (&lines.start, &lines.ahead);
     let (mut column, mut row, mut t) = (lines.column, lines.row, [0.0_f32; LANES]);
     for _ in 0..MOST_STEPS {
-        let mut clear = [0.0_f32; LANES];
+        let (mut places, mut pixels) = ([0; LANES], [0_u32; LANES]);
         for k in 0..LANES {
-            if walking >> k & 1 == 1 {
-                let pixels = distance(k, column[k] as u32, row[k] as u32);
-                clear[k] = f32::from(pixels);
-                if pixels == 0 {
-                    limit[k] = limit[k].min(t[k]);
-                    walking &= !(1 << k);
-                }
+            places[k] = bits_of(row[k]) * lines.width[k] + bits_of(column[k]);
+        }
+        let mut rest = walking;
+        while rest != 0 {
+            let k = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            pixels[k] = u32::from(distance(k, places[k] as usize));
+            if pixels[k] == 0 {
+                limit[k] = limit[k].min(t[k]);
+                walking &= !(1 << k);
             }
         }
         if walking == 0 {
             return;
+        }
+        let mut clear = [0.0; LANES];
+        for k in 0..LANES {
+            clear[k] = pixels[k] as f32;
         }
         let (mut past, mut next_column, mut next_row) = ([0_u32; LANES], [0.0; LANES], [0.0; LANES]);
         for k in 0..LANES {

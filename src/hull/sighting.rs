@@ -1,0 +1,131 @@
+//! A point as every view sees it: projected once, asked for the verdict, the nearest edge and the exit.
+
+use super::view::{Verdict, whole};
+use super::{EdgeModel, Hull, View};
+use crate::camera::{MIN_DEPTH, Pixel};
+use crate::silhouette::{HALF_COVERAGE, Rect};
+use nalgebra::{Point3, Vector3};
+use std::cell::Cell;
+
+/// Where one view sees a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sighting {
+    /// Index of the view.
+    pub(super) index: usize,
+    pub(super) homogeneous: Vector3<f64>,
+    pub(super) at: Pixel,
+    pub(super) pixel: (i32, i32),
+    /// Chebyshev distance of its pixel to the background.
+    pub(super) distance: u16,
+    /// Metres that a pixel covers there (design: d_i of the window search).
+    pub(super) footprint: f64,
+}
+
+/// How the enabled views see a point.
+#[derive(Debug, Default)]
+pub(super) struct Sightings {
+    pub(super) seen: Vec<Sighting>,
+    /// How many views do not see it.
+    pub(super) unseen: usize,
+}
+
+thread_local! {
+    /// Memory for one point at a time.
+    static SPARE: Cell<Option<Sightings>> = const { Cell::new(None) };
+}
+
+impl Sightings {
+    /// Runs `ask` on memory that is used again.
+    pub(super) fn with<R>(ask: impl FnOnce(&mut Self) -> R) -> R {
+        let mut sightings = SPARE.take().unwrap_or_default();
+        let answer = ask(&mut sightings);
+        SPARE.set(Some(sightings));
+        answer
+    }
+
+    /// Takes up how all views see `p`.
+    pub(super) fn take(&mut self, hull: &Hull, p: &Point3<f64>) {
+        self.start();
+        for (index, view) in hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
+            self.add(index, view, p);
+        }
+    }
+
+    /// The same, but only as far as all views see `p` inside: false where some view sees it outside.
+    pub(super) fn take_inside(&mut self, hull: &Hull, p: &Point3<f64>, edge: EdgeModel) -> bool {
+        self.start();
+        for (index, view) in hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
+            if let Some(sighting) = self.add(index, view, p)
+                && sighting.verdict(view, edge) == Verdict::Outside
+            {
+                return false;
+            }
+        }
+        hull.unseen().admits(self.seen.len(), 0, self.unseen)
+    }
+
+    fn start(&mut self) {
+        self.seen.clear();
+        self.unseen = 0;
+    }
+
+    fn add(&mut self, index: usize, view: &View, p: &Point3<f64>) -> Option<Sighting> {
+        let sighting = Sighting::of(index, view, p);
+        match sighting {
+            Some(sighting) => self.seen.push(sighting),
+            None => self.unseen += 1,
+        }
+        sighting
+    }
+}
+
+impl Sighting {
+    fn of(index: usize, view: &View, p: &Point3<f64>) -> Option<Self> {
+        let homogeneous = view.homogeneous(p);
+        let at = View::dehomogenise(&homogeneous)?;
+        let pixel = whole(at.u, at.v);
+        if !view.sees(pixel.0, pixel.1) {
+            return None;
+        }
+        let distance = view.silhouette().distance(pixel.0, pixel.1);
+        Some(Self { index, homogeneous, at, pixel, distance, footprint: view.footprint(&at) })
+    }
+
+    fn verdict(&self, view: &View, edge: EdgeModel) -> Verdict {
+        let silhouette = view.silhouette();
+        let inside = if edge == EdgeModel::Pixel || !silhouette.has_coverage() {
+            self.distance > 0
+        } else {
+            // Between four centres of subject pixels coverage cannot fall below one half.
+            self.distance > 1
+                || (view.may_hold(self.pixel) && silhouette.coverage(self.at.u, self.at.v) >= HALF_COVERAGE)
+        };
+        if inside { Verdict::Inside } else { Verdict::Outside }
+    }
+
+    /// Whether the view surely sees subject from here to `t` metres along a line that changes the homogeneous
+    /// coordinates by `ahead` a metre: the end lies in the square of subject pixels around the start, and so does all
+    /// between, since the line's image is straight.
+    pub(super) fn stays_inside(&self, ahead: &Vector3<f64>, t: f64) -> bool {
+        // The coverage edge lies between pixel centres; the rest is far more than rounding.
+        let reach = f64::from(self.distance) - 1.0 - 1e-6;
+        if reach <= 0.0 {
+            return false;
+        }
+        let end = self.homogeneous + ahead * t;
+        let (du, dv) = (
+            end.x - (f64::from(self.pixel.0) + 0.5) * end.z,
+            end.y - (f64::from(self.pixel.1) + 0.5) * end.z,
+        );
+        // Both sides times the depth.
+        end.z > 0.0 && du.abs() < reach * end.z && dv.abs() < reach * end.z
+    }
+
+    /// Whether the line surely ends in `image` at `t` metres.
+    pub(super) fn stays_in(&self, image: &Rect, ahead: &Vector3<f64>, t: f64) -> bool {
+        let end = self.homogeneous + ahead * t;
+        let (u, v) = (end.x / end.z, end.y / end.z);
+        let within = |x: f64, low: i32, high: i32| x > f64::from(low) + 1e-6 && x < f64::from(high) - 1e-6;
+        end.z > MIN_DEPTH && within(u, image.x0, image.x1) && within(v, image.y0, image.y1)
+    }
+}

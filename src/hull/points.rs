@@ -18,8 +18,8 @@ pub struct Points {
     radius: f64,
     count: usize,
     blocks: Vec<Block>,
-    /// Spheres around the points of every so many blocks.
-    clusters: Vec<Sphere>,
+    /// A sphere around each block's points.
+    spheres: Vec<Spheres>,
     /// The index of each point of the blocks as it was given.
     order: Vec<u32>,
 }
@@ -32,27 +32,26 @@ pub(super) struct Block {
     pub(super) z: Lane,
 }
 
-/// About the middle of all points.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sphere {
-    pub(super) centre: [f32; 3],
-    pub(super) radius: f32,
+/// Spheres around as many blocks as are asked together, about the middle of all points; filled up as blocks are.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Spheres {
+    pub(super) x: Lane,
+    pub(super) y: Lane,
+    pub(super) z: Lane,
+    pub(super) radius: Lane,
 }
 
-/// Blocks that are left out together.
-pub(super) const CLUSTER: usize = 2;
-
 impl Points {
-    /// The points, sorted so that neighbours are asked together: where a whole cluster of them misses the hull, none
-    /// is asked. Answers speak of the order given.
+    /// The points, sorted so that neighbours are asked together: where a whole block of them misses the hull, none is
+    /// asked. Answers speak of the order given.
     pub fn new(points: &[Point3<f64>]) -> Self {
         let (centre, radius) = sphere(points);
         let mut order: Vec<u32> = (0..points.len() as u32).collect();
         split(points, &mut order);
         let sorted: Vec<_> = order.iter().map(|&k| points[k as usize]).collect();
         let blocks = sorted.chunks(LANES).map(|block| Block::new(block, &centre)).collect();
-        let clusters = sorted.chunks(LANES * CLUSTER).map(|cluster| Sphere::new(cluster, &centre)).collect();
-        Self { centre, radius, count: points.len(), blocks, clusters, order }
+        let spheres = sorted.chunks(LANES * LANES).map(|blocks| Spheres::new(blocks, &centre)).collect();
+        Self { centre, radius, count: points.len(), blocks, spheres, order }
     }
 
     /// How many.
@@ -70,9 +69,9 @@ impl Points {
         (self.centre, self.radius)
     }
 
-    /// The blocks, in clusters with a sphere around each.
-    pub(super) fn clusters(&self) -> impl Iterator<Item = (&Sphere, &[Block])> {
-        self.clusters.iter().zip(self.blocks.chunks(CLUSTER))
+    /// The blocks, with a sphere around each.
+    pub(super) fn blocks(&self) -> impl Iterator<Item = (&Spheres, &[Block])> {
+        self.spheres.iter().zip(self.blocks.chunks(LANES))
     }
 
     /// How many points of a block are points, not filling.
@@ -104,12 +103,18 @@ impl Block {
     }
 }
 
-impl Sphere {
+impl Spheres {
     fn new(points: &[Point3<f64>], about: &Point3<f64>) -> Self {
-        let (centre, radius) = sphere(points);
-        let middle = (centre - about).cast::<f32>();
-        // Rounding moves points and middle by less than this.
-        Self { centre: middle.into(), radius: (radius * (1.0 + 1e-6)) as f32 + 1e-6 * middle.norm() }
+        let mut spheres = Self { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES], radius: [0.0; LANES] };
+        let last = points.len().div_ceil(LANES) - 1;
+        for k in 0..LANES {
+            let (centre, radius) = sphere(points.chunks(LANES).nth(k.min(last)).unwrap_or(points));
+            let middle = (centre - about).cast::<f32>();
+            (spheres.x[k], spheres.y[k], spheres.z[k]) = (middle.x, middle.y, middle.z);
+            // Rounding moves points and middle by less than this.
+            spheres.radius[k] = (radius * (1.0 + 1e-6)) as f32 + 1e-6 * middle.norm();
+        }
+        spheres
     }
 }
 

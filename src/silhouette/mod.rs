@@ -22,8 +22,8 @@ use distance::DistanceTable;
 use edge::EdgeTable;
 use image::GrayImage;
 use region::Region;
-pub(crate) use region::Word;
-pub(crate) use tiles::Tiles;
+pub(crate) use region::{LOW, Word};
+pub(crate) use tiles::{Lookup, Tiles};
 
 /// A pixel is subject from this byte upwards: covered by half or more.
 pub const SUBJECT: u8 = 128;
@@ -184,18 +184,6 @@ impl Silhouette {
             distance: self.distances.narrow(),
             tiles: &self.tiles,
         }
-    }
-
-    /// Whether `part` may hold subject pixels: false only where it surely holds none.
-    pub(crate) fn may_touch(&self, part: &Rect) -> bool {
-        let corner = self.region.rect();
-        let shifted = Rect {
-            x0: part.x0.saturating_sub(corner.x0),
-            y0: part.y0.saturating_sub(corner.y0),
-            x1: part.x1.saturating_sub(corner.x0),
-            y1: part.y1.saturating_sub(corner.y0),
-        };
-        self.tiles.any(&shifted)
     }
 
     /// Coverage at image position `(u, v)`, 0 to 255, bilinear between pixel centres.

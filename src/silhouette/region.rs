@@ -19,6 +19,9 @@ pub(super) const MARGIN: i32 = 8;
 /// Pixels side by side as bits, the first in the lowest.
 pub(crate) type Word = u32;
 
+/// Indices in 32 bits whose highest is known to be 0, so that a vector of them looks up as many values at a time.
+pub(crate) const LOW: u32 = u32::MAX >> 1;
+
 /// How many.
 pub(super) const WORD: usize = Word::BITS as usize;
 

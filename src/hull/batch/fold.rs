@@ -5,7 +5,7 @@
 
 use super::super::points::{LANES, Lane, Points};
 use super::super::{Aabb, Hull, View};
-use crate::silhouette::{Rect, Silhouette, Tables};
+use crate::silhouette::{Lookup, Silhouette, Tables};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Translation3};
 
@@ -22,6 +22,11 @@ pub(super) struct Folded<'a> {
     pub(super) p: [[f32; 4]; 3],
     /// Metres that a pixel covers at a depth of one metre.
     pub(super) footprint: f32,
+    /// By how much the depth changes at most, per metre.
+    depth_slope: f32,
+    /// By how many pixels columns and rows of the region change at most, per metre at a depth of one metre: the
+    /// length of `row - u depth row`, which is largest at one end of the region.
+    slope: [f32; 2],
     pub(super) tables: Tables<'a>,
     pub(super) silhouette: &'a Silhouette,
     pub(super) index: usize,
@@ -68,10 +73,15 @@ impl<'a> Folded<'a> {
             let shifted = p.row(row) - depth * f64::from(corner);
             p.set_row(row, &shifted);
         }
-        let p = std::array::from_fn(|r| std::array::from_fn(|c| p[(r, c)] as f32));
+        let slope = |row: usize, end: usize| {
+            let at = |u: f64| (p.fixed_view::<1, 3>(row, 0) - p.fixed_view::<1, 3>(2, 0) * u).norm();
+            at(0.0).max(at(end as f64)) as f32
+        };
         Self {
-            p,
+            p: std::array::from_fn(|r| std::array::from_fn(|c| p[(r, c)] as f32)),
             footprint: view.footprint_at_one_metre() as f32,
+            depth_slope: p.fixed_view::<1, 3>(2, 0).norm() as f32,
+            slope: [slope(0, tables.width), slope(1, tables.height)],
             tables,
             silhouette: view.silhouette(),
             index,
@@ -120,31 +130,20 @@ impl<'a> Folded<'a> {
 
     /// Whether anything that lies within `radius` of a point may appear in the silhouette; `near` more pixels count.
     #[inline(always)]
-    pub(super) fn may_touch(&self, centre: &[f32; 3], radius: f32, near: f32) -> bool {
-        let at = |row: &[f32; 4]| row[0] * centre[0] + row[1] * centre[1] + row[2] * centre[2] + row[3];
+    pub(super) fn may_touch(&self, tiles: &Lookup, [x, y, z]: [f32; 3], radius: f32, near: f32) -> bool {
+        let at = |row: &[f32; 4]| row[0] * x + row[1] * y + row[2] * z + row[3];
         let depth = at(&self.p[2]);
-        let length = |row: [f32; 3]| (row[0] * row[0] + row[1] * row[1] + row[2] * row[2]).sqrt();
-        let [_, _, d] = self.p;
-        let nearest = depth - radius * length([d[0], d[1], d[2]]);
-        if nearest.is_nan() || nearest <= NEAREST {
-            return true;
-        }
-        // The image moves by (row - u depth row) . offset / depth, for an offset of at most the radius.
-        let span = |row: &[f32; 4]| {
-            let u = at(row) / depth;
-            let reach = radius * length([row[0] - u * d[0], row[1] - u * d[1], row[2] - u * d[2]]) / nearest;
-            // A hundredth of a pixel and some for rounding.
-            (u - reach * 1.001 - near - 0.02, u + reach * 1.001 + near + 0.02)
+        let nearest = depth - radius * self.depth_slope;
+        let (per_depth, most) = (1.0 / depth, radius * 1.001 / nearest);
+        // A hundredth of a pixel and some for rounding.
+        let span = |axis: usize, pixels: usize| {
+            let (middle, reach) = (at(&self.p[axis]) * per_depth, self.slope[axis] * most + near + 0.02);
+            let last = pixels as f32 - 0.5;
+            (whole(middle - reach, last), whole(middle + reach, last) + 1)
         };
-        let ((x0, x1), (y0, y1)) = (span(&self.p[0]), span(&self.p[1]));
-        let pixel = |x: f32| x.floor() as i32;
-        let part = Rect {
-            x0: pixel(x0),
-            y0: pixel(y0),
-            x1: pixel(x1).saturating_add(1),
-            y1: pixel(y1).saturating_add(1),
-        };
-        self.tables.tiles.any(&part)
+        let ((x0, x1), (y0, y1)) = (span(0, self.tables.width), span(1, self.tables.height));
+        // Asked so that NaN may touch.
+        !(nearest > NEAREST) | tiles.any([x0, y0], [x1, y1])
     }
 }
 

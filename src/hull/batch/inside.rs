@@ -1,8 +1,8 @@
 //! Which of many points are inside, as many at a time as a vector register holds.
 
-use super::super::points::{Block, LANES, Points};
+use super::super::points::{Block, LANES, Points, Spheres};
 use super::fold::{Folded, FoldedBox, NEAREST, either, whole};
-use crate::silhouette::Word;
+use crate::silhouette::{LOW, Word};
 use crate::vectorised::vectorised;
 
 /// What counts as inside a silhouette.
@@ -26,14 +26,19 @@ vectorised! {
         found: &mut Vec<u32>,
     ) {
         let near = f32::from(u8::from(within == Within::NearSubject));
-        let mut start = 0;
-        for (sphere, blocks) in points.clusters() {
-            let asked = views.iter().all(|view| view.may_touch(&sphere.centre, sphere.radius, near));
-            for (block, first) in blocks.iter().zip((start..).step_by(LANES)) {
-                if !asked {
+        for (group, (spheres, blocks)) in points.blocks().enumerate() {
+            let mut asked = u32::MAX >> (LANES - blocks.len());
+            for view in views {
+                asked &= touched(view, spheres, near);
+                if asked == 0 {
                     break;
                 }
-                let mut inside = u32::MAX;
+            }
+            while asked != 0 {
+                let k = asked.trailing_zeros() as usize;
+                asked &= asked - 1;
+                let (block, index) = (&blocks[k], group * LANES + k);
+                let mut inside = u32::MAX >> (LANES - points.filled(index));
                 for view in views {
                     inside &= seen(view, block, within);
                     if inside == 0 {
@@ -43,15 +48,30 @@ vectorised! {
                 if inside != 0 && let Some(volume) = volume {
                     inside &= volume.contains(&block.x, &block.y, &block.z);
                 }
-                inside &= u32::MAX >> (LANES - points.filled(first / LANES));
                 while inside != 0 {
-                    found.push((first + inside.trailing_zeros() as usize) as u32);
+                    found.push((index * LANES + inside.trailing_zeros() as usize) as u32);
                     inside &= inside - 1;
                 }
             }
-            start += blocks.len() * LANES;
         }
     }
+}
+
+/// Which of many spheres may appear in a view's silhouette, a bit each.
+#[inline(always)]
+fn touched(view: &Folded, spheres: &Spheres, near: f32) -> u32 {
+    let (tiles, mut touched) = (view.tables.tiles.lookup(), [0; LANES]);
+    for k in 0..LANES {
+        let centre = [spheres.x[k], spheres.y[k], spheres.z[k]];
+        touched[k] = u32::from(view.may_touch(&tiles, centre, spheres.radius[k], near));
+    }
+    bits(&touched)
+}
+
+/// Zeros and ones as bits.
+#[inline(always)]
+fn bits(ones: &[u32; LANES]) -> u32 {
+    ones.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
 }
 
 /// Which points of a block a view sees within the silhouette, a bit each.
@@ -60,14 +80,13 @@ vectorised! {
 #[inline(always)]
 fn seen(view: &Folded, block: &Block, within: Within) -> u32 {
     let tables = &view.tables;
-    let bits = if within == Within::Subject { tables.subject } else { tables.near };
+    let table = if within == Within::Subject { tables.subject } else { tables.near };
     let (right, below) = (tables.width as f32 - 0.5, tables.height as f32 - 0.5);
     let (words, [pu, pv, pd]) = (tables.words as u32, &view.p);
     let mut hit = [0; LANES];
-    if bits.is_empty() {
-        return 0;
-    }
-    let last = bits.len() - 1;
+    let Some(last) = table.len().checked_sub(1) else { return 0 };
+    let last = last as u32 & LOW;
+    let table = &table[..=last as usize];
     for k in 0..LANES {
         let (x, y, z) = (block.x[k], block.y[k], block.z[k]);
         let depth = pd[0] * x + pd[1] * y + pd[2] * z + pd[3];
@@ -75,12 +94,8 @@ fn seen(view: &Folded, block: &Block, within: Within) -> u32 {
         let v = pv[0] * x + pv[1] * y + pv[2] * z + pv[3];
         let per_depth = either(depth > NEAREST, 1.0 / depth, 0.0);
         let (column, row) = (whole(u * per_depth, right), whole(v * per_depth, below));
-        let place = ((row * words + column / Word::BITS) as usize).min(last);
-        hit[k] = bits[place] >> (column % Word::BITS) & 1;
+        let place = (row * words + column / Word::BITS).min(last);
+        hit[k] = table[place as usize] >> (column % Word::BITS) & 1;
     }
-    let mut seen = 0;
-    for (k, hit) in hit.iter().enumerate() {
-        seen |= hit << k;
-    }
-    seen
+    bits(&hit)
 }

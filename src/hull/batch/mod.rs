@@ -153,7 +153,7 @@ impl Hull {
         let (views, volume) = fold::fold(self, world_from_middle);
         let near = f32::from(u8::from(within == Within::NearSubject));
         for view in views {
-            if !view.may_touch(&[0.0; 3], radius as f32 * (1.0 + 1e-6), near) {
+            if !view.may_touch(&view.tables.tiles.lookup(), [0.0; 3], radius as f32 * (1.0 + 1e-6), near) {
                 return None;
             }
             folded.push(view);

@@ -174,6 +174,8 @@ fn an_exit_has_the_same_bits_whether_views_walk_alone_or_in_step() {
             let in_step =
                 sweep::Sweep::new(&hull, &p, &direction, edge).map_or(0.0, |mut sweep| sweep.exit().t);
             assert_eq!(hull.exit(&p, &direction, edge).to_bits(), in_step.to_bits(), "{p} {direction}");
+            let within = hull.exit_within(&p, &direction, edge, 0.07);
+            assert_eq!(within.to_bits(), in_step.min(0.07).to_bits(), "{p} {direction}");
             asked += usize::from(in_step > 0.0);
         }
     }

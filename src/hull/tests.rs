@@ -242,6 +242,25 @@ fn a_ray_from_outside_enters_and_leaves_where_the_verdict_changes() {
 }
 
 #[test]
+fn a_point_on_a_background_pixel_is_nearest_to_that_pixel() {
+    // By the coverage edge a point may be inside on a background pixel: the search ends there before it begins.
+    let hull = hull(Unseen::Outside, 4);
+    let mut random = Random(9);
+    let mut asked = 0;
+    for _ in 0..60_000 {
+        let p = random.point(hull.aabb());
+        let distance = |view: &View| view.pixel(&p).map(|(i, j)| view.silhouette().distance(i, j));
+        let on_background = hull.views().iter().find(|view| distance(view) == Some(0));
+        if let Some(view) = on_background.filter(|_| hull.inside_by(&p, EdgeModel::Coverage)) {
+            let nearest = hull.nearest_edge(&p).unwrap();
+            assert_eq!((nearest.view.name(), Some(nearest.b)), (view.name(), view.pixel(&p)));
+            asked += 1;
+        }
+    }
+    assert!(asked > 30, "{asked}");
+}
+
+#[test]
 fn a_view_that_does_not_see_the_point_decides_by_the_policy() {
     let mut views: Vec<View> = hull(Unseen::ABSTAIN, 1).views().to_vec();
     let away =

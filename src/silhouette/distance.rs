@@ -175,7 +175,7 @@ fn along_row<T: Pixels>(bits: &[Word], width: usize, row: &mut [T]) {
             let (from_start, to_end) = (count(at - start + 1), count(end - at));
             for (k, distance) in (0..).zip(block) {
                 // Beyond the run's end the way there is zero, as it has to be.
-                let (left, right) = (from_start + k | open_left, to_end.saturating_sub(k) | open_right);
+                let (left, right) = ((from_start + k) | open_left, to_end.saturating_sub(k) | open_right);
                 *distance = T::saturating(left.min(right));
             }
         }

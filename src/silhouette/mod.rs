@@ -186,18 +186,6 @@ impl Silhouette {
         }
     }
 
-    /// Whether `part` may hold subject pixels: false only where it surely holds none.
-    pub(crate) fn may_touch(&self, part: &Rect) -> bool {
-        let corner = self.region.rect();
-        let shifted = Rect {
-            x0: part.x0.saturating_sub(corner.x0),
-            y0: part.y0.saturating_sub(corner.y0),
-            x1: part.x1.saturating_sub(corner.x0),
-            y1: part.y1.saturating_sub(corner.y0),
-        };
-        self.tiles.any(&shifted)
-    }
-
     /// Coverage at image position `(u, v)`, 0 to 255, bilinear between pixel centres.
     pub fn coverage(&self, u: f64, v: f64) -> f64 {
         let (i, j) = ((u - 0.5).floor(), (v - 0.5).floor());

@@ -92,7 +92,7 @@ impl Cluster {
     ) -> Vec<Contact> {
         let direction = self.direction();
         let contact = |point| {
-            let depth = hull.exit(&point, &direction, EdgeModel::Coverage).min(max_depth);
+            let depth = hull.exit_within(&point, &direction, EdgeModel::Coverage, max_depth);
             Contact { point, direction, depth }
         };
         if let Some(smooth) = body.smooth() {

@@ -15,17 +15,47 @@ const MOST_ASKED: usize = 64;
 /// corners of a cube, the samples' mean way out, and the last step's.
 pub(super) fn direction(hull: &Hull, colliding: &[Colliding], last: Option<Vector3<f64>>) -> Vector3<f64> {
     let stride = colliding.len().div_ceil(MOST_ASKED);
-    let longest_exit = |direction: &Vector3<f64>| {
-        let exits = colliding.iter().step_by(stride);
-        exits.map(|sample| hull.exit(&sample.point, direction, EdgeModel::Pixel)).fold(0.0, f64::max)
-    };
     let mean: Vector3<f64> = colliding.iter().map(|sample| sample.push.direction * sample.push.depth).sum();
     let fresh = cube_directions().chain(mean.try_normalize(1e-9));
     let candidates =
         fresh.map(|direction| (direction, 1.0)).chain(last.map(|direction| (direction, LOYALTY)));
-    let rated = candidates.map(|(direction, factor)| (direction, factor * longest_exit(&direction)));
-    let shortest = rated.min_by(|a, b| a.1.total_cmp(&b.1));
-    shortest.map_or(colliding[0].push.direction, |(direction, _)| direction)
+    let mut search = Search { hull, colliding, stride, witness: 0 };
+    let mut best: Option<(Vector3<f64>, f64)> = None;
+    for (direction, factor) in candidates {
+        let least = best.map_or(f64::INFINITY, |(_, least)| least);
+        if let Some(rated) = search.rated(&direction, factor, least) {
+            best = Some((direction, rated));
+        }
+    }
+    best.map_or(colliding[0].push.direction, |(direction, _)| direction)
+}
+
+/// The longest exits of the samples asked.
+struct Search<'a> {
+    hull: &'a Hull,
+    colliding: &'a [Colliding],
+    stride: usize,
+    /// The sample that ruled the last direction out: it is likely to rule out the next one too.
+    witness: usize,
+}
+
+impl Search<'_> {
+    /// `factor` times the longest exit along `direction`, `None` as soon as it is not below `least`.
+    fn rated(&mut self, direction: &Vector3<f64>, factor: f64, least: f64) -> Option<f64> {
+        let mut longest = 0.0_f64;
+        // Beyond this a walk need not go on: a little more than what rules the direction out.
+        let enough = least / factor * (1.0 + 1e-12);
+        let samples = (0..self.colliding.len()).step_by(self.stride);
+        for sample in [self.witness].into_iter().chain(samples) {
+            let point = &self.colliding[sample].point;
+            longest = longest.max(self.hull.exit_within(point, direction, EdgeModel::Pixel, enough));
+            if factor * longest >= least {
+                self.witness = sample;
+                return None;
+            }
+        }
+        Some(factor * longest)
+    }
 }
 
 fn cube_directions() -> impl Iterator<Item = Vector3<f64>> {

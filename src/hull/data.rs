@@ -240,12 +240,13 @@ impl State {
     /// A frame that nobody holds any more. All of these let go of their silhouettes.
     fn free_frame(&mut self) -> Arc<Hull> {
         let mut free = None;
-        for k in (0..self.retired.len()).rev() {
-            if let Some(hull) = Arc::get_mut(&mut self.retired[k]) {
+        for (k, frame) in self.retired.iter_mut().enumerate() {
+            if let Some(hull) = Arc::get_mut(frame) {
                 hull.forget_views();
-                free = Some(self.retired.swap_remove(k));
+                free = Some(k);
             }
         }
+        let free = free.map(|k| self.retired.swap_remove(k));
         free.unwrap_or_else(|| Arc::new(Hull::new(Vec::new(), Aabb::EMPTY, self.unseen, 0.0)))
     }
 }

@@ -5,6 +5,7 @@
 //! there too, and the first to leave ends it. Where a view does not see the point, or leaves what it sees, the policy
 //! has to weigh all views, and the sweep does.
 
+use super::image_line::ImageLine;
 use super::march::{EdgeModel, March};
 use super::sighting::Sightings;
 use super::sweep::Sweep;
@@ -16,13 +17,18 @@ impl Hull {
     /// Metres from `p`, a point inside, along the unit `direction` to where the hull ends: the nearest exit over the
     /// views and the work volume.
     pub fn exit(&self, p: &Point3<f64>, direction: &Vector3<f64>, edge: EdgeModel) -> f64 {
+        self.exit_within(p, direction, edge, f64::INFINITY)
+    }
+
+    /// The same, or `most` where the exit is farther: a walk that gets so far is not finished.
+    pub fn exit_within(&self, p: &Point3<f64>, direction: &Vector3<f64>, edge: EdgeModel, most: f64) -> f64 {
         Sightings::with(|sightings| {
             sightings.take(self, p);
             let nearest =
                 |sighting: &&super::sighting::Sighting| f64::from(sighting.distance) * sighting.footprint;
             let first = sightings.seen.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b)));
             let first = first.map_or(0, |sighting| sighting.index);
-            self.exit_from(sightings, first, p, direction, edge)
+            self.exit_from(sightings, first, p, direction, edge, most)
         })
     }
 
@@ -34,9 +40,11 @@ impl Hull {
         p: &Point3<f64>,
         direction: &Vector3<f64>,
         edge: EdgeModel,
+        most: f64,
     ) -> f64 {
-        self.exit_by_views(sightings, first, p, direction, edge)
-            .unwrap_or_else(|| Sweep::new(self, p, direction, edge).map_or(0.0, |mut sweep| sweep.exit().t))
+        self.exit_by_views(sightings, first, p, direction, edge, most).unwrap_or_else(|| {
+            Sweep::new(self, p, direction, edge).map_or(0.0, |mut sweep| sweep.exit().t).min(most)
+        })
     }
 
     /// View by view; `None` where the policy has to weigh them together.
@@ -47,6 +55,7 @@ impl Hull {
         p: &Point3<f64>,
         direction: &Vector3<f64>,
         edge: EdgeModel,
+        most: f64,
     ) -> Option<f64> {
         let abstains = self.unseen() != Unseen::Outside;
         let blind = abstains && self.enabled_views().any(|view| view.seen().is_some());
@@ -54,19 +63,22 @@ impl Hull {
             return None;
         }
         let (_, wall, _) = self.bounds().span(p, direction)?;
-        let mut exit = wall;
+        let mut exit = wall.min(most);
         let others = sightings.seen.iter().filter(|sighting| sighting.index != first);
         for sighting in sightings.seen.iter().filter(|sighting| sighting.index == first).chain(others) {
             let view = &self.views()[sighting.index];
-            if sighting.index != first {
-                let ahead = view.homogeneous_direction(direction);
-                // Beyond an open border nothing is background, but unseen.
-                let in_sight = || !abstains || sighting.stays_in(&view.silhouette().image(), &ahead, exit);
-                if sighting.stays_inside(&ahead, exit) && in_sight() {
-                    continue;
-                }
+            let ahead = view.homogeneous_direction(direction);
+            // Beyond an open border nothing is background, but unseen.
+            let in_sight = || !abstains || sighting.stays_in(&view.silhouette().image(), &ahead, exit);
+            if sighting.stays_inside(&ahead, exit) && in_sight() {
+                continue;
             }
-            let mut march = March::new(view, p, direction, edge);
+            let line = ImageLine::new(sighting.homogeneous, ahead);
+            let mut march = if sighting.distance > 0 {
+                March::from_inside(view, line, &sighting.at, edge)
+            } else {
+                March::new(view, p, direction, edge)
+            };
             let mut left = 0.0;
             while march.verdict() == Verdict::Inside && march.until() < exit {
                 left = march.until();

@@ -1,5 +1,6 @@
 //! The image of a half-line in one view.
 
+use super::view::floor;
 use crate::silhouette::Rect;
 use nalgebra::Vector3;
 
@@ -66,6 +67,11 @@ impl ImageLine {
         (first < last).then_some((first, last))
     }
 
+    /// The depth at `t`.
+    pub(super) fn depth(&self, t: f64) -> f64 {
+        self.x0.z + self.x1.z * t
+    }
+
     /// The `t` at which the image crosses column position `u`.
     pub(super) fn at_column(&self, u: f64) -> f64 {
         (u * self.x0.z - self.x0.x) / (self.x1.x - u * self.x1.z)
@@ -102,8 +108,8 @@ impl ImageLine {
     pub(super) fn entered(&self, leave: &Leave, cells: &Rect, shift: f64) -> (i32, i32) {
         let (u, v) = self.at(leave.t);
         match leave.side {
-            Side::Column(i) => (i, ((v - shift).floor() as i32).clamp(cells.y0, cells.y1 - 1)),
-            Side::Row(j) => (((u - shift).floor() as i32).clamp(cells.x0, cells.x1 - 1), j),
+            Side::Column(i) => (i, floor(v - shift).clamp(cells.y0, cells.y1 - 1)),
+            Side::Row(j) => (floor(u - shift).clamp(cells.x0, cells.x1 - 1), j),
         }
     }
 }

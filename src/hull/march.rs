@@ -8,8 +8,8 @@
 //! Inside the silhouette a step jumps the largest square of subject pixels, which the distance table gives.
 
 use super::image_line::{ImageLine, Leave};
-use super::view::{Verdict, View};
-use crate::camera::MIN_DEPTH;
+use super::view::{Verdict, View, floor};
+use crate::camera::{MIN_DEPTH, Pixel};
 use crate::silhouette::{HALF_COVERAGE, Rect};
 use nalgebra::{Point3, Vector3};
 
@@ -29,13 +29,20 @@ pub(super) struct March<'a> {
     line: ImageLine,
     /// Cells are pixels (0), or the squares between four pixel centres (one half).
     shift: f64,
-    /// When the line is in the image.
-    in_image: (f64, f64),
-    /// When it is where subject pixels may be.
-    in_region: (f64, f64),
+    /// Where subject pixels may be.
+    region: Rect,
+    /// When the line is in the image and in the region, once that is asked.
+    stays: Option<Stays>,
     walk: Option<Walk>,
     verdict: Verdict,
     until: f64,
+}
+
+/// When a line is in the image, and in the region.
+#[derive(Debug, Clone, Copy)]
+struct Stays {
+    in_image: (f64, f64),
+    in_region: (f64, f64),
 }
 
 /// The part of a walk in one square of cells that are alike, or in one cell that an edge crosses.
@@ -43,6 +50,8 @@ pub(super) struct March<'a> {
 struct Walk {
     cells: Rect,
     leave: Leave,
+    /// Whether the next cell surely lies in the region too.
+    goes_on: bool,
     /// Crossings of one half still ahead in the cell, the last one first.
     crossings: [Option<f64>; 2],
 }
@@ -54,22 +63,38 @@ impl<'a> March<'a> {
         direction: &Vector3<f64>,
         edge: EdgeModel,
     ) -> Self {
+        let line = ImageLine::new(view.homogeneous(origin), view.homogeneous_direction(direction));
+        let mut march = Self::before_start(view, line, edge);
+        march.take_up(0.0);
+        march
+    }
+
+    /// The walk of a point that the view sees in a subject pixel, at the image position `at`.
+    pub(super) fn from_inside(view: &'a View, line: ImageLine, at: &Pixel, edge: EdgeModel) -> Self {
+        let mut march = Self::before_start(view, line, edge);
+        march.start_at(at.u, at.v, 0.0);
+        march
+    }
+
+    fn before_start(view: &'a View, line: ImageLine, edge: EdgeModel) -> Self {
         let silhouette = view.silhouette();
         let by_coverage = edge == EdgeModel::Coverage && silhouette.has_coverage();
         let shift = if by_coverage { 0.5 } else { 0.0 };
-        let line = ImageLine::new(view.homogeneous(origin), view.homogeneous_direction(direction));
-        let never = (f64::INFINITY, f64::INFINITY);
-        let image = silhouette.image();
-        let in_image = within(&line, &image, 0.0).unwrap_or(never);
         // A lens's unseen pixels lie anywhere in the image, so that there the whole image has to be walked.
-        let region = if view.seen().is_some() { image } else { silhouette.rect() };
-        let in_region =
-            within(&line, &region, shift).map(|(t0, t1)| (t0.max(in_image.0), t1.min(in_image.1)));
-        let in_region = in_region.filter(|(t0, t1)| t0 < t1).unwrap_or((in_image.1, in_image.1));
-        let mut march =
-            Self { view, line, shift, in_image, in_region, walk: None, verdict: Verdict::Unseen, until: 0.0 };
-        march.take_up(0.0);
-        march
+        let region = if view.seen().is_some() { silhouette.image() } else { silhouette.rect() };
+        let (verdict, until) = (Verdict::Unseen, 0.0);
+        Self { view, line, shift, region, stays: None, walk: None, verdict, until }
+    }
+
+    fn stays(&mut self) -> Stays {
+        *self.stays.get_or_insert_with(|| {
+            let never = (f64::INFINITY, f64::INFINITY);
+            let in_image = within(&self.line, &self.view.silhouette().image(), 0.0).unwrap_or(never);
+            let in_region = within(&self.line, &self.region, self.shift)
+                .map(|(t0, t1)| (t0.max(in_image.0), t1.min(in_image.1)));
+            let in_region = in_region.filter(|(t0, t1)| t0 < t1).unwrap_or((in_image.1, in_image.1));
+            Stays { in_image, in_region }
+        })
     }
 
     pub(super) fn view(&self) -> &'a View {
@@ -97,39 +122,51 @@ impl<'a> March<'a> {
                 self.until = walk.crossings[0].unwrap_or(walk.leave.t);
                 self.walk = Some(walk);
             }
-            Some(walk) if t < self.in_region.1 => {
+            Some(walk) if walk.goes_on || t < self.stays().in_region.1 => {
                 let (i, j) = self.line.entered(&walk.leave, &walk.cells, self.shift);
                 self.enter_cell(i, j, t);
             }
-            Some(_) => self.take_up(self.in_region.1),
+            Some(_) => {
+                let end = self.stays().in_region.1;
+                self.take_up(end);
+            }
             None => self.take_up(t),
         }
     }
 
     /// Takes the walk up at `t` by position alone.
     fn take_up(&mut self, t: f64) {
+        let Stays { in_image, in_region } = self.stays();
         let mut rest = |verdict, until| (self.verdict, self.until) = (verdict, until);
-        if t < self.in_image.0 {
-            rest(Verdict::Unseen, self.in_image.0);
-        } else if t < self.in_region.0 {
-            rest(Verdict::Outside, self.in_region.0);
-        } else if t < self.in_region.1 {
+        if t < in_image.0 {
+            rest(Verdict::Unseen, in_image.0);
+        } else if t < in_region.0 {
+            rest(Verdict::Outside, in_region.0);
+        } else if t < in_region.1 {
             let (u, v) = self.line.at(t);
-            let image = self.view.silhouette().image();
-            let cell = |x: f64, count: i32| ((x - self.shift).floor() as i32).clamp(-1, count - 1);
-            self.enter_cell(cell(u, image.x1), cell(v, image.y1), t);
-        } else if t < self.in_image.1 {
-            rest(Verdict::Outside, self.in_image.1);
+            self.start_at(u, v, t);
+        } else if t < in_image.1 {
+            rest(Verdict::Outside, in_image.1);
         } else {
             rest(Verdict::Unseen, f64::INFINITY);
         }
+    }
+
+    /// Starts in the cell of image position `(u, v)`.
+    fn start_at(&mut self, u: f64, v: f64, t: f64) {
+        let image = self.view.silhouette().image();
+        let cell = |x: f64, count: i32| floor(x - self.shift).clamp(-1, count - 1);
+        self.enter_cell(cell(u, image.x1), cell(v, image.y1), t);
     }
 
     fn enter_cell(&mut self, i: i32, j: i32, t: f64) {
         let (verdict, half) = self.cell_verdict(i, j);
         let cells = Rect::window(i, j, half);
         let mut leave = self.line.leave(&cells, self.shift, t);
-        leave.t = leave.t.min(self.in_region.1);
+        let goes_on = self.goes_on(&cells, leave.t);
+        if !goes_on {
+            leave.t = leave.t.min(self.stays().in_region.1);
+        }
         let mut crossings = [None, None];
         self.verdict = match verdict {
             Some(verdict) => verdict,
@@ -140,7 +177,16 @@ impl<'a> March<'a> {
             }
         };
         self.until = crossings[0].unwrap_or(leave.t);
-        self.walk = Some(Walk { cells, leave, crossings });
+        self.walk = Some(Walk { cells, leave, goes_on, crossings });
+    }
+
+    /// Whether the line, as it leaves `cells` at `t`, surely stays in the region for a pixel more, and before the
+    /// camera: then nobody need ask when exactly it leaves that.
+    fn goes_on(&self, cells: &Rect, t: f64) -> bool {
+        let region = &self.region;
+        let inner =
+            cells.x0 > region.x0 && cells.x1 < region.x1 && cells.y0 > region.y0 && cells.y1 < region.y1;
+        inner && t < f64::INFINITY && self.line.depth(t) > 2.0 * MIN_DEPTH
     }
 
     /// The verdict of cell `(i, j)`, `None` where an edge crosses it, and the half-width of the square around it in

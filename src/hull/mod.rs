@@ -28,7 +28,7 @@ mod sweep;
 mod view;
 
 pub use aabb::Aabb;
-pub use batch::{BodyResponse, Inside, PointResponse, Workspace};
+pub use batch::{Body, BodyResponse, Inside, PointResponse, Workspace};
 pub use data::HullData;
 pub use march::EdgeModel;
 pub use points::Points;

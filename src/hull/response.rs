@@ -50,7 +50,7 @@ impl Hull {
             let centre = Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
             let normal = normal.unwrap_or_else(|| towards_b(&nearest));
             let normal = nearest.view.backproject_normal(&centre, &normal);
-            let depth = self.exit_from(sightings, index, p, &normal, EdgeModel::Pixel);
+            let depth = self.exit_from(sightings, index, p, &normal, EdgeModel::Pixel, f64::INFINITY);
             Some(Response { nearest, normal, depth })
         })
     }
@@ -66,7 +66,7 @@ impl Hull {
             }
             let (index, nearest) = self.nearest_edge_among(sightings)?;
             let direction = self.contact_normal(&nearest);
-            let depth = self.exit_from(sightings, index, p, &direction, EdgeModel::Coverage);
+            let depth = self.exit_from(sightings, index, p, &direction, EdgeModel::Coverage, f64::INFINITY);
             Some(Push { direction, depth })
         })
     }

@@ -34,9 +34,11 @@ impl Hull {
         let mut first: Option<(i64, &Sighting)> = None;
         for sighting in &sightings.seen {
             let growth = d_max / sighting.footprint;
-            if let Some(k) = first_iteration(sighting.distance, growth)
-                && first.as_ref().is_none_or(|(sooner, _)| k < *sooner)
-            {
+            // Only a view that comes in sooner takes over.
+            if first.is_some_and(|(sooner, _)| !reaches(sooner - 1, growth, sighting.distance)) {
+                continue;
+            }
+            if let Some(k) = first_iteration(sighting.distance, growth) {
                 first = Some((k, sighting));
             }
         }
@@ -51,7 +53,14 @@ impl Hull {
 
 /// Half-width of the window at iteration `k`, in pixels.
 pub(super) fn window_half_width(k: i64, growth: f64) -> i32 {
-    1 + (k as f64 * growth).floor() as i32
+    // Rounds down: what is negative is the window at k = -1, which nobody looks at.
+    1 + (k as f64 * growth) as i32
+}
+
+/// Whether the window at iteration `k` reaches a pixel `distance` away: its half-width less one is the whole number
+/// below `k growth`. At k = -1 it is the point's own pixel.
+fn reaches(k: i64, growth: f64, distance: u16) -> bool {
+    if distance == 0 { k >= -1 } else { k as f64 * growth >= f64::from(distance) - 1.0 }
 }
 
 /// The smallest k whose window reaches a pixel `distance` away; -1 where the point's own pixel is background;
@@ -61,13 +70,12 @@ fn first_iteration(distance: u16, growth: f64) -> Option<i64> {
         0 => Some(-1),
         u16::MAX => None,
         _ => {
-            let reaches = |k: i64| window_half_width(k, growth) >= i32::from(distance);
             // The closed form, put right where the division rounded.
-            let mut k = ((f64::from(distance) - 1.0) / growth).ceil() as i64;
-            while !reaches(k) {
+            let mut k = ((f64::from(distance) - 1.0) / growth) as i64;
+            while !reaches(k, growth, distance) {
                 k += 1;
             }
-            while k > 0 && reaches(k - 1) {
+            while k > 0 && reaches(k - 1, growth, distance) {
                 k -= 1;
             }
             Some(k)

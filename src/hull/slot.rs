@@ -7,6 +7,9 @@ use crate::{Error, Result};
 use image::GrayImage;
 use std::sync::Arc;
 
+/// Silhouettes that nobody holds and that are kept for the next masks.
+const MOST_FREE: usize = 3;
+
 /// A view's camera and latest silhouette.
 #[derive(Debug)]
 pub(super) struct Slot {
@@ -79,9 +82,10 @@ impl Slot {
         self.silhouette = Some(preparation.silhouette.clone());
         self.made.push(preparation.silhouette);
         self.flat = self.flat.take().or(preparation.flat);
-        // What history no longer holds is needed once more at most: for the mask that comes next.
-        while self.made.iter().filter(|made| Arc::strong_count(made) == 1).count() > 1 {
-            let Some(k) = self.made.iter().position(|made| Arc::strong_count(made) == 1) else { break };
+        // History holds now more of them and now fewer: some stay at hand.
+        let is_free = |made: &Arc<Silhouette>| Arc::strong_count(made) == 1;
+        while self.made.iter().filter(|made| is_free(made)).count() > MOST_FREE {
+            let Some(k) = self.made.iter().position(is_free) else { break };
             self.made.swap_remove(k);
         }
     }

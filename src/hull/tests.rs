@@ -174,6 +174,8 @@ fn an_exit_has_the_same_bits_whether_views_walk_alone_or_in_step() {
             let in_step =
                 sweep::Sweep::new(&hull, &p, &direction, edge).map_or(0.0, |mut sweep| sweep.exit().t);
             assert_eq!(hull.exit(&p, &direction, edge).to_bits(), in_step.to_bits(), "{p} {direction}");
+            let within = hull.exit_within(&p, &direction, edge, 0.07);
+            assert_eq!(within.to_bits(), in_step.min(0.07).to_bits(), "{p} {direction}");
             asked += usize::from(in_step > 0.0);
         }
     }
@@ -237,6 +239,25 @@ fn a_ray_from_outside_enters_and_leaves_where_the_verdict_changes() {
         // Where a ray grazes, the normal of a stair of pixels may point either way.
         assert!(facing > hits * 95 / 100, "{facing} of {hits}");
     }
+}
+
+#[test]
+fn a_point_on_a_background_pixel_is_nearest_to_that_pixel() {
+    // By the coverage edge a point may be inside on a background pixel: the search ends there before it begins.
+    let hull = hull(Unseen::Outside, 4);
+    let mut random = Random(9);
+    let mut asked = 0;
+    for _ in 0..60_000 {
+        let p = random.point(hull.aabb());
+        let distance = |view: &View| view.pixel(&p).map(|(i, j)| view.silhouette().distance(i, j));
+        let on_background = hull.views().iter().find(|view| distance(view) == Some(0));
+        if let Some(view) = on_background.filter(|_| hull.inside_by(&p, EdgeModel::Coverage)) {
+            let nearest = hull.nearest_edge(&p).unwrap();
+            assert_eq!((nearest.view.name(), Some(nearest.b)), (view.name(), view.pixel(&p)));
+            asked += 1;
+        }
+    }
+    assert!(asked > 30, "{asked}");
 }
 
 #[test]

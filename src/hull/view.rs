@@ -29,6 +29,9 @@ pub struct View {
     /// Holds every point of the silhouette, whichever way its edge is taken.
     rect: Rect,
     planes: [Vector3<f64>; 4],
+    /// One pixel down moves (-s / (fx fy), 1 / fy) on the plane at depth 1: this many times 1 / fy. The skew s is zero
+    /// for most cameras.
+    down_stretch: f64,
 }
 
 impl View {
@@ -41,7 +44,9 @@ impl View {
         let rect = silhouette.rect().grown(i32::from(silhouette.has_coverage()));
         let planes = frustum::planes(&projection, &rect);
         let centre = camera.centre();
-        Self { camera, projection, silhouette, seen, enabled: true, centre, rect, planes }
+        let k = camera.intrinsics();
+        let down_stretch = (k[(0, 1)] / k[(0, 0)]).hypot(1.0);
+        Self { camera, projection, silhouette, seen, enabled: true, centre, rect, planes, down_stretch }
     }
 
     /// The view taken out, so that it abstains, or put back.
@@ -181,8 +186,7 @@ impl View {
     pub(super) fn footprint(&self, pixel: &Pixel) -> f64 {
         let k = self.camera.intrinsics();
         let right = pixel.depth / k[(0, 0)];
-        // One pixel down moves (-s / (fx fy), 1 / fy) on the plane at depth 1; the skew s is zero for most cameras.
-        let down = pixel.depth / k[(1, 1)] * (k[(0, 1)] / k[(0, 0)]).hypot(1.0);
+        let down = pixel.depth / k[(1, 1)] * self.down_stretch;
         right.min(down)
     }
 }
@@ -190,11 +194,14 @@ impl View {
 /// The pixel `(floor u, floor v)`, kept within `i32` for points far outside the image.
 #[inline]
 pub(super) fn whole(u: f64, v: f64) -> (i32, i32) {
-    // `as` saturates, so that a point near the camera's plane lands far outside every image. It rounds towards zero;
-    // a call of `floor` costs more.
-    let floor = |x: f64| {
-        let towards_zero = x as i32;
-        if f64::from(towards_zero) > x { towards_zero.saturating_sub(1) } else { towards_zero }
-    };
     (floor(u), floor(v))
+}
+
+/// The whole number below, kept within `i32`: `as` saturates, so that a point near the camera's plane lands far
+/// outside every image.
+#[inline]
+pub(super) fn floor(x: f64) -> i32 {
+    // `as` rounds towards zero; on a processor without SSE 4.1, the least that is built for, `floor` is a call.
+    let towards_zero = x as i32;
+    if f64::from(towards_zero) > x { towards_zero.saturating_sub(1) } else { towards_zero }
 }

@@ -22,30 +22,21 @@ pub(super) struct DistanceTable {
     narrow: Vec<u8>,
     /// All distances, where any is larger than 254; else empty.
     wide: Vec<u16>,
-    row: Row,
-}
-
-/// Distances along one row, scratch of the transform.
-#[derive(Debug, Default)]
-struct Row {
-    narrow: Vec<u8>,
-    wide: Vec<u16>,
 }
 
 impl DistanceTable {
     pub(super) fn fill(&mut self, region: &Region) {
         let (width, height) = (region.rect().width(), region.rect().height());
         let (subject, words) = (region.subject(), region.words());
-        resize(&mut self.narrow, width * height);
-        resize(&mut self.row.narrow, width + BLOCK);
+        self.narrow.clear();
         self.wide.clear();
         if width == 0 {
             return;
         }
-        if transform_narrow(subject, words, &mut self.narrow, width, &mut self.row.narrow) == u8::MAX {
-            resize(&mut self.wide, width * height);
-            resize(&mut self.row.wide, width + BLOCK);
-            transform_wide(subject, words, &mut self.wide, width, &mut self.row.wide);
+        self.narrow.resize(width * height + BLOCK, 0);
+        if transform_narrow(subject, words, &mut self.narrow, width) == u8::MAX {
+            self.wide.resize(width * height + BLOCK, 0);
+            transform_wide(subject, words, &mut self.wide, width);
         }
     }
 
@@ -66,14 +57,8 @@ impl DistanceTable {
 
     /// Bytes of memory behind the tables.
     pub(super) fn working_memory(&self) -> usize {
-        self.narrow.capacity()
-            + self.row.narrow.capacity()
-            + 2 * (self.wide.capacity() + self.row.wide.capacity())
+        self.narrow.capacity() + 2 * self.wide.capacity()
     }
-}
-
-fn resize<T: Copy + Default>(table: &mut Vec<T>, length: usize) {
-    table.resize(length, T::default());
 }
 
 /// Pixels done at once. A loop over so many is turned into vector instructions; one over few is unrolled first, and
@@ -112,41 +97,33 @@ impl Pixels for u16 {
 }
 
 vectorised! {
-    fn transform_narrow(subject: &[Word], words: usize, table: &mut [u8], width: usize, row: &mut [u8]) -> u8 {
-        transform(subject, words, table, width, row)
+    fn transform_narrow(subject: &[Word], words: usize, table: &mut [u8], width: usize) -> u8 {
+        transform(subject, words, table, width)
     }
 }
 
 vectorised! {
-    fn transform_wide(subject: &[Word], words: usize, table: &mut [u16], width: usize, row: &mut [u16]) -> u16 {
-        transform(subject, words, table, width, row)
+    fn transform_wide(subject: &[Word], words: usize, table: &mut [u16], width: usize) -> u16 {
+        transform(subject, words, table, width)
     }
 }
 
-/// Fills `table`, rows of `width`, and returns its largest distance. `row` is scratch.
+/// Fills `table`, rows of `width` and a block more, and returns its largest distance.
 #[inline(always)]
-fn transform<T: Pixels>(subject: &[Word], words: usize, table: &mut [T], width: usize, row: &mut [T]) -> T {
-    // Nothing is known above the first row: it gives no way.
-    let mut start = 0;
-    for bits in subject.chunks_exact(words) {
-        along_row(bits, width, row);
-        let (before, here) = table.split_at_mut(start);
-        let here = &mut here[..width];
-        here.copy_from_slice(&row[..width]);
-        if start > 0 {
-            carry(&before[start - width..], here);
-        }
-        start += width;
+fn transform<T: Pixels>(subject: &[Word], words: usize, table: &mut [T], width: usize) -> T {
+    for (bits, start) in subject.chunks_exact(words).zip((0..).step_by(width)) {
+        along_row(bits, width, &mut table[start..start + width + BLOCK]);
     }
-    let mut most = T::ZERO;
-    for start in (0..table.len()).step_by(width).rev() {
-        let (here, below) = table[start..].split_at_mut(width);
-        if !below.is_empty() {
-            carry(&below[..width], here);
-        }
-        most = here.iter().fold(most, |most, &distance| most.max(distance));
+    // What is carried down and what is carried up do not wait for each other; where they have met, each takes the
+    // other's rows along.
+    let height = subject.len() / words;
+    for step in 1..height {
+        let (before, here) = table.split_at_mut(step * width);
+        carry(&before[(step - 1) * width..], &mut here[..width]);
+        let (here, below) = table.split_at_mut((height - step) * width);
+        carry(&below[..width], &mut here[(height - step - 1) * width..]);
     }
-    most
+    table[..height * width].iter().fold(T::ZERO, |most, &distance| most.max(distance))
 }
 
 /// Takes into `here` what the row `from`, just above or below, allows.
@@ -185,7 +162,7 @@ fn carry_few<T: Pixels>(from: &[T], here: &mut [T]) {
 /// Distances to the nearest background pixel of the same row, for each run of subject pixels.
 #[inline(always)]
 fn along_row<T: Pixels>(bits: &[Word], width: usize, row: &mut [T]) {
-    row.fill(T::ZERO);
+    row[..width].fill(T::ZERO);
     let mut end = 0;
     while let Some(start) = next_bit(bits, end, 0).filter(|&start| start < width) {
         end = next_bit(bits, start, Word::MAX).map_or(width, |end| end.min(width));
@@ -198,12 +175,12 @@ fn along_row<T: Pixels>(bits: &[Word], width: usize, row: &mut [T]) {
             let (from_start, to_end) = (count(at - start + 1), count(end - at));
             for (k, distance) in (0..).zip(block) {
                 // Beyond the run's end the way there is zero, as it has to be.
-                let (left, right) = (from_start + k | open_left, to_end.saturating_sub(k) | open_right);
+                let (left, right) = ((from_start + k) | open_left, to_end.saturating_sub(k) | open_right);
                 *distance = T::saturating(left.min(right));
             }
         }
     }
-    // What the last block wrote beyond the row is nobody's.
+    // What the last block wrote beyond the row is the next one's, which comes later.
 }
 
 /// The first set bit of `bits ^ flip` from `from` on.

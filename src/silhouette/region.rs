@@ -46,6 +46,8 @@ pub(super) struct Region {
     near: Vec<Word>,
     /// Background pixels with a subject pixel beside, above or below.
     edges: Vec<Word>,
+    /// Scratch.
+    columns: Vec<Word>,
 }
 
 /// Rows of bits that begin anywhere in a word.
@@ -75,8 +77,11 @@ impl Region {
         let beyond = if border == Border::Open { 255 } else { 0 };
         crop(mask, &rect, beyond, &mut self.bytes);
         pack(&self.bytes, rect.width(), &mut self.subject);
+        for table in [&mut self.near, &mut self.edges, &mut self.columns] {
+            table.resize(self.subject.len(), 0);
+        }
         let words = rect.width().div_ceil(WORD);
-        neighbours(&self.subject, words, &mut self.near, &mut self.edges);
+        neighbours(&self.subject, words, &mut self.near, &mut self.edges, &mut self.columns);
     }
 
     /// The pixels kept; empty where there is no subject.
@@ -133,7 +138,7 @@ impl Region {
 
     /// Bytes of memory behind the tables, the mask's own bytes not counted.
     pub(super) fn working_memory(&self) -> usize {
-        4 * (self.subject.capacity() + self.near.capacity() + self.edges.capacity())
+        4 * (self.subject.capacity() + self.near.capacity() + self.edges.capacity() + self.columns.capacity())
     }
 }
 
@@ -229,24 +234,52 @@ fn pack_word(bytes: &[u8]) -> Word {
 }
 
 vectorised! {
-    /// From the subject's bits those near it, and the background pixels at its edge.
-    fn neighbours(subject: &[Word], words: usize, near: &mut Vec<Word>, edges: &mut Vec<Word>) {
-        near.clear();
-        edges.clear();
-        let row = |j: usize| subject.get(j * words..(j + 1) * words).unwrap_or(&[]);
-        for j in 0..subject.len() / words.max(1) {
-            let (above, here, below) = (row(j.wrapping_sub(1).min(subject.len())), row(j), row(j + 1));
-            let word = |row: &[Word], k: usize| row.get(k).copied().unwrap_or(0);
-            let column = |k: usize| word(above, k) | word(here, k) | word(below, k);
-            let (mut before, mut middle) = (0, column(0));
-            for k in 0..words {
-                let after = column(k + 1);
-                near.push(middle | middle << 1 | middle >> 1 | before >> (WORD - 1) | after << (WORD - 1));
-                let left = here[k] << 1 | word(here, k.wrapping_sub(1)) >> (WORD - 1);
-                let right = here[k] >> 1 | word(here, k + 1) << (WORD - 1);
-                edges.push(!here[k] & (word(above, k) | word(below, k) | left | right));
-                (before, middle) = (middle, after);
+    /// From the subject's bits those near it, and the background pixels at its edge; `columns` is scratch.
+    ///
+    /// Bits are carried over the ends of rows too. There the margin is background, or lies beyond an open border, where
+    /// nobody minds a pixel too many.
+    fn neighbours(
+        subject: &[Word],
+        words: usize,
+        near: &mut [Word],
+        edges: &mut [Word],
+        columns: &mut [Word],
+    ) {
+        let count = subject.len();
+        if count == 0 {
+            return;
+        }
+        // Nothing is above the first row and below the last one.
+        let above = |k: usize| if k < words { 0 } else { subject[k - words] };
+        let below = |k: usize| if k + words < count { subject[k + words] } else { 0 };
+        let word = |k: usize| subject.get(k).copied().unwrap_or(0);
+        let edge = |k: usize, beside: Word| !subject[k] & (above(k) | below(k) | beside);
+        for k in (0..words.min(count)).chain(words.max(count - words)..count) {
+            columns[k] = above(k) | subject[k] | below(k);
+            edges[k] = edge(k, spread(word(k.wrapping_sub(1)), subject[k], word(k + 1)));
+        }
+        if count > 2 * words {
+            let inner = words..count - words;
+            let (above, below) = (&subject[..count - 2 * words], &subject[2 * words..]);
+            let (left, right) = (&subject[words - 1..], &subject[words + 1..]);
+            let here = subject[inner.clone()].iter().zip(left.iter().zip(right)).zip(above.iter().zip(below));
+            let made = columns[inner.clone()].iter_mut().zip(&mut edges[inner]);
+            for ((columns, edges), ((&here, (&left, &right)), (above, below))) in made.zip(here) {
+                *columns = above | here | below;
+                *edges = !here & (above | below | spread(left, here, right));
             }
         }
+        let at = |k: usize| columns.get(k).copied().unwrap_or(0);
+        near[0] = columns[0] | spread(0, columns[0], at(1));
+        near[count - 1] = columns[count - 1] | spread(at(count.wrapping_sub(2)), columns[count - 1], 0);
+        for (near, columns) in near[1..].iter_mut().zip(columns.windows(3)) {
+            *near = columns[1] | spread(columns[0], columns[1], columns[2]);
+        }
     }
+}
+
+/// The pixels left and right of those in `here`, with the words before and after.
+#[inline(always)]
+fn spread(before: Word, here: Word, after: Word) -> Word {
+    here << 1 | before >> (WORD - 1) | here >> 1 | after << (WORD - 1)
 }

@@ -142,8 +142,7 @@ impl<'a> Folded<'a> {
             (whole(middle - reach, last), whole(middle + reach, last) + 1)
         };
         let ((x0, x1), (y0, y1)) = (span(0, self.tables.width), span(1, self.tables.height));
-        // Asked so that NaN may touch.
-        !(nearest > NEAREST) | tiles.any([x0, y0], [x1, y1])
+        nearest.is_nan() | (nearest <= NEAREST) | tiles.any([x0, y0], [x1, y1])
     }
 }
 

@@ -11,6 +11,10 @@
 //!
 //! Frames in which a view may abstain are asked point by point, in double precision.
 
+// Loops over the lanes of several arrays say what happens to lane k: it is what the compiler turns into vectors.
+#![allow(clippy::needless_range_loop)]
+
+mod bodies;
 mod exit;
 mod fold;
 mod inside;
@@ -18,6 +22,7 @@ mod respond;
 mod walk;
 mod workspace;
 
+pub use bodies::Body;
 pub use workspace::{Inside, PointResponse, Workspace};
 
 use super::points::Points;

@@ -64,7 +64,7 @@ fn a_batch_responds_as_the_reference_does() {
     let mut workspace = Workspace::new();
     for unseen in POLICIES {
         let hull = hull(unseen, 1);
-        for (world, points, pose) in batches(2_001, 2) {
+        for (world, points, pose) in batches(801, 2) {
             let responses = hull.respond_many(&points, &pose, &mut workspace).unwrap();
             let (mut same, mut asked) = (0, 0);
             for response in responses {
@@ -76,7 +76,7 @@ fn a_batch_responds_as_the_reference_does() {
                 same += usize::from(near && response.view == expected.view);
                 asked += 1;
             }
-            assert!(asked > 60 && same as f64 >= 0.985 * f64::from(asked), "{unseen:?}: {same} of {asked}");
+            assert!(asked > 20 && same as f64 >= 0.985 * f64::from(asked), "{unseen:?}: {same} of {asked}");
         }
     }
 }
@@ -106,6 +106,28 @@ fn a_body_responds_as_its_points_do_one_by_one() {
         }
     }
     assert!(touching > 20);
+}
+
+#[test]
+fn bodies_respond_with_the_same_bits_on_any_number_of_threads() {
+    let hull = hull(Unseen::Outside, 1);
+    let mut random = Random(6);
+    let samples: Vec<_> =
+        (0..200).map(|_| random.point(&Aabb { min: Point3::origin(), max: point![0.1, 0.2, 0.1] })).collect();
+    let samples = Points::new(&samples);
+    let mut pose = || Isometry3::from(random.point(&bounds()).coords);
+    let bodies: Vec<Body> = (0..100).map(|_| (&samples, pose())).collect();
+    let (mut one, mut several) = (Vec::new(), Vec::new());
+    hull.respond_bodies(&bodies, &mut [Workspace::new()], &mut one).unwrap();
+    let mut workspaces: Vec<_> = (0..3).map(|_| Workspace::new()).collect();
+    hull.respond_bodies(&bodies, &mut workspaces, &mut several).unwrap();
+    assert_eq!(one, several);
+    assert!(one.iter().any(|response| response.colliding > 0));
+    let alone = bodies.iter().map(|(body, pose)| hull.respond_body(body, pose, &mut workspaces[0]).unwrap());
+    assert!(alone.eq(one.iter().copied()));
+    let lost: Body = (&samples, Isometry3::translation(f64::NAN, 0.0, 0.0));
+    assert!(hull.respond_bodies(&[lost], &mut workspaces, &mut several).is_err());
+    assert!(hull.respond_bodies(&bodies, &mut [], &mut several).is_err());
 }
 
 #[test]

@@ -1,0 +1,70 @@
+//! What a running program asks of the allocator: nothing, once everything has grown to its size.
+
+use nalgebra::{Isometry3, Point3, Vector3, point};
+use ode_visual_hull::hull::{Aabb, Hull, HullData, Points, Workspace};
+use ode_visual_hull::sample;
+use ode_visual_hull::synthetic::{Subject, layout, silhouette};
+/// A walking person before seven VGA cameras.
+struct Studio {
+    data: HullData,
+    moments: Vec<Vec<image::GrayImage>>,
+}
+
+impl Studio {
+    fn new() -> Self {
+        let target = point![0.0, 0.0, 0.95];
+        let cameras = layout::staggered(7, 3.2, &[0.2, 1.6, 0.8, 2.3], target, (640, 480), 1.1).unwrap();
+        let data = HullData::new();
+        for camera in &cameras {
+            data.add_view(camera.clone()).unwrap();
+        }
+        data.set_bounds(Aabb::new(point![-1.0, -1.0, -0.1], point![1.0, 1.0, 2.0]).unwrap()).unwrap();
+        let masks = |time: f64| -> Vec<_> {
+            let person = Subject::person_at(time);
+            cameras.iter().map(|camera| silhouette(camera, &person)).collect()
+        };
+        Self { data, moments: [0.0, 0.2, 0.4].map(masks).into() }
+    }
+
+    fn show(&self, frame: usize) -> std::sync::Arc<Hull> {
+        for (view, mask) in self.moments[frame % self.moments.len()].iter().enumerate() {
+            self.data.set_mask(view, mask).unwrap();
+        }
+        self.data.update(frame as f64 / 30.0).unwrap()
+    }
+}
+
+#[test]
+fn frames_and_batches_allocate_nothing_in_the_steady_state() {
+    let studio = Studio::new();
+    let samples = sample::box_(Vector3::new(0.1, 0.2, 0.25), 0.03).unwrap();
+    let cloud: Vec<Point3<f64>> = samples.points().iter().map(|sample| sample.point).collect();
+    let points = Points::new(&cloud);
+    let (mut workspaces, mut responses) = ([Workspace::new()], Vec::new());
+    let pose = |k: usize| Isometry3::translation(0.0, 0.1 * (k % 4) as f64 - 0.2, 0.3 * (k % 6) as f64);
+    let bodies: Vec<_> = (0..24).map(|k| (&points, pose(k))).collect();
+    let mut colliding = 0;
+    let mut run = |frame: usize| {
+        let hull = studio.show(frame);
+        let [workspace] = &mut workspaces;
+        for k in 0..6 {
+            colliding += hull.inside_many(&points, &pose(k), workspace).unwrap().count();
+            colliding += hull.respond_many(&points, &pose(k), workspace).unwrap().len();
+        }
+        hull.respond_bodies(&bodies, &mut workspaces, &mut responses).unwrap();
+    };
+    // History fills up, and each buffer meets the largest silhouette.
+    (0..150).for_each(&mut run);
+    let allocated = allocation_counter::measure(|| (150..210).for_each(&mut run));
+    assert_eq!(allocated.count_total, 0);
+    assert!(colliding > 1000);
+}
+
+#[test]
+fn a_frame_works_in_less_than_half_the_memory_of_its_masks() {
+    let studio = Studio::new();
+    let hull = studio.show(0);
+    let working: usize = hull.views().iter().map(|view| view.silhouette().working_memory()).sum();
+    let masks: usize = studio.moments[0].iter().map(|mask| mask.as_raw().len()).sum();
+    assert!(2 * working < masks, "{working} of {masks}");
+}

@@ -11,20 +11,21 @@ const MOST_STEPS: usize = 1 << 18;
 
 /// Lines of as many points as walk together: where they are at `t` metres is `start + t ahead`.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Lines {
+pub(super) struct Lines<'a> {
     pub(super) start: Homogeneous,
     pub(super) ahead: Homogeneous,
     /// The pixel that each point starts in.
     pub(super) column: Lane,
     pub(super) row: Lane,
-    /// Pixels in a row of the table.
+    /// Each view's distances, and how many pixels a row of them has.
+    pub(super) table: [&'a [u8]; LANES],
     pub(super) width: [u32; LANES],
 }
 
 /// Walks every line whose bit is set in `walking` until background or its `limit`, and lowers the limit to where it
-/// left. `distance(k, place)` reads line k's distance table.
+/// left.
 #[inline(always)]
-pub(super) fn walk(lines: &Lines, limit: &mut Lane, mut walking: u32, distance: impl Fn(usize, usize) -> u8) {
+pub(super) fn walk(lines: &Lines, limit: &mut Lane, mut walking: u32) {
     let (start, ahead) = (&lines.start, &lines.ahead);
     let (mut column, mut row, mut t) = (lines.column, lines.row, [0.0_f32; LANES]);
     for _ in 0..MOST_STEPS {
@@ -36,9 +37,9 @@ pub(super) fn walk(lines: &Lines, limit: &mut Lane, mut walking: u32, distance: 
         while rest != 0 {
             let k = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            pixels[k] = u32::from(distance(k, places[k] as usize));
+            pixels[k] = u32::from(lines.table[k].get(places[k] as usize).copied().unwrap_or(0));
             if pixels[k] == 0 {
-                limit[k] = limit[k].min(t[k]);
+                limit[k] = either(t[k] < limit[k], t[k], limit[k]);
                 walking &= !(1 << k);
             }
         }

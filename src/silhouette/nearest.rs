@@ -75,13 +75,14 @@ impl Silhouette {
                 let reach = best.map_or(ring, |(squared, ..)| reach(squared, ring));
                 let (down, along) = side.steps();
                 let middle = (i + down.0 * ring, j + down.1 * ring);
-                for sign in [-1, 1] {
-                    let step = (along.0 * sign, along.1 * sign);
-                    if let Some(offset) = self.first_background(middle, step, reach) {
-                        let (x, y) = (middle.0 + step.0 * offset, middle.1 + step.1 * offset);
-                        let found = (i64::from(ring).pow(2) + i64::from(offset).pow(2), y, x);
-                        best = Some(best.map_or(found, |best| best.min(found)));
-                    }
+                let found = |sign: i32| {
+                    let offset = self.first_background(middle, along, sign, reach)?;
+                    let (x, y) = (middle.0 + along.0 * sign * offset, middle.1 + along.1 * sign * offset);
+                    Some((i64::from(ring).pow(2) + i64::from(offset).pow(2), y, x))
+                };
+                // Most sides are clear from their middle on, farther than anybody looks.
+                if self.clear(middle.0, middle.1) <= reach {
+                    best = best.into_iter().chain(found(-1)).chain(found(1)).min();
                 }
             }
             ring += 1;
@@ -89,25 +90,42 @@ impl Silhouette {
         best.map(|(_, y, x)| (x, y))
     }
 
-    /// How many steps from `from` on the first background pixel lies, if at most `reach`. A pixel whose distance is d
-    /// has no background within d - 1.
-    #[inline(always)]
-    fn first_background(&self, from: (i32, i32), step: (i32, i32), reach: i32) -> Option<i32> {
+    /// How many steps along a row or column from `from` on the first background pixel lies, if at most `reach`.
+    #[inline]
+    fn first_background(&self, from: (i32, i32), along: (i32, i32), sign: i32, reach: i32) -> Option<i32> {
         let region = self.region.rect();
+        let end = (from.0 + along.0 * sign * reach, from.1 + along.1 * sign * reach);
         let mut offset = 0;
-        while offset <= reach {
-            let (x, y) = (from.0 + step.0 * offset, from.1 + step.1 * offset);
-            let clear = if region.contains(x, y) {
-                i32::from(self.distances.at(region.index(x, y)))
-            } else {
-                i32::from(self.is_subject(x, y))
-            };
-            if clear == 0 {
-                return Some(offset);
+        if !region.contains(from.0, from.1) || !region.contains(end.0, end.1) {
+            while offset <= reach {
+                match self.clear(from.0 + along.0 * sign * offset, from.1 + along.1 * sign * offset) {
+                    0 => return Some(offset),
+                    clear => offset += clear,
+                }
             }
-            offset += clear;
+            return None;
+        }
+        let (table, start) = (self.distances.narrow(), region.index(from.0, from.1) as i32);
+        let step = sign * (along.0 + along.1 * region.width() as i32);
+        while offset <= reach {
+            match table[(start + step * offset) as usize] {
+                0 => return Some(offset),
+                clear => offset += i32::from(clear),
+            }
         }
         None
+    }
+
+    /// Pixels that may be skipped from `(i, j)` on in any direction: 0 where it is background. A pixel whose distance
+    /// is d has no background within d - 1.
+    #[inline]
+    fn clear(&self, i: i32, j: i32) -> i32 {
+        let region = self.region.rect();
+        if region.contains(i, j) {
+            i32::from(self.distances.at(region.index(i, j)))
+        } else {
+            i32::from(self.is_subject(i, j))
+        }
     }
 }
 

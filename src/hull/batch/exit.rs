@@ -57,21 +57,23 @@ impl Sightings {
 }
 
 /// Metres from each point along its `direction` to the first background in any view, or to the side of the work
-/// volume. `first` is for each point the place of the view that is likely to decide; `pending` is scratch.
+/// volume. `first` is for each point the place of the view that is likely to decide. An exit not above
+/// `floor` need not be exact: the true one is not above it either. `pending` is scratch.
 #[inline(always)]
-pub(super) fn exits(
-    views: &[Folded],
+pub(super) fn exits<'a>(
+    views: &[Folded<'a>],
     volume: &FoldedBox,
     points: &Sightings,
     direction: &[Lane; 3],
     first: &[usize; LANES],
     used: u32,
+    floor: f32,
     pending: &mut Vec<(usize, usize)>,
 ) -> Lane {
     let [x, y, z] = direction;
     let mut exit = wall(volume, points, direction);
     let mut lines = Lines::default();
-    let line = |lines: &mut Lines, slot: usize, k: usize, place: usize| {
+    let line = |lines: &mut Lines<'a>, slot: usize, k: usize, place: usize| {
         let (view, sighting) = (&views[place], &points.views[place]);
         let along = |row: &[f32; 4]| row[0] * x[k] + row[1] * y[k] + row[2] * z[k];
         lines.start.u[slot] = sighting.at.u[k];
@@ -81,12 +83,17 @@ pub(super) fn exits(
         lines.ahead.v[slot] = along(&view.p[1]);
         lines.ahead.depth[slot] = along(&view.p[2]);
         (lines.column[slot], lines.row[slot]) = (sighting.column[k], sighting.row[k]);
-        lines.width[slot] = view.tables.width as u32;
+        (lines.table[slot], lines.width[slot]) = (view.tables.distance, view.tables.width as u32);
     };
     for (k, &place) in first.iter().enumerate() {
         line(&mut lines, k, k, place);
     }
-    walk(&lines, &mut exit, used, |k, place| distance(&views[first[k]], place));
+    walk(&lines, &mut exit, used);
+    let mut longer = 0;
+    for k in 0..LANES {
+        longer |= u32::from(exit[k] > floor) << k;
+    }
+    let used = used & longer;
     pending.clear();
     for (place, (view, sighting)) in views.iter().zip(&points.views).enumerate() {
         let ahead = view.project_directions(x, y, z);
@@ -107,17 +114,12 @@ pub(super) fn exits(
             limit[slot] = exit[k];
         }
         let walking = u32::MAX >> (LANES - chunk.len());
-        walk(&lines, &mut limit, walking, |slot, place| distance(&views[chunk[slot].1], place));
+        walk(&lines, &mut limit, walking);
         for (&(k, _), limit) in chunk.iter().zip(limit) {
-            exit[k] = exit[k].min(limit);
+            exit[k] = either(limit < exit[k], limit, exit[k]);
         }
     }
     exit
-}
-
-#[inline(always)]
-fn distance(view: &Folded, place: usize) -> u8 {
-    view.tables.distance.get(place).copied().unwrap_or(0)
 }
 
 /// Which lines surely stay on subject pixels up to their exits: those whose end lies in the square of subject pixels

@@ -39,7 +39,7 @@ vectorised! {
                     used |= 1 << k;
                 }
             }
-            let depth = exits(views, volume, sightings, &normal, &first, used, pending);
+            let depth = exits(views, volume, sightings, &normal, &first, used, -1.0, pending);
             for (k, &place) in chunk.iter().enumerate() {
                 if used >> k & 1 == 1 {
                     let normal = Vector3::new(normal[0][k], normal[1][k], normal[2][k]);
@@ -70,7 +70,7 @@ vectorised! {
             for (k, first) in first.iter_mut().enumerate() {
                 *first = way(k).view as usize;
             }
-            let exit = exits(views, volume, sightings, &direction, &first, u32::MAX, pending);
+            let exit = exits(views, volume, sightings, &direction, &first, u32::MAX, longest, pending);
             longest = exit.into_iter().fold(longest, f32::max);
         }
         longest

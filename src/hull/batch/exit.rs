@@ -11,6 +11,8 @@ pub(super) struct Sightings {
     pub(super) y: Lane,
     pub(super) z: Lane,
     pub(super) views: Vec<Sighting>,
+    /// Points and views whose walks are left to do.
+    pending: Vec<(usize, usize)>,
 }
 
 /// Where a view sees them.
@@ -58,18 +60,18 @@ impl Sightings {
 
 /// Metres from each point along its `direction` to the first background in any view, or to the side of the work
 /// volume. `first` is for each point the place of the view that is likely to decide. An exit not above
-/// `floor` need not be exact: the true one is not above it either. `pending` is scratch.
+/// `floor` need not be exact: the true one is not above it either.
 #[inline(always)]
 pub(super) fn exits<'a>(
     views: &[Folded<'a>],
     volume: &FoldedBox,
-    points: &Sightings,
+    points: &mut Sightings,
     direction: &[Lane; 3],
     first: &[usize; LANES],
     used: u32,
     floor: f32,
-    pending: &mut Vec<(usize, usize)>,
 ) -> Lane {
+    let mut pending = std::mem::take(&mut points.pending);
     let [x, y, z] = direction;
     let mut exit = wall(volume, points, direction);
     let mut lines = Lines::default();
@@ -119,6 +121,7 @@ pub(super) fn exits<'a>(
             exit[k] = either(limit < exit[k], limit, exit[k]);
         }
     }
+    points.pending = pending;
     exit
 }
 

@@ -207,8 +207,8 @@ impl Hull {
         let (views, volume) = fold::fold(self, &world_from_middle);
         folded.extend(views);
         workspace.views.extend(folded.iter().map(|view| view.index));
-        let Workspace { found, sightings, pending, ways, .. } = workspace;
-        respond::ways_out(points, found, &folded, &volume, sightings, pending, ways);
+        let Workspace { found, sightings, ways, .. } = workspace;
+        respond::ways_out(points, found, &folded, &volume, sightings, ways);
         workspace.take_back(folded);
         Ok(())
     }
@@ -251,8 +251,8 @@ impl Hull {
         let mut folded = workspace.lend();
         let (views, volume) = fold::fold(self, &world_from_middle);
         folded.extend(views);
-        let Workspace { ways, sightings, pending, .. } = workspace;
-        let longest = respond::longest_exit(points, ways, direction, &folded, &volume, sightings, pending);
+        let Workspace { ways, sightings, .. } = workspace;
+        let longest = respond::longest_exit(points, ways, direction, &folded, &volume, sightings);
         workspace.take_back(folded);
         longest
     }

@@ -26,7 +26,6 @@ vectorised! {
         views: &[Folded],
         volume: &FoldedBox,
         sightings: &mut Sightings,
-        pending: &mut Vec<(usize, usize)>,
         ways: &mut Vec<Way>,
     ) {
         for chunk in places.chunks(LANES) {
@@ -39,7 +38,7 @@ vectorised! {
                     used |= 1 << k;
                 }
             }
-            let depth = exits(views, volume, sightings, &normal, &first, used, -1.0, pending);
+            let depth = exits(views, volume, sightings, &normal, &first, used, -1.0);
             for (k, &place) in chunk.iter().enumerate() {
                 if used >> k & 1 == 1 {
                     let normal = Vector3::new(normal[0][k], normal[1][k], normal[2][k]);
@@ -59,7 +58,6 @@ vectorised! {
         views: &[Folded],
         volume: &FoldedBox,
         sightings: &mut Sightings,
-        pending: &mut Vec<(usize, usize)>,
     ) -> f32 {
         let direction = [direction.x, direction.y, direction.z].map(|x| [x; LANES]);
         let mut longest = 0.0_f32;
@@ -70,7 +68,7 @@ vectorised! {
             for (k, first) in first.iter_mut().enumerate() {
                 *first = way(k).view as usize;
             }
-            let exit = exits(views, volume, sightings, &direction, &first, u32::MAX, longest, pending);
+            let exit = exits(views, volume, sightings, &direction, &first, u32::MAX, longest);
             longest = exit.into_iter().fold(longest, f32::max);
         }
         longest

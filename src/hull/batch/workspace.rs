@@ -16,8 +16,6 @@ pub struct Workspace {
     /// The index in the hull of each folded view.
     pub(super) views: Vec<usize>,
     pub(super) sightings: Sightings,
-    /// Points and views whose walks are left to do.
-    pub(super) pending: Vec<(usize, usize)>,
     pub(super) responses: Vec<PointResponse>,
     inside: Vec<u64>,
 }

@@ -17,6 +17,7 @@ mod report;
 mod scaling;
 mod session;
 mod simulation;
+mod threads;
 mod timing;
 
 use clap::Parser;
@@ -28,13 +29,14 @@ use std::process::ExitCode;
 type Measure = fn(&mut Session);
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 7] = [
+const GROUPS: [(&str, Measure); 8] = [
     ("points", points::measure),
     ("prepare", prepare::measure),
     ("frames", frames::measure),
     ("contacts", contacts::measure),
     ("peers", peers::measure),
     ("simulation", simulation::measure),
+    ("threads", threads::measure),
     ("scaling", scaling::measure),
 ];
 

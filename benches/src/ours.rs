@@ -99,6 +99,17 @@ impl Frame {
         );
     }
 
+    /// The same by as many threads as there are workspaces.
+    pub fn body_vectors_on_threads(
+        &self,
+        boxes: &Boxes,
+        vectors: &mut Vec<BodyResponse>,
+        workspaces: &mut [Workspace],
+    ) {
+        let bodies: Vec<_> = boxes.poses.iter().map(|pose| (&boxes.points, *pose)).collect();
+        self.0.respond_bodies(&bodies, workspaces, vectors).expect("finite poses");
+    }
+
     /// The library's contacts as a simulation gets them by default; how many each body has, written to `counts`.
     pub fn contacts(&self, boxes: &Boxes, counts: &mut Vec<usize>) {
         let settings = Settings::default();

@@ -1,6 +1,7 @@
 //! Contenders that take turns: each round runs all of them, and only times of one round are compared.
 //!
-//! The clock is the thread's own, which stands still while other programs have the core.
+//! The clock is the thread's own, which stands still while other programs have the core; where several threads race,
+//! it is the one on the wall.
 
 use indicatif::ProgressBar;
 use rustix::time::{ClockId, clock_gettime};
@@ -10,9 +11,9 @@ use std::hint::black_box;
 const LEAST: f64 = 4e-3;
 
 /// Contenders by name.
-#[derive(Default)]
 pub struct Race<'a> {
     contenders: Vec<Contender<'a>>,
+    clock: ClockId,
 }
 
 struct Contender<'a> {
@@ -23,7 +24,12 @@ struct Contender<'a> {
 
 impl<'a> Race<'a> {
     pub fn new() -> Self {
-        Self::default()
+        Self { contenders: Vec::new(), clock: ClockId::ThreadCPUTime }
+    }
+
+    /// A race of contenders that start threads of their own.
+    pub fn on_the_wall() -> Self {
+        Self { clock: ClockId::Monotonic, ..Self::new() }
     }
 
     /// Adds a contender; what `run` returns is not optimised away.
@@ -40,7 +46,7 @@ impl<'a> Race<'a> {
         bar.inc_length(rounds as u64);
         for contender in &mut self.contenders {
             (contender.run)();
-            let once = contender.seconds();
+            let once = contender.seconds(self.clock);
             contender.repeats = (LEAST / once).ceil().clamp(1.0, 1e6) as u32;
         }
         let mut times = Times {
@@ -48,7 +54,8 @@ impl<'a> Race<'a> {
             rounds: Vec::new(),
         };
         for _ in 0..rounds {
-            times.rounds.push(self.contenders.iter_mut().map(Contender::seconds).collect());
+            let seconds = self.contenders.iter_mut().map(|contender| contender.seconds(self.clock));
+            times.rounds.push(seconds.collect());
             bar.inc(1);
         }
         times
@@ -57,10 +64,10 @@ impl<'a> Race<'a> {
 
 impl Contender<'_> {
     /// Seconds of one run, the mean over the repeats.
-    fn seconds(&mut self) -> f64 {
-        let start = thread_seconds();
+    fn seconds(&mut self, clock: ClockId) -> f64 {
+        let start = seconds(clock);
         (0..self.repeats).for_each(|_| (self.run)());
-        (thread_seconds() - start) / f64::from(self.repeats)
+        (seconds(clock) - start) / f64::from(self.repeats)
     }
 }
 
@@ -90,7 +97,11 @@ impl Times {
 
 /// Seconds that this thread has run, on any core.
 pub fn thread_seconds() -> f64 {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
+    seconds(ClockId::ThreadCPUTime)
+}
+
+fn seconds(clock: ClockId) -> f64 {
+    let time = clock_gettime(clock);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 

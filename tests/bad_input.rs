@@ -3,6 +3,11 @@
 
 mod scene;
 
+#[path = "bad_input/bodies.rs"]
+mod bodies;
+#[path = "bad_input/recordings.rs"]
+mod recordings;
+
 use image::{GrayImage, Luma};
 use nalgebra::{Isometry3, Matrix3, Matrix3x4, Point3, Quaternion, UnitQuaternion, Vector3, point, vector};
 use ode_sys::{dCollide, dContactGeom, dCreateBox, dCreateSphere, dGeomDestroy};
@@ -260,99 +265,6 @@ fn a_frame_time_that_runs_backwards_or_is_no_number_is_refused() {
 }
 
 #[test]
-fn bodies_of_no_size_are_refused() {
-    with_table_kept(|data| {
-        let (mut world, body) = drop_box_on(data);
-        let root = world.root_space();
-        for size in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
-            let found = format!("found {size}");
-            let (radius, length) = (size, 1.0);
-            for shape in [
-                Shape::Sphere { radius },
-                Shape::cuboid(1.0, size, 1.0),
-                Shape::Capsule { radius, length },
-                Shape::Cylinder { radius: 1.0, length: size },
-            ] {
-                assert_says(world.add_geom(root, &shape), &["expected a length above 0", &found]);
-            }
-            for shape in [
-                BodyShape::Sphere { radius },
-                BodyShape::Box { lengths: vector![1.0, 1.0, size] },
-                BodyShape::Capsule { radius, length },
-                BodyShape::Cylinder { radius, length },
-            ] {
-                assert!(matches!(shape.sample(0.03), Err(Error::Argument(_))), "{shape:?}");
-            }
-            assert!(BodyShape::Sphere { radius: 1.0 }.sample(size.min(0.0)).is_err());
-        }
-        for _ in 0..20 {
-            step(&mut world, 0.005);
-            assert_finite(&world, body);
-        }
-    });
-}
-
-#[test]
-fn geoms_of_no_size_that_others_made_touch_nothing_and_are_reported() {
-    let data = table();
-    let mut world = world(SpaceKind::default());
-    let root = world.root_space();
-    let hull = world.add_hull(root, &data).unwrap();
-    world.collide(|_| ()).unwrap();
-    // SAFETY: ODE is open, the geoms are destroyed here and in no space, and the buffer holds the four contacts.
-    unsafe {
-        let none = std::ptr::null_mut();
-        for flat in [dCreateSphere(none, 0.0), dCreateBox(none, 0.0, 0.1, 0.1)] {
-            let mut contacts = [dContactGeom::default(); 4];
-            let skip = size_of::<dContactGeom>() as i32;
-            let found = dCollide(world.geom(hull).raw(), flat, 4, contacts.as_mut_ptr(), skip);
-            dGeomDestroy(flat);
-            assert_eq!(found, 0);
-            assert_says(world.hull(hull).take_trouble().map_or(Ok(()), Err), &["above 0"]);
-        }
-    }
-}
-
-#[test]
-fn a_body_without_samples_is_refused() {
-    assert_says(sample::from_points(&[], None), &["0 surface samples", "give 1 to"]);
-    let unit = [point![-1.0, -1.0, -1.0], point![1.0, 1.0, 1.0]];
-    assert_says(sample::implicit(|_| 1.0, unit, 0.1), &["no surface found", "check the bounds"]);
-    assert_says(sample::implicit(|_| f64::NAN, unit, 0.1), &["no surface found"]);
-    assert_says(sample::implicit(|_| -1.0, unit, 0.1), &["leaves the bounds", "widen"]);
-    assert_says(sample::implicit(|p| p.x, [unit[1], unit[0]], 0.1), &["bounds are empty"]);
-    let nan = [point![0.0, f64::NAN, 0.0]];
-    assert_says(sample::from_points(&nan, None), &["surface sample 0", "NaN", "finite"]);
-}
-
-#[test]
-fn a_degenerate_mesh_is_refused() {
-    let line = [point![0.0, 0.0, 0.0], point![1.0, 0.0, 0.0], point![2.0, 0.0, 0.0]];
-    assert_says(
-        TriMesh::new(line.to_vec(), vec![[0, 1, 2], [1, 1, 1]]),
-        &["triangle with an area", "none among 2"],
-    );
-    assert_says(TriMesh::new(Vec::new(), Vec::new()), &["triangle with an area"]);
-    assert_says(TriMesh::new(line.to_vec(), vec![[0, 1, 3]]), &["triangle 0", "below 3", "found 3"]);
-    assert_says(sample::trimesh(&[line], 0.03), &["mesh of 1 triangles", "no area", "different corners"]);
-    assert_says(sample::trimesh(&[], 0.03), &["mesh of 0 triangles", "no area"]);
-    assert_says(sample::convex(&line, 0.03), &["convex"]);
-
-    // A good triangle beside bad ones collides.
-    let data = table();
-    let (mut world, _) = drop_box_on(&data);
-    let points =
-        vec![point![-0.1, -0.1, 0.0], point![0.1, -0.1, 0.0], point![0.0, 0.1, 0.0], point![0.0, -0.1, 0.0]];
-    let mesh = TriMesh::new(points, vec![[0, 3, 1], [2, 1, 0], [2, 2, 2]]).unwrap();
-    let root = world.root_space();
-    let hull = world.geoms().find(|&geom| world.get_hull(geom).is_ok()).unwrap();
-    let plate = world.add_geom(root, &Shape::TriMesh(Arc::new(mesh))).unwrap();
-    world.geom_mut(plate).set_pose(&at(0.0, 0.0, TOP - 0.004)).unwrap();
-    let contacts = world.collide_geoms(hull, plate, 8).unwrap();
-    assert!(!contacts.is_empty() && contacts.iter().all(|contact| contact.normal.z < -0.99));
-}
-
-#[test]
 fn data_may_be_dropped_before_its_geoms_and_geoms_before_their_data() {
     let data = table();
     let (mut world, body) = drop_box_on(&data);
@@ -441,33 +353,6 @@ fn sizes_whose_product_overflows_are_refused_before_any_memory_is_taken() {
 }
 
 #[test]
-fn a_body_too_large_for_its_samples_leaves_the_others_alone() {
-    with_table_kept(|data| {
-        let (mut world, body) = drop_box_on(data);
-        let hull = world.geoms().find(|&geom| world.get_hull(geom).is_ok()).unwrap();
-        assert_says(world.hull_mut(hull).set_max_contacts(0), &["max_contacts", "at least 1"]);
-        assert_says(world.hull_mut(hull).set_max_depth(f64::NAN), &["max_depth", "found NaN"]);
-        assert_says(world.hull_mut(hull).set_min_feature(0.0), &["min_feature", "found 0"]);
-        world.hull_mut(hull).set_max_contacts(usize::MAX).unwrap();
-        let (huge, geom) = add_body(&mut world, &cube(1e6), &at(0.0, 0.0, 0.0));
-        // Only with the hull: inside of the other box ODE has contacts of its own.
-        world.geom_mut(geom).set_category_bits(2);
-        for id in world.geoms().collect::<Vec<_>>() {
-            if id != hull && id != geom {
-                world.geom_mut(id).set_collide_bits(!2);
-            }
-        }
-        for _ in 0..50 {
-            step(&mut world, 0.005);
-            assert_finite(&world, body);
-            assert_finite(&world, huge);
-        }
-        let trouble = world.hull(hull).take_trouble().map_or(Ok(()), Err);
-        assert_says(trouble, &["min_feature", "at most 1000000"]);
-    });
-}
-
-#[test]
 fn places_that_are_no_numbers_get_no_answer() {
     let hull = table().latest().unwrap().1;
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308] {
@@ -509,60 +394,4 @@ impl Drop for Folder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
-}
-
-/// A recording of the table in `folder`, two frames.
-fn record_table(folder: &Path) -> Recording {
-    let mut recording = Recording::create(folder, &Rig::new(table_cameras()).unwrap()).unwrap();
-    recording.write_masks(0, table_masks()).unwrap();
-    recording.write_masks(1, table_masks()).unwrap();
-    recording
-}
-
-#[test]
-fn faults_of_a_recording_name_the_file_and_the_view() {
-    let folder = Folder::new("recording");
-    let dir = folder.path("table");
-    let mask = |camera: &str, frame: u32| dir.join(camera).join("mask").join(format!("{frame:06}.png"));
-    drop(record_table(&dir));
-
-    // A frame of which a mask is broken, of another size, or 0 and 1: the frame before stays in force.
-    let png = std::fs::read(mask("cam3", 1)).unwrap();
-    let small = GrayImage::new(64, 48);
-    let ones = GrayImage::from_pixel(640, 480, Luma([1]));
-    let faults: [(&dyn Fn(), &[&str]); 4] = [
-        (&|| std::fs::write(mask("cam3", 1), &png[..png.len() / 2]).unwrap(), &["expected an image"]),
-        (&|| std::fs::write(mask("cam3", 1), b"").unwrap(), &["expected an image"]),
-        (&|| small.save(mask("cam3", 1)).unwrap(), &["640 x 480", "found 64 x 48", "calibrate"]),
-        (&|| ones.save(mask("cam3", 1)).unwrap(), &["greatest value of 1", "multiply by 255"]),
-    ];
-    for (fault, parts) in faults {
-        fault();
-        let recording = Recording::open(&dir).unwrap();
-        let data = data_with(recording.rig().cameras());
-        for frame in [0, 1] {
-            let masks = match recording.masks(frame) {
-                Ok(masks) => masks,
-                refused => {
-                    let always = ["view \"cam3\"", "000001.png"];
-                    assert_says(refused, &[&always[..], parts].concat());
-                    continue;
-                }
-            };
-            masks.iter().enumerate().for_each(|(view, mask)| data.set_mask(view, mask).unwrap());
-            data.update(f64::from(frame)).unwrap();
-        }
-        assert_eq!(data.latest().unwrap().1.time(), 0.0);
-        assert_table_in_force(&data);
-    }
-
-    std::fs::remove_file(mask("cam3", 1)).unwrap();
-    let recording = Recording::open(&dir).unwrap();
-    assert_eq!(recording.frames(), [0]);
-    assert_says(recording.masks(1), &["view \"cam3\"", "cam3/mask/000001", "frame 0 alone"]);
-    std::fs::rename(dir.join("cam2"), dir.join("camera2")).unwrap();
-    assert_says(Recording::open(&dir), &["view \"cam2\"", "expected the folder", "found none"]);
-    std::fs::remove_file(dir.join("rig.toml")).unwrap();
-    assert_says(Recording::open(&dir), &["rig.toml", "found none", "calibration"]);
-    assert_says(Recording::open(folder.path("none")), &["none", "folder of a recording", "check the path"]);
 }

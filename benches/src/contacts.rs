@@ -1,13 +1,13 @@
 //! The default contacts, all their rules included, over the paper's body vectors.
 
 use crate::figure::Bound;
-use crate::session::{Session, Start};
+use crate::survey::{Start, Survey};
 use crate::timing::Race;
 use ode_visual_hull::hull::Workspace;
 use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, Scene, VGA, Who};
 
-pub fn measure(session: &mut Session) {
+pub fn measure(survey: &mut Survey) {
     let scene = Scene::new(Who::Person, 7, VGA);
     let bodies = Bodies::scattered(60, SAMPLES_400);
     let rig = Rig::new(&scene);
@@ -22,10 +22,10 @@ pub fn measure(session: &mut Session) {
             rig.publish(&scene.masks).contacts(&boxes, &mut counts);
             counts.len()
         });
-    let times = session.race(race);
+    let times = survey.race(race);
     let what = "default contacts over the paper's body vectors, the same frame";
     let ratio = times.ratio("clustered", "paper");
-    session.asked("clustered_over_paper", ratio, Bound::AtMost(1.5), Start::Masks, what);
+    survey.asked("clustered_over_paper", ratio, Bound::AtMost(1.5), Start::Masks, what);
     let what = "masks in, default contacts out, 60 boxes of 400 samples";
-    session.reported("contacts_vga_60_ms", 1e3 * times.seconds("clustered"), Start::Masks, what);
+    survey.reported("contacts_vga_60_ms", 1e3 * times.seconds("clustered"), Start::Masks, what);
 }

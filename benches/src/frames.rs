@@ -1,26 +1,26 @@
 //! Whole frames: masks in, the paper's vector of each body out.
 
 use crate::figure::Bound;
-use crate::session::{Session, Start};
+use crate::survey::{Start, Survey};
 use crate::timing::Race;
 use ode_visual_hull::hull::Workspace;
 use ode_visual_hull_bench::literal::{LiteralBodies, LiteralHull};
 use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, VGA, Who};
 
-pub fn measure(session: &mut Session) {
+pub fn measure(survey: &mut Survey) {
     let frames = [("vga", VGA, 60, 9.0), ("1080p", FULL_HD, 600, 30.0)];
     for (name, size, count, bound) in frames {
         let scene = Scene::new(Who::Person, 7, size);
         let bodies = Bodies::scattered(count, SAMPLES_400);
-        let times = session.race(from_masks(Race::new(), name, &scene, &bodies));
+        let times = survey.race(from_masks(Race::new(), name, &scene, &bodies));
         let what = "masks in, the paper's body vectors out, boxes of 400 samples";
         let ratio = times.ratio(&format!("literal {name}"), &format!("ours {name}"));
         let seconds = [times.seconds(&format!("ours {name}")), times.seconds(&format!("literal {name}"))];
         let name = format!("frame_{name}_{count}");
-        session.asked(&format!("{name}_over_literal"), ratio, Bound::AtLeast(bound), Start::Masks, what);
-        session.reported(&format!("{name}_ms"), 1e3 * seconds[0], Start::Masks, what);
-        session.reported(&format!("{name}_literal_ms"), 1e3 * seconds[1], Start::Masks, what);
+        survey.asked(&format!("{name}_over_literal"), ratio, Bound::AtLeast(bound), Start::Masks, what);
+        survey.reported(&format!("{name}_ms"), 1e3 * seconds[0], Start::Masks, what);
+        survey.reported(&format!("{name}_literal_ms"), 1e3 * seconds[1], Start::Masks, what);
     }
 }
 

@@ -15,18 +15,18 @@ mod prepare;
 #[path = "../../examples/figures/report.rs"]
 mod report;
 mod scaling;
-mod session;
 mod simulation;
+mod survey;
 mod threads;
 mod timing;
 
 use clap::Parser;
-use session::Session;
 use std::path::Path;
 use std::process::ExitCode;
+use survey::Survey;
 
 /// Measures a group's figures.
-type Measure = fn(&mut Session);
+type Measure = fn(&mut Survey);
 
 /// The groups by their names on the command line.
 const GROUPS: [(&str, Measure); 8] = [
@@ -55,14 +55,14 @@ struct Options {
 fn main() -> ExitCode {
     let options = Options::parse();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let mut session = Session::new(options.rounds as usize, root.join("docs"));
+    let mut survey = Survey::new(options.rounds as usize, root.join("docs"));
     for (name, measure) in GROUPS {
         if options.only.is_empty() || options.only.iter().any(|only| only == name) {
-            session.begin(name);
-            measure(&mut session);
+            survey.begin(name);
+            measure(&mut survey);
         }
     }
-    let rows = session.finish();
+    let rows = survey.finish();
     let figures: Vec<_> = rows.iter().map(|row| row.figure.clone()).collect();
     report::print_table(&figures);
     let mut written = report::record(&root.join("target/figures.json"), &figures);

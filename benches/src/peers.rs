@@ -1,7 +1,7 @@
 //! What one would do instead: carve voxels, mesh them, build the engine's tree over the mesh, and collide with that.
 
 use crate::figure::Bound;
-use crate::session::{Session, Start};
+use crate::survey::{Start, Survey};
 use crate::timing::Race;
 use ode_visual_hull::hull::Workspace;
 use ode_visual_hull_bench::carve::Grid;
@@ -14,28 +14,28 @@ use ode_visual_hull_bench::{ode, parry};
 const CELLS: [(&str, f64, [Option<f64>; 3]); 2] =
     [("1cm", 0.01, [Some(120.0), Some(100.0), Some(30.0)]), ("2cm", 0.02, [Some(25.0), None, Some(6.0)])];
 
-pub fn measure(session: &mut Session) {
+pub fn measure(survey: &mut Survey) {
     let scene = Scene::new(Who::Person, 7, VGA);
     let bodies = Bodies::scattered(60, SAMPLES_400);
     for (name, cell, bounds) in CELLS {
-        let times = session.race(race(&scene, &bodies, cell));
+        let times = survey.race(race(&scene, &bodies, cell));
         let what = "masks in, contacts of 60 boxes out, over the library's default contacts";
         for (peer, bound) in ["ode_trimesh", "parry_trimesh", "parry_voxels"].into_iter().zip(bounds) {
             let ratio = times.ratio(peer, "contacts");
             let figure = format!("frame_over_{peer}_{name}");
             match bound {
-                Some(bound) => session.asked(&figure, ratio, Bound::AtLeast(bound), Start::Masks, what),
-                None => session.reported(&figure, ratio, Start::Masks, what),
+                Some(bound) => survey.asked(&figure, ratio, Bound::AtLeast(bound), Start::Masks, what),
+                None => survey.reported(&figure, ratio, Start::Masks, what),
             }
         }
         let what = "the same over the paper's body vectors";
         for peer in ["ode_trimesh", "parry_trimesh", "parry_voxels"] {
             let ratio = times.ratio(peer, "vectors");
-            session.reported(&format!("vectors_over_{peer}_{name}"), ratio, Start::Masks, what);
+            survey.reported(&format!("vectors_over_{peer}_{name}"), ratio, Start::Masks, what);
         }
         let what =
             "the part of the routes over voxels that all share: preparing, and carving by our inside test";
-        session.reported(&format!("carve_{name}_ms"), 1e3 * times.seconds("carve"), Start::Masks, what);
+        survey.reported(&format!("carve_{name}_ms"), 1e3 * times.seconds("carve"), Start::Masks, what);
     }
 }
 

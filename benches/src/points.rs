@@ -1,7 +1,7 @@
 //! Single points: inside or not, and the way out.
 
 use crate::figure::Bound;
-use crate::session::{Session, Start};
+use crate::survey::{Start, Survey};
 use crate::timing::Race;
 use nalgebra::{Isometry3, Point3};
 use ode_visual_hull::hull::{Points, Workspace};
@@ -16,7 +16,7 @@ const MANY: usize = 24_000;
 /// Points of a response.
 const FEW: usize = 2_000;
 
-pub fn measure(session: &mut Session) {
+pub fn measure(survey: &mut Survey) {
     let scene = Scene::new(Who::Person, 7, VGA);
     let frame = Rig::new(&scene).publish(&scene.masks);
     let random = anywhere(&frame, MANY);
@@ -30,14 +30,14 @@ pub fn measure(session: &mut Session) {
         [random, surface].iter().zip(names).zip(whats.into_iter().zip([5.0, 9.0]))
     {
         let race = inside(&scene, &frame, points);
-        let times = session.race(race);
-        session.asked(name, times.ratio("literal", "ours"), Bound::AtLeast(bound), Start::Frame, what);
+        let times = survey.race(race);
+        survey.asked(name, times.ratio("literal", "ours"), Bound::AtLeast(bound), Start::Frame, what);
         let per_second = points.len() as f64 / times.seconds("ours") * 1e-6;
-        session.reported(&name.replace("over_literal", "mpoints_per_s"), per_second, Start::Frame, what);
+        survey.reported(&name.replace("over_literal", "mpoints_per_s"), per_second, Start::Frame, what);
     }
     let near = at_depth(&frame, 1..=5, FEW);
     responses(
-        session,
+        survey,
         "near",
         &scene,
         &frame,
@@ -49,7 +49,7 @@ pub fn measure(session: &mut Session) {
     let frame = Rig::new(&scene).publish(&scene.masks);
     let deep = at_depth(&frame, 20..=60, FEW);
     responses(
-        session,
+        survey,
         "deep",
         &scene,
         &frame,
@@ -69,7 +69,7 @@ fn inside<'a>(scene: &'a Scene, frame: &'a Frame, points: &[Point3<f64>]) -> Rac
 }
 
 fn responses(
-    session: &mut Session,
+    survey: &mut Survey,
     name: &str,
     scene: &Scene,
     frame: &Frame,
@@ -77,11 +77,11 @@ fn responses(
     bound: f64,
     what: &'static str,
 ) {
-    let times = session.race(respond(Race::new(), name, scene, frame, points));
+    let times = survey.race(respond(Race::new(), name, scene, frame, points));
     let ratio = times.ratio(&format!("literal {name}"), &format!("ours {name}"));
-    session.asked(&format!("response_{name}_over_literal"), ratio, Bound::AtLeast(bound), Start::Frame, what);
+    survey.asked(&format!("response_{name}_over_literal"), ratio, Bound::AtLeast(bound), Start::Frame, what);
     let per_second = points.len() as f64 / times.seconds(&format!("ours {name}")) * 1e-6;
-    session.reported(&format!("response_{name}_mpoints_per_s"), per_second, Start::Frame, what);
+    survey.reported(&format!("response_{name}_mpoints_per_s"), per_second, Start::Frame, what);
 }
 
 /// Adds the responses of `points`, by the literal program and by ours; `label` ends their names.

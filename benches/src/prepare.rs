@@ -1,12 +1,12 @@
 //! Preparing a frame: masks in, ready for the first query.
 
-use crate::session::{Session, Start};
+use crate::survey::{Start, Survey};
 use crate::timing::Race;
 use image::GrayImage;
 use ode_visual_hull_bench::ours::Rig;
 use ode_visual_hull_bench::scene::{FULL_HD, Scene, VGA, Who};
 
-pub fn measure(session: &mut Session) {
+pub fn measure(survey: &mut Survey) {
     let what = "seven masks prepared, in milliseconds";
     for (name, size) in [("vga", VGA), ("1080p", FULL_HD)] {
         let scene = Scene::new(Who::Person, 7, size);
@@ -14,11 +14,11 @@ pub fn measure(session: &mut Session) {
         let race = Race::new()
             .with("prepare", || rig.publish(&scene.masks))
             .with("read", || scene.masks.iter().map(largest_byte).max());
-        let times = session.race(race);
-        session.reported(&format!("prepare_{name}_ms"), 1e3 * times.seconds("prepare"), Start::Masks, what);
+        let times = survey.race(race);
+        survey.reported(&format!("prepare_{name}_ms"), 1e3 * times.seconds("prepare"), Start::Masks, what);
         let what = "preparing a frame over one plain read of its masks";
         let ratio = times.ratio("prepare", "read");
-        session.reported(&format!("prepare_over_memory_read_{name}"), ratio, Start::Masks, what);
+        survey.reported(&format!("prepare_over_memory_read_{name}"), ratio, Start::Masks, what);
     }
 }
 

@@ -4,34 +4,34 @@ use crate::figure::Bound;
 use crate::frames::{from_frame, from_masks};
 use crate::plot::{Line, Plot};
 use crate::points;
-use crate::session::{Session, Start};
+use crate::survey::{Start, Survey};
 use crate::timing::{Race, Times};
 use ode_visual_hull_bench::ours::Rig;
 use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, SAMPLES_4000, SIZES, Scene, VGA, Who};
 
-pub fn measure(session: &mut Session) {
-    cameras(session);
-    resolution(session);
-    samples(session);
-    bodies(session);
-    depth(session);
+pub fn measure(survey: &mut Survey) {
+    cameras(survey);
+    resolution(survey);
+    samples(survey);
+    bodies(survey);
+    depth(survey);
 }
 
-fn cameras(session: &mut Session) {
+fn cameras(survey: &mut Survey) {
     let scenes = [4, 7, 14, 28].map(|count| Scene::new(Who::Person, count, VGA));
     let bodies = Bodies::scattered(60, SAMPLES_400);
     let label = |scene: &Scene| scene.cameras.len().to_string();
     let race = Race::new();
     let race = scenes.iter().fold(race, |race, scene| from_masks(race, &label(scene), scene, &bodies));
-    let times = session.race(race);
+    let times = survey.race(race);
     let what = "masks in, the paper's body vectors out, 60 boxes of 400 samples";
     let ratio = times.ratio("ours 14", "ours 4");
-    session.asked("cameras_14_over_4", ratio, Bound::AtMost(3.2), Start::Masks, what);
+    survey.asked("cameras_14_over_4", ratio, Bound::AtMost(3.2), Start::Masks, what);
     let sizes = scenes.iter().map(|scene| (scene.cameras.len() as f64, label(scene)));
-    draw(session, "cameras", "cameras", FRAME, sizes.collect(), &times, &CONTENDERS);
+    draw(survey, "cameras", "cameras", FRAME, sizes.collect(), &times, &CONTENDERS);
 }
 
-fn resolution(session: &mut Session) {
+fn resolution(survey: &mut Survey) {
     let scenes = SIZES.map(|(_, size)| Scene::new(Who::Person, 7, size));
     let bodies = Bodies::scattered(60, SAMPLES_400);
     let mut race = Race::new();
@@ -40,46 +40,46 @@ fn resolution(session: &mut Session) {
         race = from_frame(race, name, scene, &bodies)
             .with(format!("prepare {name}"), move || rig.publish(&scene.masks));
     }
-    let times = session.race(race);
+    let times = survey.race(race);
     let what = "the paper's body vectors, 60 boxes of 400 samples";
     let ratio = times.ratio("ours 4K", "ours VGA");
-    session.asked("query_4k_over_vga", ratio, Bound::AtMost(1.9), Start::Frame, what);
+    survey.asked("query_4k_over_vga", ratio, Bound::AtMost(1.9), Start::Frame, what);
     let ratio = times.ratio("literal 4K", "literal VGA");
-    session.reported("query_4k_over_vga_literal", ratio, Start::Frame, what);
+    survey.reported("query_4k_over_vga_literal", ratio, Start::Frame, what);
     let sizes = SIZES.map(|(name, (width, height))| (f64::from(width * height) * 1e-6, name.to_owned()));
     let lines = [CONTENDERS[0], CONTENDERS[1], ("prepare", "preparing the frame")];
-    draw(session, "resolution", "pixels of a mask", TIME, sizes.to_vec(), &times, &lines);
+    draw(survey, "resolution", "pixels of a mask", TIME, sizes.to_vec(), &times, &lines);
 }
 
-fn samples(session: &mut Session) {
+fn samples(survey: &mut Survey) {
     let scene = Scene::new(Who::Person, 7, VGA);
     let features = [SAMPLES_400, 0.0213, 0.0136, SAMPLES_4000];
     let bodies = features.map(|feature| Bodies::scattered(60, feature));
     let label = |bodies: &Bodies| bodies.samples.points().len().to_string();
     let race = Race::new();
     let race = bodies.iter().fold(race, |race, bodies| from_frame(race, &label(bodies), &scene, bodies));
-    let times = session.race(race);
+    let times = survey.race(race);
     let [few, .., many] = &bodies;
     let ratio = times.ratio(&format!("ours {}", label(many)), &format!("ours {}", label(few)));
     let what = "the paper's body vectors, 60 boxes";
-    session.asked("samples_4000_over_400", ratio, Bound::AtMost(7.0), Start::Frame, what);
+    survey.asked("samples_4000_over_400", ratio, Bound::AtMost(7.0), Start::Frame, what);
     let sizes = bodies.iter().map(|bodies| (bodies.samples.points().len() as f64, label(bodies)));
-    draw(session, "samples", "samples of a box", QUERY, sizes.collect(), &times, &CONTENDERS);
+    draw(survey, "samples", "samples of a box", QUERY, sizes.collect(), &times, &CONTENDERS);
 }
 
-fn bodies(session: &mut Session) {
+fn bodies(survey: &mut Survey) {
     let scene = Scene::new(Who::Person, 7, VGA);
     let counts = [60, 600, 6000];
     let bodies = counts.map(|count| Bodies::scattered(count, SAMPLES_400));
     let label = |bodies: &Bodies| bodies.poses.len().to_string();
     let race = Race::new();
     let race = bodies.iter().fold(race, |race, bodies| from_masks(race, &label(bodies), &scene, bodies));
-    let times = session.race(race);
+    let times = survey.race(race);
     let sizes = bodies.iter().map(|bodies| (bodies.poses.len() as f64, label(bodies)));
-    draw(session, "bodies", "boxes of 400 samples", FRAME, sizes.collect(), &times, &CONTENDERS);
+    draw(survey, "bodies", "boxes of 400 samples", FRAME, sizes.collect(), &times, &CONTENDERS);
 }
 
-fn depth(session: &mut Session) {
+fn depth(survey: &mut Survey) {
     let scene = Scene::new(Who::Barrel, 7, VGA);
     let frame = Rig::new(&scene).publish(&scene.masks);
     let depths = [1, 2, 4, 8, 16, 32, 56];
@@ -88,9 +88,9 @@ fn depth(session: &mut Session) {
         let points = points::at_depth(&frame, depth..=depth, POINTS);
         race = points::respond(race, &depth.to_string(), &scene, &frame, &points);
     }
-    let times = session.race(race);
+    let times = survey.race(race);
     let sizes = depths.map(|depth| (f64::from(depth), depth.to_string())).to_vec();
-    draw(session, "depth", "pixels to the nearest background", RESPONSE, sizes, &times, &CONTENDERS);
+    draw(survey, "depth", "pixels to the nearest background", RESPONSE, sizes, &times, &CONTENDERS);
 }
 
 /// What is on the y axis, and its unit in seconds.
@@ -109,7 +109,7 @@ const CONTENDERS: [(&str, &str); 2] =
 
 /// Draws the contenders' times over the sizes, which are labelled as the contenders' names end.
 fn draw(
-    session: &Session,
+    survey: &Survey,
     name: &str,
     x: &str,
     (y, unit): Cost,
@@ -125,7 +125,7 @@ fn draw(
             .collect(),
     };
     let lines = contenders.iter().map(line).collect();
-    let folder = session.docs().join("performance");
+    let folder = survey.docs().join("performance");
     let path = folder.join(format!("{name}.svg"));
     let written = std::fs::create_dir_all(&folder).map_err(Into::into);
     let written = written.and_then(|()| Plot { x, y, ticks: sizes, lines }.write(&path));

@@ -1,13 +1,13 @@
 //! The bodies of one frame shared out among threads.
 
 use crate::figure::Bound;
-use crate::session::{Session, Start};
+use crate::survey::{Start, Survey};
 use crate::timing::Race;
 use ode_visual_hull::hull::Workspace;
 use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, Who};
 
-pub fn measure(session: &mut Session) {
+pub fn measure(survey: &mut Survey) {
     let scene = Scene::new(Who::Person, 7, FULL_HD);
     let frame = Rig::new(&scene).publish(&scene.masks);
     let boxes = Boxes::new(&Bodies::scattered(600, SAMPLES_400));
@@ -17,7 +17,7 @@ pub fn measure(session: &mut Session) {
         workspaces.resize_with(threads, Workspace::new);
         move || frame.body_vectors_on_threads(boxes, &mut vectors, &mut workspaces)
     };
-    let times = session.race(Race::on_the_wall().with("one", run(1)).with("two", run(2)));
+    let times = survey.race(Race::on_the_wall().with("one", run(1)).with("two", run(2)));
     let what = "the paper's body vectors of 600 boxes at 1080p, two threads over one, by the wall";
-    session.asked("threads_2_over_1", times.ratio("two", "one"), Bound::AtMost(0.6), Start::Frame, what);
+    survey.asked("threads_2_over_1", times.ratio("two", "one"), Bound::AtMost(0.6), Start::Frame, what);
 }

@@ -26,14 +26,14 @@ pub struct Row {
 }
 
 /// One run of the program.
-pub struct Session {
+pub struct Survey {
     rounds: usize,
     docs: PathBuf,
     bar: ProgressBar,
     rows: Vec<Row>,
 }
 
-impl Session {
+impl Survey {
     /// Races of `rounds` rounds, and plots below the folder `docs`.
     pub fn new(rounds: usize, docs: PathBuf) -> Self {
         let style = ProgressStyle::with_template("{msg:28} [{bar:40}] {pos}/{len} rounds, {elapsed}")

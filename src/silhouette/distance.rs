@@ -18,8 +18,8 @@ pub(super) const NO_EDGE: u16 = u16::MAX;
 /// Distances over a region, in a byte each where they fit.
 #[derive(Debug, Default)]
 pub(super) struct DistanceTable {
-    /// Distances up to 254; 255 stands for more.
-    narrow: Vec<u8>,
+    /// Distances up to 254, four a word as they lie in memory; 255 stands for more.
+    narrow: Vec<u32>,
     /// All distances, where any is larger than 254; else empty.
     wide: Vec<u16>,
 }
@@ -33,8 +33,8 @@ impl DistanceTable {
         if width == 0 {
             return;
         }
-        self.narrow.resize(width * height + BLOCK, 0);
-        if transform_narrow(subject, words, &mut self.narrow, width) == u8::MAX {
+        self.narrow.resize((width * height + BLOCK) / FOUR, 0);
+        if transform_narrow(subject, words, bytemuck::cast_slice_mut(&mut self.narrow), width) == u8::MAX {
             self.wide.resize(width * height + BLOCK, 0);
             transform_wide(subject, words, &mut self.wide, width);
         }
@@ -43,7 +43,7 @@ impl DistanceTable {
     /// The distance at `index` of the region.
     #[inline(always)]
     pub(super) fn at(&self, index: usize) -> u16 {
-        match self.narrow.get(index) {
+        match self.narrow().get(index) {
             Some(&u8::MAX) => self.wide.get(index).copied().unwrap_or(NO_EDGE),
             Some(&near) => u16::from(near),
             None => 0,
@@ -52,18 +52,26 @@ impl DistanceTable {
 
     /// The distances with 255 for all that are larger than 254.
     pub(super) fn narrow(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.narrow)
+    }
+
+    /// The same, four a word.
+    pub(super) fn narrow_words(&self) -> &[u32] {
         &self.narrow
     }
 
     /// Bytes of memory behind the tables.
     pub(super) fn working_memory(&self) -> usize {
-        self.narrow.capacity() + 2 * self.wide.capacity()
+        4 * self.narrow.capacity() + 2 * self.wide.capacity()
     }
 }
 
 /// Pixels done at once. A loop over so many is turned into vector instructions; one over few is unrolled first, and
 /// then no longer.
 const BLOCK: usize = 64;
+
+/// Narrow distances in a word.
+const FOUR: usize = 4;
 
 /// A distance's number.
 trait Pixels: Copy + Ord {

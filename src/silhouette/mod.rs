@@ -55,6 +55,9 @@ pub(crate) struct Tables<'a> {
     pub(crate) near: &'a [Word],
     /// Chebyshev distances; 255 for all that are larger than 254.
     pub(crate) distance: &'a [u8],
+    /// The same, four a word as they lie in memory.
+    #[expect(dead_code, reason = "batches are about to look distances up by words")]
+    pub(crate) distance_words: &'a [u32],
     pub(crate) tiles: &'a Tiles,
 }
 
@@ -182,6 +185,7 @@ impl Silhouette {
             subject: self.region.subject(),
             near: self.region.near(),
             distance: self.distances.narrow(),
+            distance_words: self.distances.narrow_words(),
             tiles: &self.tiles,
         }
     }

@@ -1,6 +1,8 @@
 use super::*;
 use nalgebra::Vector2;
 
+mod tables;
+
 /// A mask whose subject is where `inside` holds at the pixel's centre.
 fn drawn(width: u32, height: u32, inside: impl Fn(f64, f64) -> bool) -> GrayImage {
     GrayImage::from_fn(width, height, |i, j| {

@@ -1,0 +1,162 @@
+//! Every table beside its definition, pixel by pixel, for random masks of odd sizes.
+
+use super::super::{Border, Rect, SUBJECT, Silhouette};
+use image::{GrayImage, Luma};
+
+/// Numbers that look random, the same in each run.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: u32) -> u32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) % u64::from(end)) as u32
+    }
+}
+
+/// A few rectangles, some with holes, which touch any border of the image; every third mask carries coverage.
+fn masks() -> impl Iterator<Item = (GrayImage, Border)> {
+    let mut random = Random(5);
+    (0..160).map(move |k| {
+        // All widths modulo the bits of a word, and narrower ones than a block.
+        let (width, height) = (1 + k, 1 + random.below(60));
+        let mut mask = GrayImage::new(width, height);
+        for n in 0..random.below(5) {
+            let (x0, y0) = (random.below(width), random.below(height));
+            let (x1, y1) = (x0 + 1 + random.below(width), y0 + 1 + random.below(height));
+            let value = if n == 2 { 0 } else { 255 };
+            for (x, y) in (y0..y1.min(height)).flat_map(|y| (x0..x1.min(width)).map(move |x| (x, y))) {
+                mask.put_pixel(x, y, Luma([value]));
+            }
+        }
+        if k % 3 == 0 {
+            for _ in 0..random.below(width * height) {
+                let (x, y) = (random.below(width), random.below(height));
+                mask.put_pixel(x, y, Luma([random.below(256) as u8]));
+            }
+        }
+        (mask, if random.below(2) == 0 { Border::Background } else { Border::Open })
+    })
+}
+
+/// What a mask says of any pixel, also beyond the image.
+struct Plain<'a>(&'a GrayImage, Border);
+
+impl Plain<'_> {
+    fn value(&self, i: i32, j: i32) -> u8 {
+        let inside = i >= 0 && j >= 0 && i < self.0.width() as i32 && j < self.0.height() as i32;
+        match self.1 {
+            _ if inside => self.0.get_pixel(i as u32, j as u32)[0],
+            Border::Background => 0,
+            Border::Open => 255,
+        }
+    }
+
+    fn is_subject(&self, i: i32, j: i32) -> bool {
+        self.value(i, j) >= SUBJECT
+    }
+
+    fn any_subject(&self, rect: &Rect) -> bool {
+        pixels(rect).any(|(i, j)| self.is_subject(i, j))
+    }
+
+    /// Grows a window until it holds background.
+    fn distance(&self, i: i32, j: i32) -> u16 {
+        let most = (self.0.width() + self.0.height()) as i32;
+        let clear = |&half: &i32| pixels(&Rect::window(i, j, half)).any(|(x, y)| !self.is_subject(x, y));
+        (0..most).find(clear).map_or(u16::MAX, |half| half as u16)
+    }
+}
+
+fn pixels(rect: &Rect) -> impl Iterator<Item = (i32, i32)> + use<> {
+    let Rect { x0, y0, x1, y1 } = *rect;
+    (y0..y1).flat_map(move |j| (x0..x1).map(move |i| (i, j)))
+}
+
+#[test]
+fn every_table_is_as_defined_whatever_the_mask_and_whatever_was_in_its_memory() {
+    let mut s = Silhouette::blank(Border::Background);
+    let mut subject = 0;
+    for (mask, border) in masks() {
+        s.refill(&mask, border);
+        let plain = Plain(&mask, border);
+        let image = Rect::of_image(mask.width(), mask.height());
+        assert_eq!(s.image(), image);
+        let mut rect = Rect { x0: i32::MAX, y0: i32::MAX, x1: 0, y1: 0 };
+        for (i, j) in pixels(&image).filter(|&(i, j)| plain.is_subject(i, j)) {
+            rect = Rect {
+                x0: rect.x0.min(i),
+                y0: rect.y0.min(j),
+                x1: rect.x1.max(i + 1),
+                y1: rect.y1.max(j + 1),
+            };
+            subject += 1;
+        }
+        assert_eq!(s.rect(), if rect.is_empty() { Rect::EMPTY } else { rect });
+        assert_eq!(s.has_coverage(), mask.iter().any(|byte| (1..255).contains(byte)));
+        for (i, j) in pixels(&image.grown(3)) {
+            let kept = rect.grown(8).contains(i, j) || !image.contains(i, j);
+            assert_eq!(s.value(i, j), if kept { plain.value(i, j) } else { 0 }, "{image:?} ({i}, {j})");
+            assert_eq!(s.is_subject(i, j), plain.is_subject(i, j));
+        }
+        for (i, j) in pixels(&image) {
+            assert_eq!(s.distance(i, j), plain.distance(i, j), "{image:?} {border:?} ({i}, {j})");
+        }
+        check_bits(&s, &plain);
+        check_edges(&s, &plain);
+        check_tiles(&s, &plain);
+    }
+    assert!(subject > 80_000, "{subject}");
+}
+
+/// Bits and distances as many points look them up; beyond an open border nobody minds.
+fn check_bits(s: &Silhouette, plain: &Plain) {
+    let (tables, image) = (s.tables(), s.image());
+    let bit = |table: &[u32], x: usize, y: usize| table[y * tables.words + x / 32] >> (x % 32) & 1 == 1;
+    for (x, y) in (0..tables.height).flat_map(|y| (0..tables.width).map(move |x| (x, y))) {
+        let (i, j) = (tables.corner.0 + x as i32, tables.corner.1 + y as i32);
+        if s.border() == Border::Open && !image.contains(i, j) {
+            continue;
+        }
+        let around = Rect { x0: i - 1, y0: j - 1, x1: i + 2, y1: j + 2 };
+        assert_eq!(bit(tables.subject, x, y), plain.is_subject(i, j));
+        if s.border() == Border::Background {
+            assert_eq!(bit(tables.near, x, y), plain.any_subject(&around), "{image:?} ({i}, {j})");
+        } else {
+            // A pixel too many beside an open border does no harm.
+            assert!(bit(tables.near, x, y) || !plain.any_subject(&around.intersection(&image)));
+        }
+        let distance = tables.distance[y * tables.width + x];
+        assert_eq!(u16::from(distance), s.distance(i, j).min(255));
+    }
+    let words = tables.distance_words.iter().flat_map(|word| word.to_ne_bytes());
+    assert!(words.eq(tables.distance.iter().copied()));
+    assert_eq!(tables.subject.len(), tables.words * tables.height);
+    assert_eq!(tables.near.len(), tables.words * tables.height);
+}
+
+fn check_edges(s: &Silhouette, plain: &Plain) {
+    let image = s.image();
+    let subject = |(i, j): (i32, i32)| image.contains(i, j) && plain.is_subject(i, j);
+    let is_edge = |&(i, j): &(i32, i32)| {
+        !plain.is_subject(i, j) && [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)].into_iter().any(subject)
+    };
+    assert!(s.edge_pixels().eq(pixels(&image.grown(1)).filter(is_edge)));
+    for (i, j) in s.edge_pixels() {
+        let edge = s.contact_edge(i, j);
+        assert_eq!(s.edge(i, j), edge);
+        assert_eq!(s.edge(i, j), edge, "asked again");
+    }
+}
+
+fn check_tiles(s: &Silhouette, plain: &Plain) {
+    let (tables, tile) = (s.tables(), 8);
+    let (lookup, corner) = (tables.tiles.lookup(), tables.corner);
+    for y in 0..tables.height.div_ceil(tile) {
+        for x in 0..tables.width / tile {
+            let (x, y) = ((x * tile) as u32, (y * tile) as u32);
+            let (i, j) = (corner.0 + x as i32, corner.1 + y as i32);
+            let pixels = Rect { x0: i, y0: j, x1: i + 8, y1: (j + 8).min(corner.1 + tables.height as i32) };
+            assert_eq!(lookup.any([x, y], [x + 1, y + 1]), plain.any_subject(&pixels));
+        }
+    }
+}

@@ -183,7 +183,7 @@ impl Silhouette {
     /// The bytes of row `j` in a window around column `i`.
     fn values_around(&self, i: i32, j: i32) -> [u8; SIDE] {
         match self.region.row::<SIDE>(i - WINDOW, j) {
-            Some(row) => *row,
+            Some(row) => row,
             None => std::array::from_fn(|k| self.value(i - WINDOW + k as i32, j)),
         }
     }

@@ -10,6 +10,7 @@ mod mask;
 mod nearest;
 mod rect;
 mod region;
+mod scan;
 mod tiles;
 mod undistort;
 
@@ -23,6 +24,7 @@ use edge::EdgeTable;
 use image::GrayImage;
 use region::Region;
 pub(crate) use region::{LOW, Word};
+use scan::Columns;
 pub(crate) use tiles::{Lookup, Tiles};
 
 /// A pixel is subject from this byte upwards: covered by half or more.
@@ -56,7 +58,7 @@ pub(crate) struct Tables<'a> {
     /// Chebyshev distances; 255 for all that are larger than 254.
     pub(crate) distance: &'a [u8],
     /// The same, four a word as they lie in memory.
-    #[expect(dead_code, reason = "batches are about to look distances up by words")]
+    #[cfg_attr(not(test), expect(dead_code, reason = "batches are about to look distances up by words"))]
     pub(crate) distance_words: &'a [u32],
     pub(crate) tiles: &'a Tiles,
 }
@@ -75,7 +77,7 @@ pub struct Silhouette {
     distances: DistanceTable,
     tiles: Tiles,
     edges: EdgeTable,
-    columns: Vec<u8>,
+    columns: Columns,
 }
 
 impl Silhouette {
@@ -97,16 +99,16 @@ impl Silhouette {
             distances: DistanceTable::default(),
             tiles: Tiles::default(),
             edges: EdgeTable::default(),
-            columns: Vec::new(),
+            columns: Columns::default(),
         }
     }
 
     /// Prepares another mask in the memory of the last one.
     pub fn refill(&mut self, mask: &GrayImage, border: Border) {
-        let scan = region::scan(mask, &mut self.columns);
+        let scan = self.columns.scan(mask);
         self.image = Rect::of_image(mask.width(), mask.height());
         (self.border, self.rect, self.has_coverage) = (border, scan.rect, scan.has_coverage);
-        self.region.fill(mask, &scan.rect, border);
+        self.region.fill(mask, &scan, border);
         self.distances.fill(&self.region);
         self.tiles.fill(&self.region);
         self.edges.fill(&self.region);
@@ -118,7 +120,7 @@ impl Silhouette {
             + self.distances.working_memory()
             + self.tiles.working_memory()
             + self.edges.working_memory()
-            + self.columns.capacity()
+            + self.columns.working_memory()
     }
 
     /// The mask, as far as it is kept.
@@ -159,7 +161,10 @@ impl Silhouette {
 
     /// Whether pixel `(i, j)` is subject.
     pub fn is_subject(&self, i: i32, j: i32) -> bool {
-        self.value(i, j) >= SUBJECT
+        match self.region.is_subject(i, j) {
+            Some(is_subject) => is_subject,
+            None => self.border == Border::Open && !self.image.contains(i, j),
+        }
     }
 
     /// Pixels (Chebyshev) from `(i, j)` to the nearest background pixel: 0 where it is background itself,
@@ -201,7 +206,7 @@ impl Silhouette {
     /// The bytes at the corners of the bilinear cell between the centres of pixels `(i, j)` and `(i + 1, j + 1)`.
     pub(crate) fn cell(&self, i: i32, j: i32) -> [f64; 4] {
         let bytes = match (self.region.row::<2>(i, j), self.region.row::<2>(i, j + 1)) {
-            (Some(&[a, b]), Some(&[c, d])) => [a, b, c, d],
+            (Some([a, b]), Some([c, d])) => [a, b, c, d],
             _ => [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| self.value(i, j)),
         };
         bytes.map(f64::from)

@@ -1,4 +1,4 @@
-//! The part of a mask that is kept: the subject's rectangle with a margin, as bytes and as packed bits.
+//! The part of a mask that is kept: the subject's rectangle with a margin, as packed bits, and with coverage as bytes.
 //!
 //! ```text
 //!   +--------------------------+  image
@@ -9,7 +9,8 @@
 //!   +--------------------------+  everything else is background
 //! ```
 
-use super::{Border, Rect, SUBJECT};
+use super::scan::Scan;
+use super::{Border, Rect};
 use crate::vectorised::vectorised;
 use image::GrayImage;
 
@@ -25,29 +26,21 @@ pub(crate) const LOW: u32 = u32::MAX >> 1;
 /// How many.
 pub(super) const WORD: usize = Word::BITS as usize;
 
-/// What one pass over a mask tells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Scan {
-    /// The smallest rectangle around the subject.
-    pub(super) rect: Rect,
-    /// Whether any byte is neither 0 nor 255.
-    pub(super) has_coverage: bool,
-}
-
-/// Bytes and bits of a region, row-major.
+/// Bits and bytes of a region, row-major.
 #[derive(Debug, Default)]
 pub(super) struct Region {
     rect: Option<Rect>,
-    /// The mask's bytes; beyond the image those of the border.
-    bytes: Vec<u8>,
-    /// Subject pixels, the first pixel of a row in its first word's lowest bit.
+    /// Subject pixels, the first pixel of a row in its first word's lowest bit; a row of background and a word more
+    /// before the first row and behind the last.
     subject: Vec<Word>,
     /// Subject pixels and the eight around each.
     near: Vec<Word>,
     /// Background pixels with a subject pixel beside, above or below.
     edges: Vec<Word>,
-    /// Scratch.
-    columns: Vec<Word>,
+    /// The mask's bytes, beyond the image those of the border; none where each is 0 or 255, as the bits tell.
+    bytes: Vec<u8>,
+    /// A row that reaches beyond the image.
+    row: Vec<u8>,
 }
 
 /// Rows of bits that begin anywhere in a word.
@@ -70,18 +63,32 @@ impl Rows<'_> {
 }
 
 impl Region {
-    /// Takes up what `rect`, the subject's rectangle in `mask`, needs.
-    pub(super) fn fill(&mut self, mask: &GrayImage, rect: &Rect, border: Border) {
-        let rect = around(rect);
+    /// Takes up what `scan` found in `mask`.
+    pub(super) fn fill(&mut self, mask: &GrayImage, scan: &Scan, border: Border) {
+        let rect = around(&scan.rect);
         self.rect = Some(rect);
-        let beyond = if border == Border::Open { 255 } else { 0 };
-        crop(mask, &rect, beyond, &mut self.bytes);
-        pack(&self.bytes, rect.width(), &mut self.subject);
-        for table in [&mut self.near, &mut self.edges, &mut self.columns] {
-            table.resize(self.subject.len(), 0);
+        let (pad, count) = (self.pad(), self.words() * rect.height());
+        self.subject.resize(count + 2 * pad, 0);
+        self.near.resize(count, 0);
+        self.edges.resize(count, 0);
+        self.bytes.clear();
+        if count == 0 {
+            return;
         }
-        let words = rect.width().div_ceil(WORD);
-        neighbours(&self.subject, words, &mut self.near, &mut self.edges, &mut self.columns);
+        let (before, rest) = self.subject.split_at_mut(pad);
+        let (subject, behind) = rest.split_at_mut(count);
+        before.fill(0);
+        behind.fill(0);
+        let source = Source { mask, rect, beyond: if border == Border::Open { 255 } else { 0 } };
+        if scan.has_coverage {
+            self.bytes.resize(rect.width() * rect.height(), 0);
+            for (j, row) in (rect.y0..).zip(self.bytes.chunks_exact_mut(rect.width())) {
+                source.copy_row(j, row);
+            }
+        }
+        self.row.resize(rect.width(), 0);
+        source.pack(subject, &mut self.row);
+        neighbours(&self.subject, self.words(), &mut self.near, &mut self.edges);
     }
 
     /// The pixels kept; empty where there is no subject.
@@ -89,18 +96,29 @@ impl Region {
         self.rect.unwrap_or(Rect::EMPTY)
     }
 
+    /// Whether pixel `(i, j)` is subject; `None` outside the region.
+    #[inline(always)]
+    pub(super) fn is_subject(&self, i: i32, j: i32) -> Option<bool> {
+        self.rect().contains(i, j).then(|| self.rows_from(i, j).row(0) & 1 == 1)
+    }
+
     /// The mask's byte at `(i, j)`; `None` outside the region.
     #[inline(always)]
     pub(super) fn byte(&self, i: i32, j: i32) -> Option<u8> {
-        let rect = self.rect();
-        if rect.contains(i, j) { self.bytes.get(rect.index(i, j)).copied() } else { None }
+        let is_subject = self.is_subject(i, j)?;
+        Some(self.bytes.get(self.rect().index(i, j)).copied().unwrap_or(byte_of(is_subject)))
     }
 
-    /// `N` bytes from `(i, j)` on; `None` where they do not all lie in one row of the region.
-    pub(super) fn row<const N: usize>(&self, i: i32, j: i32) -> Option<&[u8; N]> {
+    /// `N` bytes from `(i, j)` on; `None` where they do not all lie in one row of the region. At most 32.
+    #[inline(always)]
+    pub(super) fn row<const N: usize>(&self, i: i32, j: i32) -> Option<[u8; N]> {
         let rect = self.rect();
         if !rect.contains(i, j) || i + N as i32 > rect.x1 {
             return None;
+        }
+        if self.bytes.is_empty() {
+            let bits = self.rows_from(i, j).row(0);
+            return Some(std::array::from_fn(|k| byte_of(bits >> k & 1 == 1)));
         }
         let start = rect.index(i, j);
         self.bytes.get(start..start + N)?.try_into().ok()
@@ -111,8 +129,14 @@ impl Region {
         self.rect().width().div_ceil(WORD)
     }
 
+    /// Words before the first row's.
+    fn pad(&self) -> usize {
+        self.words() + 1
+    }
+
     pub(super) fn subject(&self) -> &[Word] {
-        &self.subject
+        let pad = self.pad();
+        self.subject.get(pad..self.subject.len() - pad).unwrap_or(&[])
     }
 
     pub(super) fn near(&self) -> &[Word] {
@@ -131,15 +155,21 @@ impl Region {
         Rows {
             subject: &self.subject,
             words,
-            first: (j - rect.y0) as usize * words + x / WORD,
+            first: self.pad() + (j - rect.y0) as usize * words + x / WORD,
             shift: x % WORD,
         }
     }
 
     /// Bytes of memory behind the tables, the mask's own bytes not counted.
     pub(super) fn working_memory(&self) -> usize {
-        4 * (self.subject.capacity() + self.near.capacity() + self.edges.capacity() + self.columns.capacity())
+        4 * (self.subject.capacity() + self.near.capacity() + self.edges.capacity()) + self.row.capacity()
     }
+}
+
+/// The byte of a pixel that the subject covers wholly or not at all.
+#[inline(always)]
+fn byte_of(is_subject: bool) -> u8 {
+    if is_subject { 255 } else { 0 }
 }
 
 /// The region around the subject's rectangle.
@@ -149,131 +179,78 @@ fn around(rect: &Rect) -> Rect {
     region
 }
 
-/// One pass over `mask`; `columns` is scratch.
-pub(super) fn scan(mask: &GrayImage, columns: &mut Vec<u8>) -> Scan {
-    let width = mask.width() as usize;
-    columns.clear();
-    columns.resize(width, 0);
-    if width == 0 {
-        return Scan { rect: Rect::EMPTY, has_coverage: false };
-    }
-    let (first, last, has_coverage) = scan_rows(mask.as_raw(), columns);
-    let is_subject = |byte: &u8| *byte >= SUBJECT;
-    let (left, right) = (columns.iter().position(is_subject), columns.iter().rposition(is_subject));
-    let rect = match (left, right) {
-        (Some(left), Some(right)) => {
-            Rect { x0: left as i32, y0: first as i32, x1: right as i32 + 1, y1: last as i32 + 1 }
-        }
-        _ => Rect::EMPTY,
-    };
-    Scan { rect, has_coverage }
+/// A part of a mask, and what counts for its bytes beyond the image.
+struct Source<'a> {
+    mask: &'a GrayImage,
+    rect: Rect,
+    beyond: u8,
 }
 
-vectorised! {
-    /// First and last row with a subject pixel, and whether any byte is neither 0 nor 255; gathers in `columns` which
-    /// columns hold subject.
-    fn scan_rows(mask: &[u8], columns: &mut [u8]) -> (usize, usize, bool) {
-        let (mut first, mut last, mut has_coverage) = (usize::MAX, 0, false);
-        for (j, row) in mask.chunks_exact(columns.len()).enumerate() {
-            let (any, partial) = row.iter().fold((0, 0), |(any, partial), &byte| {
-                // One more than 0 or 255 has no bit set but the lowest.
-                (any | byte, partial | (byte.wrapping_add(1) & !1))
-            });
-            has_coverage |= partial != 0;
-            if any >= SUBJECT {
-                first = first.min(j);
-                last = j;
-                columns.iter_mut().zip(row).for_each(|(column, byte)| *column |= byte);
-            }
-        }
-        (first, last, has_coverage)
-    }
-}
-
-/// The bytes of `rect`, those beyond the image `beyond`.
-fn crop(mask: &GrayImage, rect: &Rect, beyond: u8, bytes: &mut Vec<u8>) {
-    let image = Rect::of_image(mask.width(), mask.height());
-    let (x0, x1) = (rect.x0.clamp(0, image.x1), rect.x1.clamp(0, image.x1));
-    let (left, right) = ((x0 - rect.x0) as usize, (rect.x1 - x1) as usize);
-    bytes.clear();
-    for j in rect.y0..rect.y1 {
+impl Source<'_> {
+    /// The bytes of row `j` as far as it lies in the image, and how many of it are beyond on the left.
+    fn inner(&self, j: i32) -> (usize, &[u8]) {
+        let image = Rect::of_image(self.mask.width(), self.mask.height());
+        let (x0, x1) = (self.rect.x0.clamp(0, image.x1), self.rect.x1.clamp(0, image.x1));
         if j < 0 || j >= image.y1 {
-            bytes.resize(bytes.len() + rect.width(), beyond);
-            continue;
+            return (0, &[]);
         }
         let start = image.index(x0, j);
-        bytes.resize(bytes.len() + left, beyond);
-        bytes.extend_from_slice(&mask.as_raw()[start..start + (x1 - x0) as usize]);
-        bytes.resize(bytes.len() + right, beyond);
+        ((x0 - self.rect.x0) as usize, &self.mask.as_raw()[start..start + (x1 - x0) as usize])
     }
-}
 
-vectorised! {
-    /// The subject bits of `bytes`, rows of `width`, a multiple of 8.
-    fn pack(bytes: &[u8], width: usize, bits: &mut Vec<Word>) {
-        bits.clear();
-        for row in bytes.chunks_exact(width.max(1)) {
-            let (whole, rest) = row.as_chunks::<WORD>();
-            bits.extend(whole.iter().map(|chunk| pack_word(chunk)));
-            if !rest.is_empty() {
-                bits.push(pack_word(rest));
+    /// The bytes of row `j`.
+    fn copy_row(&self, j: i32, row: &mut [u8]) {
+        let (left, inner) = self.inner(j);
+        row.fill(self.beyond);
+        row[left..left + inner.len()].copy_from_slice(inner);
+    }
+
+    /// The subject's bits; `row` is scratch. From below, where the mask was read last and still is near.
+    fn pack(&self, subject: &mut [Word], row: &mut [u8]) {
+        let words = subject.len() / self.rect.height();
+        for (j, bits) in (self.rect.y0..self.rect.y1).zip(subject.chunks_exact_mut(words)).rev() {
+            let (_, inner) = self.inner(j);
+            if inner.len() == row.len() {
+                pack(inner, bits);
+            } else {
+                self.copy_row(j, row);
+                pack(row, bits);
             }
         }
     }
 }
 
-/// Up to 32 bytes, in whole eights, as bits.
-#[inline(always)]
-fn pack_word(bytes: &[u8]) -> Word {
-    let eights = bytes.as_chunks::<8>().0.iter().enumerate();
-    eights.fold(0, |word, (k, eight)| {
-        let tops = u64::from_le_bytes(*eight) >> 7 & 0x0101_0101_0101_0101;
-        // Byte m's bit comes to stand at 56 + m; no two products share a bit, so that nothing carries.
-        word | ((tops.wrapping_mul(0x0102_0408_1020_4080) >> 56) as Word) << (8 * k)
-    })
+vectorised! {
+    /// The subject bits of a row of `bytes`, a multiple of 8.
+    fn pack(bytes: &[u8], bits: &mut [Word]) {
+        let (eights, _) = bytes.as_chunks::<8>();
+        let (packed, rest) = bytemuck::cast_slice_mut::<Word, u8>(bits).split_at_mut(eights.len());
+        for (packed, eight) in packed.iter_mut().zip(eights) {
+            // Byte m's highest bit comes to stand at m.
+            let tops = u64::from_le_bytes(*eight) >> 7 & 0x0101_0101_0101_0101;
+            let pairs = tops | tops >> 7;
+            let fours = pairs | pairs >> 14;
+            *packed = (fours | fours >> 28) as u8;
+        }
+        rest.fill(0);
+        bits.iter_mut().for_each(|word| *word = Word::from_le(*word));
+    }
 }
 
 vectorised! {
-    /// From the subject's bits those near it, and the background pixels at its edge; `columns` is scratch.
+    /// From the subject's bits those near it, and the background pixels at its edge.
     ///
     /// Bits are carried over the ends of rows too. There the margin is background, or lies beyond an open border, where
     /// nobody minds a pixel too many.
-    fn neighbours(
-        subject: &[Word],
-        words: usize,
-        near: &mut [Word],
-        edges: &mut [Word],
-        columns: &mut [Word],
-    ) {
-        let count = subject.len();
-        if count == 0 {
-            return;
-        }
-        // Nothing is above the first row and below the last one.
-        let above = |k: usize| if k < words { 0 } else { subject[k - words] };
-        let below = |k: usize| if k + words < count { subject[k + words] } else { 0 };
-        let word = |k: usize| subject.get(k).copied().unwrap_or(0);
-        let edge = |k: usize, beside: Word| !subject[k] & (above(k) | below(k) | beside);
-        for k in (0..words.min(count)).chain(words.max(count - words)..count) {
-            columns[k] = above(k) | subject[k] | below(k);
-            edges[k] = edge(k, spread(word(k.wrapping_sub(1)), subject[k], word(k + 1)));
-        }
-        if count > 2 * words {
-            let inner = words..count - words;
-            let (above, below) = (&subject[..count - 2 * words], &subject[2 * words..]);
-            let (left, right) = (&subject[words - 1..], &subject[words + 1..]);
-            let here = subject[inner.clone()].iter().zip(left.iter().zip(right)).zip(above.iter().zip(below));
-            let made = columns[inner.clone()].iter_mut().zip(&mut edges[inner]);
-            for ((columns, edges), ((&here, (&left, &right)), (above, below))) in made.zip(here) {
-                *columns = above | here | below;
-                *edges = !here & (above | below | spread(left, here, right));
-            }
-        }
-        let at = |k: usize| columns.get(k).copied().unwrap_or(0);
-        near[0] = columns[0] | spread(0, columns[0], at(1));
-        near[count - 1] = columns[count - 1] | spread(at(count.wrapping_sub(2)), columns[count - 1], 0);
-        for (near, columns) in near[1..].iter_mut().zip(columns.windows(3)) {
-            *near = columns[1] | spread(columns[0], columns[1], columns[2]);
+    fn neighbours(subject: &[Word], words: usize, near: &mut [Word], edges: &mut [Word]) {
+        let count = near.len();
+        let [above, here, below] = [0, words, 2 * words].map(|start| &subject[start..start + count + 2]);
+        let (near, edges) = (&mut near[..count], &mut edges[..count]);
+        for k in 0..count {
+            let column = |k: usize| above[k] | here[k] | below[k];
+            near[k] = column(k + 1) | spread(column(k), column(k + 1), column(k + 2));
+            let beside = spread(here[k], here[k + 1], here[k + 2]);
+            edges[k] = !here[k + 1] & (above[k + 1] | below[k + 1] | beside);
         }
     }
 }

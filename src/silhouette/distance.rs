@@ -12,7 +12,7 @@
 // A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
 #![allow(clippy::needless_range_loop)]
 
-use super::region::{Region, WORD, Word};
+use super::region::{MARGIN, Region, WORD, Word};
 use crate::vectorised::vectorised;
 
 /// The distance where no background exists: an open border and a silhouette without an edge.
@@ -25,24 +25,25 @@ pub(super) struct DistanceTable {
     narrow: Vec<u32>,
     /// All distances, where any is larger than 254; else empty.
     wide: Vec<u16>,
-    /// Scratch.
-    row: Vec<u8>,
 }
 
 impl DistanceTable {
     pub(super) fn fill(&mut self, region: &Region) {
         let (width, height) = (region.rect().width(), region.rect().height());
-        let bits = Bits { subject: region.subject(), words: region.words(), width };
-        // The regions of this view's masks differ little: little is set to zero only to be overwritten.
-        self.narrow.resize(width * height / FOUR, 0);
+        let bits =
+            Bits { subject: region.subject(), words: region.words(), width, is_open: region.is_open() };
+        self.narrow.clear();
         self.wide.clear();
         if width == 0 {
             return;
         }
-        self.row.resize(width + BLOCK, 0);
-        if transform_narrow(&bits, bytemuck::cast_slice_mut(&mut self.narrow), &mut self.row) == u8::MAX {
-            self.wide.resize(width * height, 0);
-            transform_wide(&bits, &mut self.wide, &mut vec![0; width + BLOCK]);
+        self.narrow.resize((width * height + SLANTED) / FOUR, 0);
+        transform_narrow(&bits, bytemuck::cast_slice_mut(&mut self.narrow));
+        // Between two sides that are background nothing is farther away than half their distance.
+        let may_be_deep = bits.is_open || width.min(height) / 2 >= usize::from(u8::MAX);
+        if may_be_deep && self.narrow().contains(&u8::MAX) {
+            self.wide.resize(width * height + SLANTED, 0);
+            transform_wide(&bits, &mut self.wide);
         }
     }
 
@@ -68,13 +69,25 @@ impl DistanceTable {
 
     /// Bytes of memory behind the tables.
     pub(super) fn working_memory(&self) -> usize {
-        4 * self.narrow.capacity() + 2 * self.wide.capacity() + self.row.capacity()
+        4 * self.narrow.capacity() + 2 * self.wide.capacity()
     }
 }
 
 /// Pixels done at once. A loop over so many is turned into vector instructions; one over few is unrolled first, and
 /// then no longer.
 const BLOCK: usize = 64;
+
+/// Pixels of a slanted block's row: enough that its vectors do not wait for one another.
+const SLANTED: usize = 128;
+
+/// Rows of a slanted block. It may not leave the margin.
+const GROUP: usize = RIM;
+
+/// Columns and rows of background on each side.
+const RIM: usize = MARGIN as usize;
+
+/// More pixels than any distance has.
+const OPEN: usize = 1 << 20;
 
 /// Narrow distances in a word.
 const FOUR: usize = 4;
@@ -84,6 +97,8 @@ struct Bits<'a> {
     subject: &'a [Word],
     words: usize,
     width: usize,
+    /// Whether its rim lies beyond an open border, instead of being background.
+    is_open: bool,
 }
 
 /// A distance's number.
@@ -92,7 +107,7 @@ trait Pixels: Copy + Ord {
     fn one_more(self) -> Self;
     /// Distances along a row to the end of a run of subject pixels, for a block that begins `after` pixels behind the
     /// run's first pixel and `before` pixels before its end.
-    fn along(after: isize, before: isize, block: &mut [Self; BLOCK]);
+    fn along(after: usize, before: usize, block: &mut [Self; BLOCK]);
 }
 
 impl Pixels for u8 {
@@ -102,13 +117,10 @@ impl Pixels for u8 {
         self.saturating_add(1)
     }
     #[inline(always)]
-    fn along(after: isize, before: isize, block: &mut [Self; BLOCK]) {
-        let rising = (after + 1).clamp(-(BLOCK as isize), 255) + BLOCK as isize;
-        let falling = FALLING_END - before.clamp(0, FALLING_END);
-        let (rising, falling) =
-            (RISING[rising as usize..].first_chunk(), FALLING[falling as usize..].first_chunk());
+    fn along(after: usize, before: usize, block: &mut [Self; BLOCK]) {
+        let rising = RISING[(after + 1).min(255)..].first_chunk::<BLOCK>();
+        let falling = FALLING[FALLING_END - before.min(FALLING_END)..].first_chunk::<BLOCK>();
         if let (Some(rising), Some(falling)) = (rising, falling) {
-            let (rising, falling): (&[u8; BLOCK], &[u8; BLOCK]) = (rising, falling);
             for k in 0..BLOCK {
                 block[k] = rising[k].min(falling[k]);
             }
@@ -116,26 +128,26 @@ impl Pixels for u8 {
     }
 }
 
-/// No pixels for a block, 0 to 255, and 255 for a block.
-const RISING: [u8; 256 + 2 * BLOCK] = {
-    let mut ramp = [0; 256 + 2 * BLOCK];
-    let mut k = BLOCK;
-    while k < ramp.len() {
-        ramp[k] = if k - BLOCK < 255 { (k - BLOCK) as u8 } else { 255 };
+/// 0 to 255, and 255 for a block.
+const RISING: [u8; 256 + BLOCK] = {
+    let mut ramp = [255; 256 + BLOCK];
+    let mut k = 0;
+    while k < 255 {
+        ramp[k] = k as u8;
         k += 1;
     }
     ramp
 };
 
 /// Where in [`FALLING`] the ramp has come down to zero.
-const FALLING_END: isize = 255 + BLOCK as isize;
+const FALLING_END: usize = 255 + BLOCK;
 
-/// 255 for a block, 255 to 0, and no pixels for a block.
-const FALLING: [u8; 256 + 2 * BLOCK] = {
-    let mut ramp = RISING;
+/// 255 for a block, 255 to 0, and 0 for a block.
+const FALLING: [u8; FALLING_END + BLOCK] = {
+    let mut ramp = [0; FALLING_END + BLOCK];
     let mut k = 0;
-    while k < ramp.len() {
-        ramp[k] = RISING[ramp.len() - 1 - k];
+    while k < FALLING_END {
+        ramp[k] = RISING[FALLING_END - k];
         k += 1;
     }
     ramp
@@ -148,154 +160,123 @@ impl Pixels for u16 {
         self.saturating_add(1)
     }
     #[inline(always)]
-    fn along(after: isize, before: isize, block: &mut [Self; BLOCK]) {
-        let clamp = |pixels: isize| pixels.clamp(0, u16::MAX as isize) as u16;
-        for (k, distance) in (0..).zip(block) {
-            *distance = clamp(after.saturating_add(1 + k)).min(clamp(before.saturating_sub(k)));
+    fn along(after: usize, before: usize, block: &mut [Self; BLOCK]) {
+        for (k, distance) in block.iter_mut().enumerate() {
+            *distance = (after + 1 + k).min(before.saturating_sub(k)).min(usize::from(Self::MAX)) as Self;
         }
     }
 }
 
 vectorised! {
-    fn transform_narrow(bits: &Bits, table: &mut [u8], row: &mut [u8]) -> u8 {
-        transform(bits, table, row)
+    fn transform_narrow(bits: &Bits, table: &mut [u8]) {
+        transform(bits, table);
     }
 }
 
 vectorised! {
-    fn transform_wide(bits: &Bits, table: &mut [u16], row: &mut [u16]) -> u16 {
-        transform(bits, table, row)
+    fn transform_wide(bits: &Bits, table: &mut [u16]) {
+        transform(bits, table);
     }
 }
 
-/// Fills `table` and returns its largest distance; `row`, a block longer than a row, is scratch.
+/// Fills `table`, which is zero.
+#[inline(always)]
+fn transform<T: Pixels>(bits: &Bits, table: &mut [T]) {
+    let (width, height) = (bits.width, bits.subject.len() / bits.words);
+    if bits.is_open {
+        return transform_open(bits, table, height);
+    }
+    for y in 0..height {
+        along_row(bits, y, table);
+    }
+    // The last group begins early where there are not enough rows: what is taken twice is the same.
+    let last = height - 2 - GROUP;
+    for y in (RIM - 1..height - RIM).step_by(GROUP).map(|y| y.min(last)) {
+        carry(table, y * width, width as isize, width);
+    }
+    for y in (RIM - 1..height - RIM).step_by(GROUP).map(|y| y.min(last)) {
+        carry(table, (height - 1 - y) * width, -(width as isize), width);
+    }
+}
+
+/// Takes into [`GROUP`] rows what the row before them allows, which begins at `from`, and what each allows the next,
+/// at a distance of `step`.
 ///
-/// What is carried down and what is carried up do not wait for each other; where they have met, each takes the other's
-/// rows along.
+/// ```text
+///             aaaaaaaabbbbbbbb        a: the first block; it moves left by a pixel a row, so that what a pixel waits
+///            aaaaaaaabbbbbbbb            for, the three above it, is the block's last row as it is, moved by one
+///           aaaaaaaabbbbbbbb             pixel and by two, and never leaves the processor's registers
+/// ```
+///
+/// Blocks reach into the margin on both sides, through it into the next row, and take there what is true as well. The
+/// margin itself is background, and remains so.
 #[inline(always)]
-fn transform<T: Pixels>(bits: &Bits, table: &mut [T], row: &mut [T]) -> T {
-    let (width, height) = (bits.width, table.len() / bits.width);
-    let mut most = [T::ZERO; BLOCK];
-    for step in 0..height {
-        let (above, here) = table.split_at_mut(step * width);
-        let above = above.len().checked_sub(width).map(|start| &above[start..]);
-        let (down, up) = (step, height - 1 - step);
-        if down <= up {
-            along_row(bits.row(down), width, row);
-            meet(above, row, &mut here[..width]);
-        } else {
-            carry(above, &mut here[..width], &mut most);
-        }
-        let (here, below) = table.split_at_mut((up + 1) * width);
-        let below = below.get(..width);
-        let here = &mut here[up * width..];
-        if down < up {
-            along_row(bits.row(up), width, row);
-            meet(below, row, here);
-        } else {
-            carry(below, here, &mut most);
-        }
-    }
-    most.into_iter().fold(T::ZERO, T::max)
-}
-
-/// The first distances of a row: the lesser of those `along` it and those that the row `from`, above or below, allows.
-#[inline(always)]
-fn meet<T: Pixels>(from: Option<&[T]>, along: &[T], here: &mut [T]) {
-    let width = here.len();
-    let Some(from) = from else { return here.copy_from_slice(&along[..width]) };
-    for start in blocks(width) {
-        let source = (from[start..].first_chunk(), along[start + 1..].first_chunk());
-        match (source, here[start + 1..width - 1].first_chunk_mut()) {
-            ((Some(from), Some(along)), Some(here)) => meet_block(from, along, here),
-            _ => meet_few(&from[start..], &along[start + 1..], &mut here[start + 1..width - 1]),
+fn carry<T: Pixels>(table: &mut [T], from: usize, step: isize, width: usize) {
+    for column in (RIM..width - RIM + GROUP).step_by(SLANTED) {
+        let mut at = from + column;
+        let Some(&(mut row)) = table[at..].first_chunk::<SLANTED>() else { return };
+        let mut left = [table[at - 1], table[at - 2]];
+        for _ in 0..GROUP {
+            at = at.wrapping_add_signed(step - 1);
+            let [mut one, mut two] = left;
+            left = [table[at - 1], table[at - 2]];
+            let Some(here) = table[at..].first_chunk_mut::<SLANTED>() else { return };
+            let mut next = *here;
+            for k in 0..SLANTED {
+                next[k] = next[k].min(row[k].min(one).min(two).one_more());
+                (one, two) = (row[k], one);
+            }
+            *here = next;
+            row = next;
         }
     }
-    here[0] = along[0].min(from[0].min(from[1]).one_more());
-    here[width - 1] = along[width - 1].min(from[width - 1].min(from[width - 2]).one_more());
 }
 
-/// Where blocks begin that cover a row but for its first and last pixel. The last one overlaps the one before: what is
-/// taken twice is the same.
+/// The same where the region reaches beyond an open border, and its rim is not background.
 #[inline(always)]
-fn blocks(width: usize) -> impl Iterator<Item = usize> {
-    (0..width - 2).step_by(BLOCK).map(move |start| start.min((width - 2).saturating_sub(BLOCK)))
-}
-
-#[inline(always)]
-fn meet_block<T: Pixels>(from: &[T; BLOCK + 2], along: &[T; BLOCK], here: &mut [T; BLOCK]) {
-    for k in 0..BLOCK {
-        here[k] = along[k].min(from[k].min(from[k + 1]).min(from[k + 2]).one_more());
+fn transform_open<T: Pixels>(bits: &Bits, table: &mut [T], height: usize) {
+    let width = bits.width;
+    for y in 0..height {
+        // A run to the open border wrote beyond it.
+        table[y * width..(y + 1) * width].fill(T::ZERO);
+        along_row(bits, y, table);
+    }
+    for y in 1..height {
+        let (above, here) = table.split_at_mut(y * width);
+        carry_row(&above[(y - 1) * width..], &mut here[..width]);
+    }
+    for y in (1..height).rev() {
+        let (above, below) = table.split_at_mut(y * width);
+        carry_row(&below[..width], &mut above[(y - 1) * width..]);
     }
 }
 
-/// The same for a narrow region.
+/// Takes into the row `here` what the row `from`, just above or below, allows.
 #[inline(always)]
-fn meet_few<T: Pixels>(from: &[T], along: &[T], here: &mut [T]) {
-    for ((here, along), from) in here.iter_mut().zip(along).zip(from.windows(3)) {
-        *here = (*along).min(from[0].min(from[1]).min(from[2]).one_more());
-    }
-}
-
-/// Takes into `here` what the row `from`, just above or below, allows, and into `most` how large its distances are.
-#[inline(always)]
-fn carry<T: Pixels>(from: Option<&[T]>, here: &mut [T], most: &mut [T; BLOCK]) {
-    let width = here.len();
-    let Some(from) = from else { return };
-    for start in blocks(width) {
-        match (from[start..].first_chunk(), here[start + 1..width - 1].first_chunk_mut()) {
-            (Some(from), Some(here)) => carry_block(from, here, most),
-            _ => carry_few(&from[start..], &mut here[start + 1..width - 1], most),
-        }
+fn carry_row<T: Pixels>(from: &[T], here: &mut [T]) {
+    let last = here.len() - 1;
+    for (here, from) in here[1..].iter_mut().zip(from.windows(3)) {
+        *here = (*here).min(from[0].min(from[1]).min(from[2]).one_more());
     }
     here[0] = here[0].min(from[0].min(from[1]).one_more());
-    here[width - 1] = here[width - 1].min(from[width - 1].min(from[width - 2]).one_more());
-    most[0] = most[0].max(here[0]).max(here[width - 1]);
+    here[last] = here[last].min(from[last].min(from[last - 1]).one_more());
 }
 
-/// The pixels `here` from the row of those around them, which begins one earlier.
+/// Distances of the subject pixels of row `y` to the nearest background pixel of that row.
 #[inline(always)]
-fn carry_block<T: Pixels>(from: &[T; BLOCK + 2], here: &mut [T; BLOCK], most: &mut [T; BLOCK]) {
-    for k in 0..BLOCK {
-        here[k] = here[k].min(from[k].min(from[k + 1]).min(from[k + 2]).one_more());
-        most[k] = most[k].max(here[k]);
-    }
-}
-
-/// The same for a narrow region.
-#[inline(always)]
-fn carry_few<T: Pixels>(from: &[T], here: &mut [T], most: &mut [T; BLOCK]) {
-    for ((here, from), most) in here.iter_mut().zip(from.windows(3)).zip(most) {
-        *here = (*here).min(from[0].min(from[1]).min(from[2]).one_more());
-        *most = (*most).max(*here);
-    }
-}
-
-/// Distances to the nearest background pixel of the same row.
-#[inline(always)]
-fn along_row<T: Pixels>(bits: &[Word], width: usize, row: &mut [T]) {
-    let mut done = 0;
-    loop {
-        let start = next_bit(bits, done, 0).unwrap_or(width).min(width);
-        let end = next_bit(bits, start, Word::MAX).unwrap_or(width).min(width);
-        for at in (done..end).step_by(BLOCK) {
-            let Some(block) = row[at..].first_chunk_mut() else { break };
+fn along_row<T: Pixels>(bits: &Bits, y: usize, table: &mut [T]) {
+    let (width, row) = (bits.width, &bits.subject[y * bits.words..(y + 1) * bits.words]);
+    let table = &mut table[y * width..];
+    let mut end = 0;
+    while let Some(start) = next_bit(row, end, 0) {
+        end = next_bit(row, start, Word::MAX).unwrap_or(width).min(width);
+        for at in (start..end).step_by(BLOCK) {
+            let Some(block) = table[at..].first_chunk_mut() else { break };
             // A run at the region's side goes on beyond the image, where nothing is background.
-            let after = if start == 0 { isize::MAX - BLOCK as isize } else { at as isize - start as isize };
-            let before = if end == width { isize::MAX } else { (end - at) as isize };
+            let after = if start == 0 { OPEN } else { at - start };
+            let before = if end == width { OPEN } else { end - at };
             T::along(after, before, block);
         }
-        done = end;
-        if done == width {
-            return;
-        }
-    }
-}
-
-impl Bits<'_> {
-    #[inline(always)]
-    fn row(&self, y: usize) -> &[Word] {
-        &self.subject[y * self.words..(y + 1) * self.words]
     }
 }
 

@@ -39,6 +39,8 @@ pub(super) struct Region {
     edges: Vec<Word>,
     /// The mask's bytes, beyond the image those of the border; none where each is 0 or 255, as the bits tell.
     bytes: Vec<u8>,
+    /// Whether it reaches beyond an open border.
+    is_open: bool,
     /// A row that reaches beyond the image.
     row: Vec<u8>,
 }
@@ -72,6 +74,8 @@ impl Region {
         self.near.resize(count, 0);
         self.edges.resize(count, 0);
         self.bytes.clear();
+        let image = Rect::of_image(mask.width(), mask.height());
+        self.is_open = border == Border::Open && rect.intersection(&image) != rect;
         if count == 0 {
             return;
         }
@@ -94,6 +98,11 @@ impl Region {
     /// The pixels kept; empty where there is no subject.
     pub(super) fn rect(&self) -> Rect {
         self.rect.unwrap_or(Rect::EMPTY)
+    }
+
+    /// Whether it reaches beyond an open border, where all is subject: then its rim is not all background.
+    pub(super) fn is_open(&self) -> bool {
+        self.is_open
     }
 
     /// Whether pixel `(i, j)` is subject; `None` outside the region.

@@ -1,7 +1,8 @@
 //! Normals at the edge of a silhouette: the paper's, and the one that contacts use.
 
-use super::region::{Region, WORD};
+use super::region::{Region, WORD, Word};
 use super::{HALF_COVERAGE, Silhouette};
+use crate::vectorised::vectorised;
 use nalgebra::{Point2, Vector2};
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
@@ -46,17 +47,12 @@ const KNOWN: u8 = 2;
 impl EdgeTable {
     /// Makes room for the region's edge pixels, none of them known.
     pub(super) fn fill(&mut self, region: &Region) {
-        self.before_row.clear();
-        let mut count = 0;
-        for row in region.edges().chunks_exact(region.words().max(1)) {
-            self.before_row.push(count as u32);
-            count += row.iter().map(|word| word.count_ones() as usize).sum::<usize>();
-        }
-        self.state.clear();
-        self.state.resize_with(count, AtomicU8::default);
+        let count = ranks(region.edges(), region.words(), &mut self.before_row);
         if self.edges.len() < count {
+            self.state.resize_with(count, AtomicU8::default);
             self.edges.resize_with(count, Default::default);
         }
+        self.state[..count].iter_mut().for_each(|state| *state.get_mut() = UNKNOWN);
     }
 
     /// The edge at `(i, j)`, computed by `edge` where it is not known yet.
@@ -105,6 +101,19 @@ impl EdgeTable {
     /// Bytes of memory behind the table.
     pub(super) fn working_memory(&self) -> usize {
         4 * self.before_row.capacity() + self.state.capacity() + 32 * self.edges.capacity()
+    }
+}
+
+vectorised! {
+    /// How many bits are set before each row of `words`, and in all.
+    fn ranks(bits: &[Word], words: usize, before_row: &mut Vec<u32>) -> usize {
+        before_row.clear();
+        let mut count = 0;
+        for row in bits.chunks_exact(words.max(1)) {
+            before_row.push(count);
+            count += row.iter().map(|word| word.count_ones()).sum::<u32>();
+        }
+        count as usize
     }
 }
 

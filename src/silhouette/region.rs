@@ -26,6 +26,9 @@ pub(crate) const LOW: u32 = u32::MAX >> 1;
 /// How many.
 pub(super) const WORD: usize = Word::BITS as usize;
 
+/// Bytes packed at once.
+const BLOCK: usize = 256;
+
 /// Bits and bytes of a region, row-major.
 #[derive(Debug, Default)]
 pub(super) struct Region {
@@ -90,8 +93,7 @@ impl Region {
                 source.copy_row(j, row);
             }
         }
-        self.row.resize(rect.width(), 0);
-        source.pack(subject, &mut self.row);
+        pack(&source, subject, &mut self.row);
         neighbours(&self.subject, self.words(), &mut self.near, &mut self.edges);
     }
 
@@ -214,36 +216,52 @@ impl Source<'_> {
         row[left..left + inner.len()].copy_from_slice(inner);
     }
 
-    /// The subject's bits; `row` is scratch. From below, where the mask was read last and still is near.
-    fn pack(&self, subject: &mut [Word], row: &mut [u8]) {
-        let words = subject.len() / self.rect.height();
-        for (j, bits) in (self.rect.y0..self.rect.y1).zip(subject.chunks_exact_mut(words)).rev() {
-            let (_, inner) = self.inner(j);
-            if inner.len() == row.len() {
-                pack(inner, bits);
-            } else {
-                self.copy_row(j, row);
-                pack(row, bits);
-            }
-        }
+    /// The bytes of row `j` and those that follow it in memory, `length` in all; `None` where it reaches beyond.
+    fn whole_row(&self, j: i32, length: usize) -> Option<&[u8]> {
+        let image = Rect::of_image(self.mask.width(), self.mask.height());
+        let whole = image.contains(self.rect.x0, j) && self.rect.x1 <= image.x1;
+        let start = whole.then(|| image.index(self.rect.x0, j))?;
+        self.mask.as_raw().get(start..start + length)
     }
 }
 
 vectorised! {
-    /// The subject bits of a row of `bytes`, a multiple of 8.
-    fn pack(bytes: &[u8], bits: &mut [Word]) {
-        let (eights, _) = bytes.as_chunks::<8>();
-        let (packed, rest) = bytemuck::cast_slice_mut::<Word, u8>(bits).split_at_mut(eights.len());
-        for (packed, eight) in packed.iter_mut().zip(eights) {
-            // Byte m's highest bit comes to stand at m.
-            let tops = u64::from_le_bytes(*eight) >> 7 & 0x0101_0101_0101_0101;
-            let pairs = tops | tops >> 7;
-            let fours = pairs | pairs >> 14;
-            *packed = (fours | fours >> 28) as u8;
+    /// The subject's bits; `row` is scratch. From below, where the mask was read last and still is near.
+    fn pack(source: &Source, subject: &mut [Word], row: &mut Vec<u8>) {
+        let (width, words) = (source.rect.width(), subject.len() / source.rect.height());
+        let length = words.next_multiple_of(BLOCK / WORD) * WORD;
+        row.resize(length, 0);
+        let within = Word::MAX >> (words * WORD - width);
+        for (j, bits) in (source.rect.y0..source.rect.y1).zip(subject.chunks_exact_mut(words)).rev() {
+            let bytes = match source.whole_row(j, length) {
+                Some(bytes) => bytes,
+                None => {
+                    source.copy_row(j, &mut row[..width]);
+                    &row[..]
+                }
+            };
+            for (bits, block) in bits.chunks_mut(BLOCK / WORD).zip(bytes.as_chunks().0) {
+                let packed = pack_block(block);
+                bits.iter_mut().zip(packed.as_chunks().0).for_each(|(bits, four)| *bits = Word::from_le_bytes(*four));
+            }
+            // What follows the row in memory is none of it.
+            bits[words - 1] &= within;
         }
-        rest.fill(0);
-        bits.iter_mut().for_each(|word| *word = Word::from_le(*word));
     }
+}
+
+/// The highest bits of a block's bytes.
+#[inline(always)]
+fn pack_block(bytes: &[u8; BLOCK]) -> [u8; BLOCK / 8] {
+    let (eights, mut packed) = (bytes.as_chunks::<8>().0, [0; BLOCK / 8]);
+    for k in 0..packed.len() {
+        // Byte m's highest bit comes to stand at m.
+        let tops = u64::from_le_bytes(eights[k]) >> 7 & 0x0101_0101_0101_0101;
+        let pairs = tops | tops >> 7;
+        let fours = pairs | pairs >> 14;
+        packed[k] = (fours | fours >> 28) as u8;
+    }
+    packed
 }
 
 vectorised! {

@@ -1,9 +1,13 @@
 //! Which squares of 8 x 8 pixels hold subject, summed up, so that any rectangle is asked in four look-ups.
 
-use super::region::{LOW, Region, WORD};
+use super::region::{LOW, Region, WORD, Word};
+use crate::vectorised::vectorised;
 
 /// Pixels on a tile's side.
 const SIDE: usize = 8;
+
+/// Tiles side by side in a word.
+const TILES: usize = WORD / SIDE;
 
 /// Tiles with subject above and left of each corner of the tiles, row-major.
 #[derive(Debug, Default)]
@@ -11,32 +15,43 @@ pub(crate) struct Tiles {
     sums: Vec<u32>,
     columns: usize,
     rows: usize,
+    /// Scratch: a row of tiles.
+    any: Vec<Word>,
+}
+
+vectorised! {
+    /// Sums up tiles with subject below the first row of `sums`, which is zero; `any` is scratch, a row of words.
+    fn sum(subject: &[Word], any: &mut [Word], columns: usize, sums: &mut [u32]) {
+        let (words, stride) = (any.len(), columns + 1);
+        for (tiles, rows) in subject.chunks(SIDE * words).enumerate() {
+            any.fill(0);
+            for row in rows.chunks_exact(words) {
+                any.iter_mut().zip(row).for_each(|(any, word)| *any |= word);
+            }
+            let (above, here) = sums[tiles * stride..].split_at_mut(stride);
+            let (mut sum, mut left) = (0, 0);
+            here[0] = 0;
+            for (k, (here, above)) in here[1..].iter_mut().zip(&above[1..]).enumerate() {
+                if k % TILES == 0 {
+                    left = any[k / TILES];
+                }
+                sum += u32::from(left as u8 != 0);
+                left >>= SIDE;
+                *here = above + sum;
+            }
+        }
+    }
 }
 
 impl Tiles {
     pub(super) fn fill(&mut self, region: &Region) {
         let (width, words) = (region.rect().width(), region.words());
-        self.columns = width / SIDE;
-        let stride = self.columns + 1;
-        self.sums.clear();
-        self.sums.resize(stride, 0);
-        self.rows = 0;
-        if words == 0 {
-            return;
-        }
-        for rows in region.subject().chunks(SIDE * words) {
-            let mut sum = 0;
-            self.rows += 1;
-            self.sums.push(0);
-            for k in 0..words {
-                let any = rows.iter().skip(k).step_by(words).fold(0, |any, word| any | word);
-                for tile in
-                    any.to_le_bytes().into_iter().take((self.columns - k * WORD / SIDE).min(WORD / SIDE))
-                {
-                    sum += u32::from(tile != 0);
-                    self.sums.push(self.sums[self.sums.len() - stride] + sum);
-                }
-            }
+        (self.columns, self.rows) = (width / SIDE, region.rect().height().div_ceil(SIDE));
+        self.sums.resize((self.columns + 1) * (self.rows + 1), 0);
+        self.sums[..=self.columns].fill(0);
+        if words > 0 {
+            self.any.resize(words, 0);
+            sum(region.subject(), &mut self.any, self.columns, &mut self.sums);
         }
     }
 
@@ -51,7 +66,7 @@ impl Tiles {
 
     /// Bytes of memory behind the table.
     pub(super) fn working_memory(&self) -> usize {
-        4 * self.sums.capacity()
+        4 * (self.sums.capacity() + self.any.capacity())
     }
 }
 

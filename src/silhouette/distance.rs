@@ -13,6 +13,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::region::{MARGIN, Region, WORD, Word};
+use super::tiles::{Lookup, Tiles};
 use crate::vectorised::vectorised;
 
 /// The distance where no background exists: an open border and a silhouette without an edge.
@@ -28,10 +29,15 @@ pub(super) struct DistanceTable {
 }
 
 impl DistanceTable {
-    pub(super) fn fill(&mut self, region: &Region) {
+    pub(super) fn fill(&mut self, region: &Region, tiles: &Tiles) {
         let (width, height) = (region.rect().width(), region.rect().height());
-        let bits =
-            Bits { subject: region.subject(), words: region.words(), width, is_open: region.is_open() };
+        let bits = Bits {
+            subject: region.subject(),
+            words: region.words(),
+            width,
+            is_open: region.is_open(),
+            tiles: tiles.lookup(),
+        };
         self.narrow.clear();
         self.wide.clear();
         if width == 0 {
@@ -94,6 +100,7 @@ const FOUR: usize = 4;
 
 /// Subject bits, rows of so many words.
 struct Bits<'a> {
+    tiles: Lookup<'a>,
     subject: &'a [Word],
     words: usize,
     width: usize,
@@ -182,7 +189,7 @@ vectorised! {
 /// Fills `table`, which is zero.
 #[inline(always)]
 fn transform<T: Pixels>(bits: &Bits, table: &mut [T]) {
-    let (width, height) = (bits.width, bits.subject.len() / bits.words);
+    let height = bits.subject.len() / bits.words;
     if bits.is_open {
         return transform_open(bits, table, height);
     }
@@ -192,15 +199,15 @@ fn transform<T: Pixels>(bits: &Bits, table: &mut [T]) {
     // The last group begins early where there are not enough rows: what is taken twice is the same.
     let last = height - 2 - GROUP;
     for y in (RIM - 1..height - RIM).step_by(GROUP).map(|y| y.min(last)) {
-        carry(table, y * width, width as isize, width);
+        carry(bits, table, y, 1);
     }
     for y in (RIM - 1..height - RIM).step_by(GROUP).map(|y| y.min(last)) {
-        carry(table, (height - 1 - y) * width, -(width as isize), width);
+        carry(bits, table, height - 1 - y, -1);
     }
 }
 
-/// Takes into [`GROUP`] rows what the row before them allows, which begins at `from`, and what each allows the next,
-/// at a distance of `step`.
+/// Takes into [`GROUP`] rows what the row before them allows, `from`, and what each allows the next, downwards where
+/// `sign` is 1 and upwards where it is -1.
 ///
 /// ```text
 ///             aaaaaaaabbbbbbbb        a: the first block; it moves left by a pixel a row, so that what a pixel waits
@@ -211,13 +218,19 @@ fn transform<T: Pixels>(bits: &Bits, table: &mut [T]) {
 /// Blocks reach into the margin on both sides, through it into the next row, and take there what is true as well. The
 /// margin itself is background, and remains so.
 #[inline(always)]
-fn carry<T: Pixels>(table: &mut [T], from: usize, step: isize, width: usize) {
+fn carry<T: Pixels>(bits: &Bits, table: &mut [T], from: usize, sign: isize) {
+    let width = bits.width;
+    let (top, bottom) = if sign > 0 { (from + 1, from + 1 + GROUP) } else { (from - GROUP, from) };
     for column in (RIM..width - RIM + GROUP).step_by(SLANTED) {
-        let mut at = from + column;
+        let (left, right) = (column - GROUP, column + SLANTED);
+        if !bits.tiles.any([left as u32, top as u32], [right as u32, bottom as u32]) {
+            continue;
+        }
+        let mut at = from * width + column;
         let Some(&(mut row)) = table[at..].first_chunk::<SLANTED>() else { return };
         let mut left = [table[at - 1], table[at - 2]];
         for _ in 0..GROUP {
-            at = at.wrapping_add_signed(step - 1);
+            at = at.wrapping_add_signed(sign * width as isize - 1);
             let [mut one, mut two] = left;
             left = [table[at - 1], table[at - 2]];
             let Some(here) = table[at..].first_chunk_mut::<SLANTED>() else { return };

@@ -109,8 +109,8 @@ impl Silhouette {
         self.image = Rect::of_image(mask.width(), mask.height());
         (self.border, self.rect, self.has_coverage) = (border, scan.rect, scan.has_coverage);
         self.region.fill(mask, &scan, border);
-        self.distances.fill(&self.region);
         self.tiles.fill(&self.region);
+        self.distances.fill(&self.region, &self.tiles);
         self.edges.fill(&self.region);
     }
 

@@ -33,8 +33,8 @@ const BLOCK: usize = 256;
 #[derive(Debug, Default)]
 pub(super) struct Region {
     rect: Option<Rect>,
-    /// Subject pixels, the first pixel of a row in its first word's lowest bit; a row of background and a word more
-    /// before the first row and behind the last.
+    /// Subject pixels, the first pixel of a row in its first word's lowest bit; background before the first row and
+    /// behind the last.
     subject: Vec<Word>,
     /// Subject pixels and the eight around each.
     near: Vec<Word>,
@@ -82,10 +82,6 @@ impl Region {
         if count == 0 {
             return;
         }
-        let (before, rest) = self.subject.split_at_mut(pad);
-        let (subject, behind) = rest.split_at_mut(count);
-        before.fill(0);
-        behind.fill(0);
         let source = Source { mask, rect, beyond: if border == Border::Open { 255 } else { 0 } };
         if scan.has_coverage {
             self.bytes.resize(rect.width() * rect.height(), 0);
@@ -93,8 +89,12 @@ impl Region {
                 source.copy_row(j, row);
             }
         }
-        pack(&source, subject, &mut self.row);
-        neighbours(&self.subject, self.words(), &mut self.near, &mut self.edges);
+        self.subject[..pad].fill(0);
+        pack(&source, &mut self.subject[pad..], &mut self.row);
+        self.subject[pad + count..].fill(0);
+        let words = self.words();
+        let around = &self.subject[pad - words - 1..=pad + count + words];
+        neighbours(around, words, &mut self.near, &mut self.edges);
     }
 
     /// The pixels kept; empty where there is no subject.
@@ -140,9 +140,9 @@ impl Region {
         self.rect().width().div_ceil(WORD)
     }
 
-    /// Words before the first row's.
+    /// Words before the first row's, and behind the last one's: a block and a row.
     fn pad(&self) -> usize {
-        self.words() + 1
+        self.words() + BLOCK / WORD
     }
 
     pub(super) fn subject(&self) -> &[Word] {
@@ -226,13 +226,14 @@ impl Source<'_> {
 }
 
 vectorised! {
-    /// The subject's bits; `row` is scratch. From below, where the mask was read last and still is near.
+    /// The subject's bits; `row` is scratch.
     fn pack(source: &Source, subject: &mut [Word], row: &mut Vec<u8>) {
-        let (width, words) = (source.rect.width(), subject.len() / source.rect.height());
+        let width = source.rect.width();
+        let words = width.div_ceil(WORD);
         let length = words.next_multiple_of(BLOCK / WORD) * WORD;
         row.resize(length, 0);
         let within = Word::MAX >> (words * WORD - width);
-        for (j, bits) in (source.rect.y0..source.rect.y1).zip(subject.chunks_exact_mut(words)).rev() {
+        for (j, start) in (source.rect.y0..source.rect.y1).zip((0..).step_by(words)) {
             let bytes = match source.whole_row(j, length) {
                 Some(bytes) => bytes,
                 None => {
@@ -240,19 +241,18 @@ vectorised! {
                     &row[..]
                 }
             };
-            for (bits, block) in bits.chunks_mut(BLOCK / WORD).zip(bytes.as_chunks().0) {
-                let packed = pack_block(block);
-                bits.iter_mut().zip(packed.as_chunks().0).for_each(|(bits, four)| *bits = Word::from_le_bytes(*four));
+            // What follows the row in memory is none of it: the next row's bits are written over it.
+            for (bits, block) in subject[start..].as_chunks_mut().0.iter_mut().zip(bytes.as_chunks().0) {
+                *bits = pack_block(block);
             }
-            // What follows the row in memory is none of it.
-            bits[words - 1] &= within;
+            subject[start + words - 1] &= within;
         }
     }
 }
 
 /// The highest bits of a block's bytes.
 #[inline(always)]
-fn pack_block(bytes: &[u8; BLOCK]) -> [u8; BLOCK / 8] {
+fn pack_block(bytes: &[u8; BLOCK]) -> [Word; BLOCK / WORD] {
     let (eights, mut packed) = (bytes.as_chunks::<8>().0, [0; BLOCK / 8]);
     for k in 0..packed.len() {
         // Byte m's highest bit comes to stand at m.
@@ -261,7 +261,7 @@ fn pack_block(bytes: &[u8; BLOCK]) -> [u8; BLOCK / 8] {
         let fours = pairs | pairs >> 14;
         packed[k] = (fours | fours >> 28) as u8;
     }
-    packed
+    bytemuck::cast::<_, [Word; BLOCK / WORD]>(packed).map(Word::from_le)
 }
 
 vectorised! {

@@ -29,15 +29,17 @@ vectorised! {
                 any.iter_mut().zip(row).for_each(|(any, word)| *any |= word);
             }
             let (above, here) = sums[tiles * stride..].split_at_mut(stride);
-            let (mut sum, mut left) = (0, 0);
+            let mut sum = 0;
             here[0] = 0;
-            for (k, (here, above)) in here[1..].iter_mut().zip(&above[1..]).enumerate() {
-                if k % TILES == 0 {
-                    left = any[k / TILES];
+            let tiles = here[1..].chunks_mut(TILES).zip(above[1..].chunks(TILES));
+            for ((here, above), any) in tiles.zip(&*any) {
+                // One in each byte that is not zero, then in each byte how many there are up to it.
+                let ones = ((any & 0x7f7f_7f7f) + 0x7f7f_7f7f | any) >> 7 & 0x0101_0101;
+                let counts = ones.wrapping_mul(0x0101_0101).to_le_bytes();
+                for ((here, above), count) in here.iter_mut().zip(above).zip(counts) {
+                    *here = above + sum + u32::from(count);
                 }
-                sum += u32::from(left as u8 != 0);
-                left >>= SIDE;
-                *here = above + sum;
+                sum += u32::from(counts[TILES - 1]);
             }
         }
     }

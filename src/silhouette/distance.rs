@@ -38,10 +38,9 @@ impl DistanceTable {
             is_open: region.is_open(),
             tiles: tiles.lookup(),
         };
-        self.narrow.clear();
         self.wide.clear();
         if width == 0 {
-            return;
+            return self.narrow.clear();
         }
         self.narrow.resize((width * height + SLANTED) / FOUR, 0);
         transform_narrow(&bits, bytemuck::cast_slice_mut(&mut self.narrow));
@@ -186,7 +185,7 @@ vectorised! {
     }
 }
 
-/// Fills `table`, which is zero.
+/// Fills `table`.
 #[inline(always)]
 fn transform<T: Pixels>(bits: &Bits, table: &mut [T]) {
     let height = bits.subject.len() / bits.words;
@@ -250,8 +249,6 @@ fn carry<T: Pixels>(bits: &Bits, table: &mut [T], from: usize, sign: isize) {
 fn transform_open<T: Pixels>(bits: &Bits, table: &mut [T], height: usize) {
     let width = bits.width;
     for y in 0..height {
-        // A run to the open border wrote beyond it.
-        table[y * width..(y + 1) * width].fill(T::ZERO);
         along_row(bits, y, table);
     }
     for y in 1..height {
@@ -275,13 +272,19 @@ fn carry_row<T: Pixels>(from: &[T], here: &mut [T]) {
     here[last] = here[last].min(from[last].min(from[last - 1]).one_more());
 }
 
-/// Distances of the subject pixels of row `y` to the nearest background pixel of that row.
+/// Fills row `y` with distances to the nearest background pixel of the same row. What the last block writes beyond it is
+/// the next row's, which comes later.
 #[inline(always)]
 fn along_row<T: Pixels>(bits: &Bits, y: usize, table: &mut [T]) {
     let (width, row) = (bits.width, &bits.subject[y * bits.words..(y + 1) * bits.words]);
     let table = &mut table[y * width..];
     let mut end = 0;
-    while let Some(start) = next_bit(row, end, 0) {
+    while end < width {
+        let start = next_bit(row, end, 0).unwrap_or(width).min(width);
+        for at in (end..start).step_by(BLOCK) {
+            let Some(block) = table[at..].first_chunk_mut() else { break };
+            *block = [T::ZERO; BLOCK];
+        }
         end = next_bit(row, start, Word::MAX).unwrap_or(width).min(width);
         for at in (start..end).step_by(BLOCK) {
             let Some(block) = table[at..].first_chunk_mut() else { break };

@@ -1,5 +1,8 @@
 //! Which squares of 8 x 8 pixels hold subject, summed up, so that any rectangle is asked in four look-ups.
 
+// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+#![allow(clippy::needless_range_loop)]
+
 use super::region::{LOW, Region, WORD, Word};
 use crate::vectorised::vectorised;
 
@@ -9,51 +12,68 @@ const SIDE: usize = 8;
 /// Tiles side by side in a word.
 const TILES: usize = WORD / SIDE;
 
+/// Words done at once.
+const BLOCK: usize = 32;
+
 /// Tiles with subject above and left of each corner of the tiles, row-major.
 #[derive(Debug, Default)]
 pub(crate) struct Tiles {
     sums: Vec<u32>,
     columns: usize,
     rows: usize,
-    /// Scratch: a row of tiles.
-    any: Vec<Word>,
 }
 
 vectorised! {
-    /// Sums up tiles with subject below the first row of `sums`, which is zero; `any` is scratch, a row of words.
-    fn sum(subject: &[Word], any: &mut [Word], columns: usize, sums: &mut [u32]) {
-        let (words, stride) = (any.len(), columns + 1);
-        for (tiles, rows) in subject.chunks(SIDE * words).enumerate() {
-            any.fill(0);
-            for row in rows.chunks_exact(words) {
-                any.iter_mut().zip(row).for_each(|(any, word)| *any |= word);
-            }
+    /// Sums up tiles with subject below the first row of `sums`, which is zero.
+    fn sum(subject: &[Word], words: usize, columns: usize, sums: &mut [u32]) {
+        let stride = columns + 1;
+        for (tiles, start) in (0..subject.len()).step_by(SIDE * words).enumerate() {
             let (above, here) = sums[tiles * stride..].split_at_mut(stride);
             let mut sum = 0;
             here[0] = 0;
-            let tiles = here[1..].chunks_mut(TILES).zip(above[1..].chunks(TILES));
-            for ((here, above), any) in tiles.zip(&*any) {
-                // One in each byte that is not zero, then in each byte how many there are up to it.
-                let ones = ((any & 0x7f7f_7f7f) + 0x7f7f_7f7f | any) >> 7 & 0x0101_0101;
-                let counts = ones.wrapping_mul(0x0101_0101).to_le_bytes();
-                for ((here, above), count) in here.iter_mut().zip(above).zip(counts) {
-                    *here = above + sum + u32::from(count);
+            let (here, above) = (here[1..].as_chunks_mut::<TILES>().0, above[1..].as_chunks::<TILES>().0);
+            let blocks = here.chunks_mut(BLOCK).zip(above.chunks(BLOCK));
+            for ((here, above), start) in blocks.zip((start..).step_by(BLOCK)) {
+                let any = any_of(subject, words, start);
+                for ((here, above), any) in here.iter_mut().zip(above).zip(any) {
+                    // One in each byte that is not zero, then in each byte how many there are up to it.
+                    let ones = (((any & 0x7f7f_7f7f) + 0x7f7f_7f7f) | any) >> 7 & 0x0101_0101;
+                    let counts = ones.wrapping_mul(0x0101_0101).to_le_bytes();
+                    for k in 0..TILES {
+                        here[k] = above[k] + sum + u32::from(counts[k]);
+                    }
+                    sum += u32::from(counts[TILES - 1]);
                 }
-                sum += u32::from(counts[TILES - 1]);
             }
         }
     }
 }
 
+/// The bits of a row of tiles from the word `start` on: as many words as a block has, though a row may have fewer.
+#[inline(always)]
+fn any_of(subject: &[Word], words: usize, start: usize) -> [Word; BLOCK] {
+    let mut any = [0; BLOCK];
+    for start in (start..subject.len()).step_by(words).take(SIDE) {
+        match subject[start..].first_chunk::<BLOCK>() {
+            Some(row) => {
+                for k in 0..BLOCK {
+                    any[k] |= row[k];
+                }
+            }
+            None => any.iter_mut().zip(&subject[start..]).for_each(|(any, word)| *any |= word),
+        }
+    }
+    any
+}
+
 impl Tiles {
     pub(super) fn fill(&mut self, region: &Region) {
-        let (width, words) = (region.rect().width(), region.words());
-        (self.columns, self.rows) = (width / SIDE, region.rect().height().div_ceil(SIDE));
+        let words = region.words();
+        (self.columns, self.rows) = (words * TILES, region.rect().height().div_ceil(SIDE));
         self.sums.resize((self.columns + 1) * (self.rows + 1), 0);
         self.sums[..=self.columns].fill(0);
         if words > 0 {
-            self.any.resize(words, 0);
-            sum(region.subject(), &mut self.any, self.columns, &mut self.sums);
+            sum(region.subject(), words, self.columns, &mut self.sums);
         }
     }
 
@@ -68,7 +88,7 @@ impl Tiles {
 
     /// Bytes of memory behind the table.
     pub(super) fn working_memory(&self) -> usize {
-        4 * (self.sums.capacity() + self.any.capacity())
+        4 * self.sums.capacity()
     }
 }
 

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! So the distance is the smaller of the way along the row and one more than the least of three neighbours, carried
-//! down and then up. Within a row no pixel waits for another, and a row is a few vector instructions.
+//! down and then up. Within a row no pixel waits for another, and a row is a few vector instructions. The way along a
+//! row comes from two ramps, one that rises from where a run of subject pixels begins and one that falls to its end.
 
 // A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
 #![allow(clippy::needless_range_loop)]
@@ -272,8 +273,8 @@ fn carry_row<T: Pixels>(from: &[T], here: &mut [T]) {
     here[last] = here[last].min(from[last].min(from[last - 1]).one_more());
 }
 
-/// Fills row `y` with distances to the nearest background pixel of the same row. What the last block writes beyond it is
-/// the next row's, which comes later.
+/// Fills row `y` with distances to the nearest background pixel of the same row. What the last block writes beyond it
+/// is the next row's, which comes later.
 #[inline(always)]
 fn along_row<T: Pixels>(bits: &Bits, y: usize, table: &mut [T]) {
     let (width, row) = (bits.width, &bits.subject[y * bits.words..(y + 1) * bits.words]);

@@ -160,3 +160,55 @@ fn check_tiles(s: &Silhouette, plain: &Plain) {
         }
     }
 }
+
+#[test]
+fn distances_of_large_masks_are_those_of_a_plain_sweep() {
+    let mut random = Random(11);
+    let mut s = Silhouette::blank(Border::Background);
+    let mut deepest = 0;
+    for k in 0..12 {
+        let (width, height) = (200 + random.below(500), 300 + random.below(400));
+        let mut mask = GrayImage::new(width, height);
+        for _ in 0..1 + random.below(9) {
+            let centre = [random.below(width), random.below(height)].map(f64::from);
+            let half = [1 + random.below(320), 1 + random.below(320)].map(f64::from);
+            for (x, y, pixel) in mask.enumerate_pixels_mut() {
+                let (dx, dy) = ((f64::from(x) - centre[0]) / half[0], (f64::from(y) - centre[1]) / half[1]);
+                if dx.hypot(dy) < 1.0 {
+                    *pixel = Luma([255]);
+                }
+            }
+        }
+        let border = if k % 4 == 3 { Border::Open } else { Border::Background };
+        s.refill(&mask, border);
+        let expected = swept(&Plain(&mask, border));
+        for (i, j) in pixels(&s.image()) {
+            let distance = expected[j as usize + 1][i as usize + 1];
+            assert_eq!(s.distance(i, j), distance, "{width} x {height} {border:?} ({i}, {j})");
+            deepest = deepest.max(distance);
+        }
+    }
+    assert!(deepest > 255, "{deepest}");
+}
+
+/// Distances pixel by pixel: from the four neighbours that come before in reading order, then from those that come
+/// after. With a rim of one pixel beyond the image.
+fn swept(plain: &Plain) -> Vec<Vec<u16>> {
+    let (width, height) = (plain.0.width() as usize + 2, plain.0.height() as usize + 2);
+    let start = |x: usize, y: usize| if plain.is_subject(x as i32 - 1, y as i32 - 1) { u16::MAX } else { 0 };
+    let mut table: Vec<Vec<_>> = (0..height).map(|y| (0..width).map(|x| start(x, y)).collect()).collect();
+    let mut take = |x: usize, y: usize, sign: isize| {
+        for (dx, dy) in [(-1, 0), (-1, -1), (0, -1), (1, -1)] {
+            let at = |k: usize, step: isize| k.wrapping_add_signed(sign * step);
+            let beside = table.get(at(y, dy)).and_then(|row| row.get(at(x, dx))).copied().unwrap_or(u16::MAX);
+            table[y][x] = table[y][x].min(beside.saturating_add(1));
+        }
+    };
+    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+        take(x, y, 1);
+    }
+    for (y, x) in (0..height).rev().flat_map(|y| (0..width).rev().map(move |x| (y, x))) {
+        take(x, y, -1);
+    }
+    table
+}

@@ -4,7 +4,7 @@
 //! that they belong to its underside: a sample is *supported* when the way out runs against the body's outward
 //! normal, and only supported samples found clusters.
 
-use super::{Colliding, Contact};
+use super::{Colliding, Contact, Room};
 use crate::hull::{EdgeModel, Hull};
 use crate::sample::Samples;
 use nalgebra::{Isometry3, Vector3};
@@ -84,28 +84,31 @@ impl Cluster {
     /// One contact a member, along V, its depth the member's own exit, in the order of the samples. A smooth body
     /// touches with its support points instead, or else it would roll like the polyhedron of its samples.
     pub(super) fn contacts(
-        &self,
+        &mut self,
         hull: &Hull,
         body: &Samples,
         hull_from_body: &Isometry3<f64>,
         max_depth: f64,
+        room: &mut Room,
     ) -> Vec<Contact> {
         let direction = self.direction();
-        let contact = |point| {
-            let depth = hull.exit_within(&point, &direction, EdgeModel::Coverage, max_depth);
-            Contact { point, direction, depth }
-        };
         if let Some(smooth) = body.smooth() {
             let support = smooth.support(&hull_from_body.inverse_transform_vector(&-direction));
             let points = support.iter().map(|sample| hull_from_body * sample.point);
+            let contact = |point| {
+                let depth = hull.exit_within(&point, &direction, EdgeModel::Coverage, max_depth);
+                Contact { point, direction, depth }
+            };
             let touching: Vec<_> =
                 points.filter(|p| hull.inside_by(p, EdgeModel::Coverage)).map(contact).collect();
             if !touching.is_empty() {
                 return touching;
             }
         }
-        let mut members: Vec<&Colliding> = self.members.iter().collect();
-        members.sort_by_key(|sample| sample.index);
-        members.into_iter().map(|sample| contact(sample.point)).collect()
+        self.members.sort_unstable_by_key(|sample| sample.index);
+        let depths = room.exits_within(hull, self.members.iter(), &direction, EdgeModel::Coverage, max_depth);
+        let contact =
+            |(sample, &depth): (&Colliding, &f64)| Contact { point: sample.point, direction, depth };
+        self.members.iter().zip(depths).map(contact).collect()
     }
 }

@@ -13,7 +13,12 @@ const MOST_ASKED: usize = 64;
 
 /// The direction whose longest exit over the colliding samples is shortest: among the 26 to the faces, edges and
 /// corners of a cube, the samples' mean way out, and the last step's.
-pub(super) fn direction(hull: &Hull, colliding: &[Colliding], last: Option<Vector3<f64>>) -> Vector3<f64> {
+pub(super) fn direction(
+    hull: &Hull,
+    colliding: &[Colliding],
+    last: Option<Vector3<f64>>,
+    _room: &mut super::Room,
+) -> Vector3<f64> {
     let stride = colliding.len().div_ceil(MOST_ASKED);
     let mean: Vector3<f64> = colliding.iter().map(|sample| sample.push.direction * sample.push.depth).sum();
     let fresh = cube_directions().chain(mean.try_normalize(1e-9));

@@ -13,7 +13,7 @@ mod reduce;
 mod tilt;
 
 pub use crate::hull::BodyResponse;
-use crate::hull::{EdgeModel, Hull, Push, Workspace};
+use crate::hull::{self, EdgeModel, Hull, Push, Pushed, Start, Workspace};
 use crate::sample::Samples;
 use cluster::Cluster;
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -82,6 +82,8 @@ struct Colliding {
     point: Point3<f64>,
     /// The body's outward normal there; zero where it is not known.
     normal: Vector3<f64>,
+    /// Index of the view whose edge gave the way out.
+    view: usize,
     push: Push,
 }
 
@@ -94,22 +96,41 @@ pub fn collide(
     settings: &Settings,
     last_escape: Option<Vector3<f64>>,
 ) -> Contacts {
-    let colliding = samples_inside(hull, body, hull_from_body, usize::MAX);
-    if colliding.is_empty() || settings.max_contacts == 0 {
-        return Contacts::default();
-    }
+    Room::with(|room| {
+        room.take_inside(hull, body, hull_from_body, usize::MAX);
+        let colliding = std::mem::take(&mut room.colliding);
+        let contacts = if colliding.is_empty() || settings.max_contacts == 0 {
+            Contacts::default()
+        } else {
+            contacts_of(hull, body, hull_from_body, settings, last_escape, &colliding, room)
+        };
+        room.colliding = colliding;
+        contacts
+    })
+}
+
+fn contacts_of(
+    hull: &Hull,
+    body: &Samples,
+    hull_from_body: &Isometry3<f64>,
+    settings: &Settings,
+    last_escape: Option<Vector3<f64>>,
+    colliding: &[Colliding],
+    room: &mut Room,
+) -> Contacts {
     let mut escape = None;
     let clusters = match settings.mode {
         Mode::Clustered => {
-            let mut clusters = cluster::of(&colliding);
+            let mut clusters = cluster::of(colliding);
             if clusters.is_empty() {
-                let direction = escape::direction(hull, &colliding, last_escape);
+                let direction = escape::direction(hull, colliding, last_escape, room);
                 escape = Some(direction);
-                clusters.push(Cluster::all(&colliding, direction));
+                clusters.push(Cluster::all(colliding, direction));
             }
-            let contacts =
-                |cluster: &Cluster| cluster.contacts(hull, body, hull_from_body, settings.max_depth);
-            clusters.iter().map(contacts).collect()
+            let mut contacts = |cluster: &mut Cluster| {
+                cluster.contacts(hull, body, hull_from_body, settings.max_depth, room)
+            };
+            clusters.iter_mut().map(&mut contacts).collect()
         }
         Mode::Paper => {
             let vector = body_response(hull, body, hull_from_body).vector;
@@ -121,7 +142,7 @@ pub fn collide(
             vec![colliding.iter().filter_map(paper).collect()]
         }
         Mode::Point => vec![colliding.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()],
-        Mode::Single => vec![vec![own_contact(deepest(&colliding), settings.max_depth)]],
+        Mode::Single => vec![vec![own_contact(deepest(colliding), settings.max_depth)]],
     };
     let mut contacts = reduce::spread(clusters, settings.max_contacts);
     if settings.mode == Mode::Clustered && escape.is_none() {
@@ -138,8 +159,10 @@ pub fn collide_any(
     hull_from_body: &Isometry3<f64>,
     settings: &Settings,
 ) -> Vec<Contact> {
-    let inside = samples_inside(hull, body, hull_from_body, settings.max_contacts);
-    inside.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()
+    Room::with(|room| {
+        room.take_inside(hull, body, hull_from_body, settings.max_contacts);
+        room.colliding.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()
+    })
 }
 
 /// The paper's response of a body (section 5): the mean of its colliding samples' responses gives the direction, the
@@ -157,32 +180,63 @@ pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64
 }
 
 thread_local! {
-    /// Memory for the samples of one body at a time.
-    static SPARE: Cell<Option<Workspace>> = const { Cell::new(None) };
+    /// Memory for one body at a time.
+    static SPARE: Cell<Option<Room>> = const { Cell::new(None) };
 }
 
-/// The body's samples inside the hull, in their order, each with its way out; the first `most` of them.
-fn samples_inside(
-    hull: &Hull,
-    body: &Samples,
-    hull_from_body: &Isometry3<f64>,
-    most: usize,
-) -> Vec<Colliding> {
-    let mut workspace = SPARE.take().unwrap_or_default();
-    let mut inside = Vec::new();
-    // Nothing is inside in a pose that is not finite.
-    if let Ok(candidates) = hull.candidates(body.cloud(), hull_from_body, &mut workspace) {
-        let samples = body.points();
-        let colliding = candidates.iter().filter_map(|index| {
-            let sample = &samples[index];
-            let point = hull_from_body * sample.point;
-            let push = hull.push(&point)?;
-            Some(Colliding { index, point, normal: hull_from_body * sample.normal, push })
-        });
-        inside.extend(colliding.take(most));
+/// Memory that is used again for body after body.
+#[derive(Debug, Default)]
+struct Room {
+    batch: Workspace,
+    exact: hull::Memory,
+    indices: Vec<usize>,
+    points: Vec<Point3<f64>>,
+    pushes: Vec<Pushed>,
+    colliding: Vec<Colliding>,
+    starts: Vec<Start>,
+    exits: Vec<f64>,
+}
+
+impl Room {
+    fn with<R>(ask: impl FnOnce(&mut Self) -> R) -> R {
+        let mut room = SPARE.take().unwrap_or_default();
+        let answer = ask(&mut room);
+        SPARE.set(Some(room));
+        answer
     }
-    SPARE.set(Some(workspace));
-    inside
+
+    /// Takes up the body's samples inside the hull, in their order, each with its way out; the first `most` of them.
+    fn take_inside(&mut self, hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64>, most: usize) {
+        let samples = body.points();
+        self.colliding.clear();
+        // Nothing is inside in a pose that is not finite.
+        let Ok(candidates) = hull.candidates(body.cloud(), hull_from_body, &mut self.batch) else { return };
+        self.indices.clear();
+        self.indices.extend(candidates.iter());
+        self.points.clear();
+        self.points.extend(self.indices.iter().map(|&index| hull_from_body * samples[index].point));
+        hull.pushes(&self.points, most, &mut self.exact, &mut self.pushes);
+        self.colliding.extend(self.pushes.iter().map(|&Pushed { place, view, push }| {
+            let index = self.indices[place];
+            let normal = hull_from_body * samples[index].normal;
+            Colliding { index, point: self.points[place], normal, view, push }
+        }));
+    }
+
+    /// The exits of samples along one direction, in their order.
+    fn exits_within<'a>(
+        &mut self,
+        hull: &Hull,
+        samples: impl Iterator<Item = &'a Colliding>,
+        direction: &Vector3<f64>,
+        edge: EdgeModel,
+        most: f64,
+    ) -> &[f64] {
+        self.starts.clear();
+        self.starts.extend(samples.map(|sample| Start { point: sample.point, view: sample.view }));
+        hull.exits_within(&self.starts, direction, edge, most, &mut self.exact, &mut self.exits);
+        &self.exits
+    }
 }
 
 fn own_contact(sample: &Colliding, max_depth: f64) -> Contact {

@@ -29,9 +29,27 @@ pub struct View {
     /// Holds every point of the silhouette, whichever way its edge is taken.
     rect: Rect,
     planes: [Vector3<f64>; 4],
+    footprint: Footprint,
+}
+
+/// How many metres a pixel covers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Footprint {
+    fx: f64,
+    fy: f64,
     /// One pixel down moves (-s / (fx fy), 1 / fy) on the plane at depth 1: this many times 1 / fy. The skew s is zero
     /// for most cameras.
     down_stretch: f64,
+}
+
+impl Footprint {
+    /// At a depth: the smaller of the steps to the right and down (design: d_i of the window search).
+    #[inline(always)]
+    pub(super) fn at(&self, depth: f64) -> f64 {
+        let right = depth / self.fx;
+        let down = depth / self.fy * self.down_stretch;
+        if down < right { down } else { right }
+    }
 }
 
 impl View {
@@ -45,8 +63,9 @@ impl View {
         let planes = frustum::planes(&projection, &rect);
         let centre = camera.centre();
         let k = camera.intrinsics();
-        let down_stretch = (k[(0, 1)] / k[(0, 0)]).hypot(1.0);
-        Self { camera, projection, silhouette, seen, enabled: true, centre, rect, planes, down_stretch }
+        let (fx, fy) = (k[(0, 0)], k[(1, 1)]);
+        let footprint = Footprint { fx, fy, down_stretch: (k[(0, 1)] / fx).hypot(1.0) };
+        Self { camera, projection, silhouette, seen, enabled: true, centre, rect, planes, footprint }
     }
 
     /// The view taken out, so that it abstains, or put back.
@@ -178,16 +197,12 @@ impl View {
 
     /// Metres that one pixel covers at a depth of one metre.
     pub(super) fn footprint_at_one_metre(&self) -> f64 {
-        self.footprint(&Pixel { u: 0.0, v: 0.0, depth: 1.0 })
+        self.footprint.at(1.0)
     }
 
-    /// The same at the depth of a point: the smaller of the steps to the right and down (design: d_i of the window
-    /// search).
-    pub(super) fn footprint(&self, pixel: &Pixel) -> f64 {
-        let k = self.camera.intrinsics();
-        let right = pixel.depth / k[(0, 0)];
-        let down = pixel.depth / k[(1, 1)] * self.down_stretch;
-        right.min(down)
+    /// Metres that one pixel covers at any depth.
+    pub(super) fn footprint(&self) -> &Footprint {
+        &self.footprint
     }
 }
 

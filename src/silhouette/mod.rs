@@ -4,6 +4,7 @@
 //! [`SUBJECT`]. The values between are coverage, the fraction of the pixel that the subject covers, and put the edge
 //! inside the pixel. What lies beyond the image is decided by the [`Border`].
 
+mod contact_edge;
 mod distance;
 mod edge;
 mod mask;
@@ -13,6 +14,7 @@ mod region;
 mod tiles;
 mod undistort;
 
+pub(crate) use contact_edge::compute_edges;
 pub use edge::Edge;
 pub use mask::load_mask;
 pub use rect::Rect;
@@ -169,6 +171,12 @@ impl Silhouette {
         } else {
             0
         }
+    }
+
+    /// The distance at a place of the table.
+    #[inline]
+    pub(crate) fn distance_at(&self, place: usize) -> u16 {
+        self.distances.at(place)
     }
 
     /// The tables themselves, for queries of many points.

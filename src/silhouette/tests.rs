@@ -137,7 +137,7 @@ fn an_edge_is_the_same_when_asked_again() {
     let s = Silhouette::new(&covered(70, 50, blob), Border::Background);
     let once: Vec<_> = s.edge_pixels().map(|(i, j)| s.edge(i, j)).collect();
     assert!(once.len() > 100 && s.edge_pixels().map(|(i, j)| s.edge(i, j)).eq(once.iter().copied()));
-    assert!(s.edge_pixels().map(|(i, j)| s.contact_edge(i, j)).eq(once));
+    assert!(s.edge_pixels().map(|(i, j)| contact_edge::at(&s, (i, j))).eq(once));
 }
 
 #[test]

@@ -1,0 +1,226 @@
+//! Many points at once, in double precision: the pushes and exits that contacts are made of.
+//!
+//! ```text
+//!   points ─► sight ─► nearest edge ─► contact normal ─► exit
+//!             every view, once         of new edge pixels many at once
+//! ```
+//!
+//! The same arithmetic in the same order as [`Hull::push`] and [`Hull::exit_within`], so that the same bits come out;
+//! only what a point does not wait for is done for many at a time. What is rare goes the single query's way: walks
+//! along a silhouette's rectangle or through an edge with coverage, and all of a frame in which a view may abstain.
+
+// Loops over the lanes of several arrays say what happens to lane k: it is what the compiler turns into vectors.
+#![allow(clippy::needless_range_loop)]
+
+mod exits;
+mod nearest;
+mod sight;
+mod walk;
+
+use super::points::LANES;
+use super::{EdgeModel, Hull, Push, Unseen};
+use crate::silhouette::Border;
+use crate::vectorised::vectorised;
+use exits::{Exits, Way};
+use nalgebra::{Point3, Vector3};
+use sight::{Block, Field};
+
+/// One number of each of as many points as are asked together.
+type Wide = [f64; LANES];
+
+/// A point inside, and the index of the view that is likely to decide where it leaves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Start {
+    pub(crate) point: Point3<f64>,
+    pub(crate) view: usize,
+}
+
+/// The push of one point of many.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pushed {
+    /// Its place among them.
+    pub(crate) place: usize,
+    /// Index of the view that decided.
+    pub(crate) view: usize,
+    pub(crate) push: Push,
+}
+
+/// Memory that is used again and again; it holds no answer.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    fields: Vec<Field<'static>>,
+    block: Block,
+    exits: Exits,
+}
+
+impl Hull {
+    /// Writes to `pushes` [`Self::push`] of those of `points` that are inside by the coverage edge, in their order;
+    /// of the first `most` of them.
+    pub(crate) fn pushes(
+        &self,
+        points: &[Point3<f64>],
+        most: usize,
+        memory: &mut Memory,
+        pushes: &mut Vec<Pushed>,
+    ) {
+        pushes.clear();
+        if !self.every_view_tells() {
+            let push = |(place, p)| Some(Pushed { place, view: 0, push: self.push(p)? });
+            pushes.extend(points.iter().enumerate().filter_map(push).take(most));
+            return;
+        }
+        memory.with_fields(self, EdgeModel::Coverage, |fields, block, exits| {
+            for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
+                if pushes.len() < most {
+                    push_block(self, chunk, first, fields, block, exits, pushes);
+                }
+            }
+        });
+        pushes.truncate(most);
+    }
+
+    /// Writes to `exits` [`Self::exit_within`] of each of `starts`, all of them inside.
+    pub(crate) fn exits_within(
+        &self,
+        starts: &[Start],
+        direction: &Vector3<f64>,
+        edge: EdgeModel,
+        most: f64,
+        memory: &mut Memory,
+        exits: &mut Vec<f64>,
+    ) {
+        exits.clear();
+        if !self.every_view_tells() {
+            exits.extend(starts.iter().map(|start| self.exit_within(&start.point, direction, edge, most)));
+            return;
+        }
+        memory.with_fields(self, edge, |fields, block, walks| {
+            for chunk in starts.chunks(LANES) {
+                exit_block(self, chunk, direction, most, fields, block, walks, exits);
+            }
+        });
+    }
+
+    /// Whether a point that some view does not see is outside, and nothing but background ends a silhouette.
+    fn every_view_tells(&self) -> bool {
+        self.unseen() == Unseen::Outside
+            && self
+                .enabled_views()
+                .all(|view| view.seen().is_none() && view.silhouette().border() == Border::Background)
+    }
+}
+
+vectorised! {
+    fn push_block(
+        hull: &Hull,
+        points: &[Point3<f64>],
+        first: usize,
+        fields: &[Field],
+        block: &mut Block,
+        exits: &mut Exits,
+        pushes: &mut Vec<Pushed>,
+    ) {
+        block.place(points.len(), |k| points[k]);
+        let mut inside = 0;
+        for (k, point) in points.iter().enumerate() {
+            inside |= u32::from(hull.in_boxes(point)) << k;
+        }
+        let inside = block.sight_inside(fields, inside);
+        if inside == 0 {
+            return;
+        }
+        let mut way = Way::default();
+        let inside = nearest::ways(hull, fields, block, inside, &mut way);
+        exits.find(hull, fields, block, &way, f64::INFINITY, inside);
+        for k in bits(inside) {
+            let direction = Vector3::new(way.direction[0][k], way.direction[1][k], way.direction[2][k]);
+            let push = Push { direction, depth: exits.exit[k] };
+            pushes.push(Pushed { place: first + k, view: fields[way.field[k]].index, push });
+        }
+    }
+}
+
+vectorised! {
+    fn exit_block(
+        hull: &Hull,
+        starts: &[Start],
+        direction: &Vector3<f64>,
+        most: f64,
+        fields: &[Field],
+        block: &mut Block,
+        exits: &mut Exits,
+        found: &mut Vec<f64>,
+    ) {
+        block.place(starts.len(), |k| starts[k].point);
+        block.sight(fields);
+        let mut way = Way { direction: [[direction.x; LANES], [direction.y; LANES], [direction.z; LANES]], ..Way::default() };
+        for (field, start) in way.field.iter_mut().zip(starts) {
+            *field = fields.iter().position(|field| field.index == start.view).unwrap_or(0);
+        }
+        exits.find(hull, fields, block, &way, most, u32::MAX >> (LANES - starts.len()));
+        found.extend_from_slice(&exits.exit[..starts.len()]);
+    }
+}
+
+impl Memory {
+    /// Runs `ask` on what of the hull's views every point needs.
+    fn with_fields<'h>(
+        &mut self,
+        hull: &'h Hull,
+        edge: EdgeModel,
+        ask: impl FnOnce(&[Field<'h>], &mut Block, &mut Exits),
+    ) {
+        let mut fields: Vec<Field<'h>> = std::mem::take(&mut self.fields);
+        let enabled = hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
+        fields.extend(enabled.map(|(index, view)| Field::new(index, view, edge)));
+        ask(&fields, &mut self.block, &mut self.exits);
+        fields.clear();
+        // Collected in place: nothing is left to convert but the lifetime.
+        self.fields = fields.into_iter().map(|_| unreachable!("it was cleared")).collect();
+    }
+}
+
+/// The places of the set bits.
+#[inline(always)]
+fn bits(mut word: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = word.trailing_zeros();
+        word &= word.wrapping_sub(1);
+        (place < u32::BITS).then_some(place as usize)
+    })
+}
+
+/// Both are computed, and one is taken: no branch for the compiler to stumble over.
+#[inline(always)]
+fn either(condition: bool, yes: f64, no: f64) -> f64 {
+    if condition { yes } else { no }
+}
+
+/// Adding this leaves the nearest whole number in a float's lowest bits.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+
+/// The whole number below `x`, which is not negative and below 2^51.
+#[inline(always)]
+fn floor(x: f64) -> f64 {
+    let nearest = (x + WHOLE) - WHOLE;
+    either(nearest > x, nearest - 1.0, nearest)
+}
+
+/// A whole number that is not negative and below 2^32.
+#[inline(always)]
+fn index(x: f64) -> u32 {
+    (x + WHOLE).to_bits() as u32
+}
+
+/// Zeros and ones as bits.
+#[inline(always)]
+fn gathered(ones: &[u64; LANES]) -> u32 {
+    let mut bits = 0;
+    for k in 0..LANES {
+        bits |= ones[k] << k;
+    }
+    bits as u32
+}
+
+#[cfg(test)]
+mod tests;

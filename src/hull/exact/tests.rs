@@ -1,0 +1,93 @@
+//! Many points at once against the single queries: the same bits.
+
+use super::super::tests::{POLICIES, Random, bounds, cameras, hull};
+use super::super::{Aabb, View};
+use super::*;
+use crate::silhouette::Silhouette;
+use image::{GrayImage, Luma};
+use nalgebra::{point, vector};
+use std::sync::Arc;
+
+/// Hulls with and without coverage, and of masks full of specks and holes, some of them up to the image's border.
+fn hulls() -> Vec<Hull> {
+    let plain = POLICIES.into_iter().flat_map(|unseen| [1, 4].map(|samples| hull(unseen, samples)));
+    let specked = [false, true].map(|coverage| {
+        let mut random = Random(3);
+        let view = |camera: crate::camera::Camera| {
+            let mask = specks(&mut random, coverage);
+            View::new(Arc::new(camera), Arc::new(Silhouette::new(&mask, Border::Background)), None)
+        };
+        Hull::new(cameras().into_iter().map(view).collect(), bounds(), Unseen::Outside, 0.0)
+    });
+    plain.chain(specked).collect()
+}
+
+fn specks(random: &mut Random, coverage: bool) -> GrayImage {
+    let holes: Vec<_> = (0..30).map(|_| [160.0, 120.0, 7.0].map(|most| most * random.unit())).collect();
+    GrayImage::from_fn(160, 120, |i, j| {
+        let hole = holes.iter().any(|[x, y, r]| (f64::from(i) - x).hypot(f64::from(j) - y) < *r);
+        let grey = if coverage { (220.0 * random.unit()) as u8 } else { 0 };
+        Luma([if hole { grey } else { 255 }])
+    })
+}
+
+fn points(hull: &Hull, count: usize) -> Vec<Point3<f64>> {
+    let mut random = Random(7);
+    (0..count).map(|_| random.point(&hull.aabb().grown(0.02))).collect()
+}
+
+#[test]
+fn many_pushes_have_the_bits_of_single_ones() {
+    let (mut memory, mut pushes) = (Memory::default(), Vec::new());
+    for (n, hull) in hulls().iter().enumerate() {
+        let points = points(hull, 3001);
+        hull.pushes(&points, usize::MAX, &mut memory, &mut pushes);
+        let mut found = pushes.iter();
+        for (place, p) in points.iter().enumerate() {
+            let Some(push) = hull.push(p) else { continue };
+            let many = found.next().unwrap();
+            assert_eq!((many.place, many.push), (place, push), "hull {n}, {p}");
+        }
+        assert!(found.next().is_none() && pushes.len() > 200, "hull {n}: {}", pushes.len());
+    }
+}
+
+#[test]
+fn the_first_few_pushes_are_the_first_of_all() {
+    let (mut memory, mut all, mut few) = (Memory::default(), Vec::new(), Vec::new());
+    for hull in hulls() {
+        let points = points(&hull, 500);
+        hull.pushes(&points, usize::MAX, &mut memory, &mut all);
+        for most in [0, 1, 40] {
+            hull.pushes(&points, most, &mut memory, &mut few);
+            assert!(few.iter().map(|few| few.place).eq(all.iter().take(most).map(|all| all.place)));
+        }
+    }
+}
+
+#[test]
+fn many_exits_have_the_bits_of_single_ones() {
+    let (mut memory, mut pushes, mut exits) = (Memory::default(), Vec::new(), Vec::new());
+    let mut random = Random(9);
+    for (n, hull) in hulls().iter().enumerate() {
+        let points = points(hull, 1003);
+        hull.pushes(&points, usize::MAX, &mut memory, &mut pushes);
+        let start = |pushed: &Pushed| Start { point: points[pushed.place], view: pushed.view };
+        let starts: Vec<_> = pushes.iter().map(start).collect();
+        let ball = Aabb { min: point![-1.0, -1.0, -1.0], max: point![1.0, 1.0, 1.0] };
+        let mut directions: Vec<_> = (0..6).map(|_| random.point(&ball).coords.normalize()).collect();
+        directions.extend([Vector3::x(), -Vector3::y(), Vector3::z(), vector![0.6, 0.0, -0.8]]);
+        for direction in directions {
+            for edge in [EdgeModel::Pixel, EdgeModel::Coverage] {
+                for most in [f64::INFINITY, 0.05] {
+                    hull.exits_within(&starts, &direction, edge, most, &mut memory, &mut exits);
+                    assert_eq!(exits.len(), starts.len());
+                    for (exit, start) in exits.iter().zip(&starts) {
+                        let single = hull.exit_within(&start.point, &direction, edge, most);
+                        assert_eq!(*exit, single, "hull {n}, {edge:?}, {most}, {}", start.point);
+                    }
+                }
+            }
+        }
+    }
+}

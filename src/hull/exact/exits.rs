@@ -1,13 +1,10 @@
 //! Where many points inside leave the hull: the nearest exit over the views and the work volume.
 
 use super::super::Hull;
-use super::super::image_line::ImageLine;
-use super::super::march::March;
 use super::super::points::LANES;
 use super::sight::{Block, Field, Sighting};
-use super::walk::Lines;
+use super::walk::{Line, Paths, Walkers};
 use super::{Wide, bits, either, gathered};
-use nalgebra::Vector3;
 
 /// Where to: a unit direction for each point, and the view that is asked first, by its place among the fields.
 #[derive(Debug, Clone, Copy, Default)]
@@ -21,11 +18,11 @@ pub(super) struct Way {
 pub(super) struct Exits {
     /// Metres from each point to its exit.
     pub(super) exit: Wide,
-    lines: Lines,
+    walkers: Walkers,
     /// How each view's homogeneous coordinates change along the way.
     ahead: Vec<[Wide; 3]>,
-    /// Points and fields whose walks are left to do.
-    pending: Vec<(usize, usize)>,
+    /// Lines that are left to walk.
+    lines: Vec<Line>,
 }
 
 impl Exits {
@@ -45,64 +42,19 @@ impl Exits {
         self.exit = wall(hull, block, &way.direction, most);
         self.ahead.clear();
         self.ahead.extend(fields.iter().map(|field| field.ahead(&way.direction)));
-        self.pending.clear();
-        self.pending.extend(bits(used).map(|k| (k, way.field[k])));
-        self.walk(fields, block, way);
-        self.pending.clear();
-        for place in 0..fields.len() {
-            let stays = stays_inside(&fields[place], &block.sightings[place], &self.ahead[place], &self.exit);
-            self.pending.extend(bits(used & !stays).filter(|&k| way.field[k] != place).map(|k| (k, place)));
+        let Self { exit, walkers, ahead, lines } = self;
+        let paths = Paths { fields, block, way, ahead };
+        lines.clear();
+        lines.extend(bits(used).map(|k| Line { k, place: way.field[k] }));
+        walkers.walk(lines, &paths, exit);
+        lines.clear();
+        for (place, field) in fields.iter().enumerate() {
+            let stays = stays_inside(field, &block.sightings[place], &ahead[place], exit);
+            let in_doubt = bits(used & !stays).filter(|&k| way.field[k] != place);
+            lines.extend(in_doubt.map(|k| Line { k, place }));
         }
-        self.walk(fields, block, way);
+        walkers.walk(lines, &paths, exit);
     }
-
-    /// Does the walks that are pending.
-    #[inline(always)]
-    fn walk(&mut self, fields: &[Field], block: &Block, way: &Way) {
-        for chunk in self.pending.chunks(LANES) {
-            let (mut limit, mut walking) = ([0.0; LANES], 0);
-            for (slot, &(k, place)) in chunk.iter().enumerate() {
-                self.lines.set(slot, k, place, fields, block, &self.ahead[place]);
-                limit[slot] = self.exit[k];
-                walking |= u32::from(block.sightings[place].clear[k] > 0.0) << slot;
-            }
-            let in_background = !walking & u32::MAX >> (LANES - chunk.len());
-            let left = self.lines.walk(fields, &mut limit, walking);
-            for slot in bits(left) {
-                limit[slot] = walk_on(&self.lines, slot, fields, limit[slot]);
-            }
-            for slot in bits(in_background) {
-                let (k, place) = chunk[slot];
-                limit[slot] = walk_from_background(fields, block, way, k, place, limit[slot]);
-            }
-            for (&(k, _), limit) in chunk.iter().zip(limit) {
-                self.exit[k] = either(limit < self.exit[k], limit, self.exit[k]);
-            }
-        }
-    }
-}
-
-/// Walks a line on from where it stands.
-fn walk_on(lines: &Lines, slot: usize, fields: &[Field], limit: f64) -> f64 {
-    let field = &fields[lines.field[slot]];
-    let vector = |of: &[Wide; 3]| Vector3::new(of[0][slot], of[1][slot], of[2][slot]);
-    let line = ImageLine::new(vector(&lines.start), vector(&lines.ahead));
-    let (cell, t) = ((lines.column[slot] as i32, lines.row[slot] as i32), lines.t[slot]);
-    March::from_cell(field.view, line, cell, t, field.edge).exit_by(t, limit)
-}
-
-/// Walks from a pixel that is background, though the point is inside by coverage.
-fn walk_from_background(
-    fields: &[Field],
-    block: &Block,
-    way: &Way,
-    k: usize,
-    place: usize,
-    limit: f64,
-) -> f64 {
-    let field = &fields[place];
-    let direction = Vector3::new(way.direction[0][k], way.direction[1][k], way.direction[2][k]);
-    March::new(field.view, &block.point(k), &direction, field.edge).exit_by(0.0, limit)
 }
 
 /// Which views surely see subject up to the exits: those ends lie in the square of subject pixels around the start,
@@ -119,7 +71,7 @@ fn stays_inside(field: &Field, sighting: &Sighting, ahead: &[Wide; 3], exit: &Wi
         let (du, dv) = (end_x - (sighting.column[k] + 0.5) * end_z, end_y - (sighting.row[k] + 0.5) * end_z);
         // Both sides times the depth.
         let near = (du.abs() < reach * end_z) & (dv.abs() < reach * end_z);
-        stays[k] = u64::from((end_z > 0.0) & near & (reach > 0.0));
+        stays[k] = u32::from((end_z > 0.0) & near & (reach > 0.0));
     }
     gathered(&stays)
 }

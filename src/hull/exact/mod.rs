@@ -214,12 +214,8 @@ fn index(x: f64) -> u32 {
 
 /// Zeros and ones as bits.
 #[inline(always)]
-fn gathered(ones: &[u64; LANES]) -> u32 {
-    let mut bits = 0;
-    for k in 0..LANES {
-        bits |= ones[k] << k;
-    }
-    bits as u32
+fn gathered<const N: usize>(ones: &[u32; N]) -> u32 {
+    ones.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
 }
 
 #[cfg(test)]

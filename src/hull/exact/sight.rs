@@ -25,6 +25,8 @@ pub(super) struct Field<'a> {
     pub(super) origin: f64,
     /// Whether its edge is taken inside pixels.
     pub(super) by_coverage: bool,
+    /// Cells are pixels (0), or the squares between four pixel centres (one half).
+    pub(super) shift: f64,
     pub(super) edge: EdgeModel,
     pub(super) footprint: Footprint,
 }
@@ -53,6 +55,7 @@ impl<'a> Field<'a> {
         let (tables, image, rect) = (silhouette.tables(), silhouette.image(), silhouette.rect());
         let p = view.projection();
         let stride = tables.width as f64;
+        let by_coverage = edge == EdgeModel::Coverage && silhouette.has_coverage();
         Self {
             view,
             index,
@@ -63,7 +66,8 @@ impl<'a> Field<'a> {
             distance: tables.distance,
             stride,
             origin: -(stride * f64::from(tables.corner.1) + f64::from(tables.corner.0)),
-            by_coverage: edge == EdgeModel::Coverage && silhouette.has_coverage(),
+            by_coverage,
+            shift: if by_coverage { 0.5 } else { 0.0 },
             edge,
             footprint: *view.footprint(),
         }
@@ -103,6 +107,20 @@ impl<'a> Field<'a> {
         here.min(self.distance(place + 1)).min(self.distance(below)).min(self.distance(below + 1))
     }
 
+    /// The cell in which a walk from point `k` begins, and its distance to background.
+    #[inline(always)]
+    pub(super) fn first_cell(&self, sighting: &Sighting, k: usize) -> (f64, f64, f64) {
+        let (column, row, clear) = (sighting.column[k], sighting.row[k], sighting.clear[k]);
+        if !self.by_coverage || clear == 0.0 {
+            return (column, row, clear);
+        }
+        // The cell begins at a pixel's centre: at that of the point's pixel, or of the one before.
+        let cell = |x: f64, pixel: f64| if x - self.shift < pixel { pixel - 1.0 } else { pixel };
+        let [x, y, depth] = sighting.at.map(|at| at[k]);
+        let (column, row) = (cell(x / depth, column), cell(y / depth, row));
+        (column, row, f64::from(self.clear(index(row * self.stride + column + self.origin))))
+    }
+
     /// Where the view sees points; and a bit for each that it sees inside.
     #[inline(always)]
     fn sight(&self, [x, y, z]: &[Wide; 3], sighting: &mut Sighting) -> u32 {
@@ -123,7 +141,7 @@ impl<'a> Field<'a> {
             // The table's first place is background.
             places[k] = index(either(in_columns & in_rows, j * self.stride + i + self.origin, 0.0));
             (sighting.column[k], sighting.row[k]) = (i, j);
-            visible[k] = u64::from(seen);
+            visible[k] = u32::from(seen);
         }
         for k in 0..LANES {
             sighting.clear[k] = f64::from(self.distance(places[k]));
@@ -131,7 +149,7 @@ impl<'a> Field<'a> {
         let least = if self.by_coverage { 1.0 } else { 0.0 };
         let mut clear = [0; LANES];
         for k in 0..LANES {
-            clear[k] = u64::from(sighting.clear[k] > least);
+            clear[k] = u32::from(sighting.clear[k] > least);
         }
         let (visible, clear) = (gathered(&visible), gathered(&clear));
         visible & (clear | if self.by_coverage { self.covered(sighting, visible & !clear) } else { 0 })

@@ -1,107 +1,138 @@
-//! Walks of many points through silhouettes at once, each along its own line.
+//! Walks of many points through silhouettes side by side, each along its own line.
 //!
-//! A step is that of [`March`](super::super::march::March): from the cell entered to the side of the largest square of
-//! subject cells around it. A walk ends in background or at its limit, or where something rare comes up: the rest of
-//! it is then left to [`March`](super::super::march::March).
+//! A step is that of [`March`]: from the cell entered to the side of the largest square of subject cells around it. A
+//! walk ends in background or at its limit, or where something rare comes up: then [`March`] goes on with it. The
+//! next line takes its slot at once.
 
-use super::super::points::LANES;
+use super::super::image_line::ImageLine;
+use super::super::march::March;
+use super::exits::Way;
 use super::sight::{Block, Field};
 use super::{Wide, bits, either, floor, gathered, index};
-use crate::camera::MIN_DEPTH;
+use crate::camera::{MIN_DEPTH, Pixel};
+use nalgebra::Vector3;
 
-/// Lines of as many points as walk together: where they are at `t` metres is `start + t ahead`, in homogeneous image
-/// coordinates.
+/// Lines that walk side by side.
+const SLOTS: usize = 16;
+
+/// One number of each of them.
+type Slots = [f64; SLOTS];
+
+/// Point k as the field `place` sees it.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Lines {
-    pub(super) start: [Wide; 3],
-    pub(super) ahead: [Wide; 3],
-    /// The cell that each is in, and when it entered it.
-    pub(super) column: Wide,
-    pub(super) row: Wide,
-    pub(super) t: Wide,
-    /// Cells are pixels (0), or the squares between four pixel centres (one half).
-    shift: Wide,
-    low: [Wide; 2],
-    high: [Wide; 2],
-    stride: Wide,
-    origin: Wide,
-    pub(super) field: [usize; LANES],
+pub(super) struct Line {
+    pub(super) k: usize,
+    pub(super) place: usize,
 }
 
-impl Lines {
-    /// Puts the line of point `k` in the view `field` into a slot, at its start.
-    #[inline(always)]
-    pub(super) fn set(
-        &mut self,
-        slot: usize,
-        k: usize,
-        place: usize,
-        fields: &[Field],
-        block: &Block,
-        ahead: &[Wide; 3],
-    ) {
-        let (field, sighting) = (&fields[place], &block.sightings[place]);
-        for axis in 0..3 {
-            self.start[axis][slot] = sighting.at[axis][k];
-            self.ahead[axis][slot] = ahead[axis][k];
-        }
-        self.t[slot] = 0.0;
-        (self.column[slot], self.row[slot]) = (sighting.column[k], sighting.row[k]);
-        self.shift[slot] = 0.0;
-        if field.by_coverage {
-            self.shift[slot] = 0.5;
-            // A pixel of the rectangle's, which may be the image's first: the margin reaches beyond.
-            let cell = |x: f64, pixel: f64| if x - 0.5 < pixel { pixel - 1.0 } else { pixel };
-            let [u, v, depth] = sighting.at.map(|at| at[k]);
-            (self.column[slot], self.row[slot]) =
-                (cell(u / depth, self.column[slot]), cell(v / depth, self.row[slot]));
-        }
-        for axis in 0..2 {
-            (self.low[axis][slot], self.high[axis][slot]) = (field.low[axis], field.high[axis]);
-        }
-        (self.stride[slot], self.origin[slot], self.field[slot]) = (field.stride, field.origin, place);
-    }
+/// All that is known of points that are to walk.
+pub(super) struct Paths<'a> {
+    pub(super) fields: &'a [Field<'a>],
+    pub(super) block: &'a Block,
+    pub(super) way: &'a Way,
+    /// How each view's homogeneous coordinates change along the way.
+    pub(super) ahead: &'a [[Wide; 3]],
+}
 
-    /// Walks the lines `walking`, each up to its limit, which comes down to where it leaves; which are left to do,
-    /// from where they stand.
+/// Lines on their way: where they are at `t` metres is `start + t ahead`, in homogeneous image coordinates.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Walkers {
+    line: [Line; SLOTS],
+    start: [Slots; 3],
+    ahead: [Slots; 3],
+    /// The cell that each is in, when it entered it, and its distance to background.
+    column: Slots,
+    row: Slots,
+    t: Slots,
+    clear: Slots,
+    limit: Slots,
+    /// Cells are pixels (0), or the squares between four pixel centres (one half).
+    shift: Slots,
+    low: [Slots; 2],
+    high: [Slots; 2],
+    stride: Slots,
+    origin: Slots,
+}
+
+impl Walkers {
+    /// Walks `lines`, each up to its point's exit, which comes down to where it leaves.
     #[inline(always)]
-    pub(super) fn walk(&mut self, fields: &[Field], limit: &mut Wide, mut walking: u32) -> u32 {
-        let mut left = 0;
-        while walking != 0 {
-            // Lines that do not walk stay where they are.
-            let (mut places, mut clear) = ([0; LANES], [0.0; LANES]);
-            for k in 0..LANES {
+    pub(super) fn walk(&mut self, lines: &[Line], paths: &Paths, exit: &mut Wide) {
+        let (mut waiting, mut walking) = (lines.iter(), 0_u32);
+        loop {
+            for slot in bits(!walking & (u32::MAX >> (u32::BITS as usize - SLOTS))) {
+                walking |= u32::from(self.take_up(slot, &mut waiting, paths, exit)) << slot;
+            }
+            if walking == 0 {
+                break;
+            }
+            let (past, rare) = self.step();
+            for slot in bits(walking & rare) {
+                self.go_on_alone(slot, paths, exit);
+            }
+            walking &= !(past | rare);
+            let mut places = [0; SLOTS];
+            for k in 0..SLOTS {
                 places[k] = index(self.row[k] * self.stride[k] + self.column[k] + self.origin[k]);
             }
-            for k in bits(walking) {
-                let field = &fields[self.field[k]];
-                let pixels = field.clear(places[k]);
-                clear[k] = f64::from(pixels);
-                if pixels == 0 {
-                    walking &= !(1 << k);
+            for slot in bits(walking) {
+                let field = &paths.fields[self.line[slot].place];
+                let clear = field.clear(places[slot]);
+                self.clear[slot] = f64::from(clear);
+                if clear == 0 {
+                    walking &= !(1 << slot);
                     if field.by_coverage {
-                        left |= 1 << k;
+                        self.go_on_alone(slot, paths, exit);
                     } else {
-                        limit[k] = either(self.t[k] < limit[k], self.t[k], limit[k]);
+                        let exit = &mut exit[self.line[slot].k];
+                        *exit = either(self.t[slot] < *exit, self.t[slot], *exit);
                     }
                 }
             }
-            let (past, rare) = self.step(&clear, limit);
-            left |= walking & rare;
-            walking &= !(rare | past);
         }
-        left
     }
 
-    /// Steps out of the square of `clear` cells; which lines are past their limits then, and which could not step,
+    /// Puts the next of the lines that need a slot into this one; false where none is left.
+    #[inline(always)]
+    fn take_up<'l>(
+        &mut self,
+        slot: usize,
+        lines: &mut impl Iterator<Item = &'l Line>,
+        paths: &Paths,
+        exit: &mut Wide,
+    ) -> bool {
+        for line in lines {
+            let (field, sighting) = (&paths.fields[line.place], &paths.block.sightings[line.place]);
+            let (column, row, clear) = field.first_cell(sighting, line.k);
+            if clear == 0.0 {
+                exit[line.k] = walk_alone(line, paths, exit[line.k]);
+                continue;
+            }
+            self.line[slot] = *line;
+            for axis in 0..3 {
+                self.start[axis][slot] = sighting.at[axis][line.k];
+                self.ahead[axis][slot] = paths.ahead[line.place][axis][line.k];
+            }
+            for axis in 0..2 {
+                (self.low[axis][slot], self.high[axis][slot]) = (field.low[axis], field.high[axis]);
+            }
+            (self.column[slot], self.row[slot], self.clear[slot]) = (column, row, clear);
+            (self.t[slot], self.limit[slot], self.shift[slot]) = (0.0, exit[line.k], field.shift);
+            (self.stride[slot], self.origin[slot]) = (field.stride, field.origin);
+            return true;
+        }
+        false
+    }
+
+    /// Steps out of the square of clear cells; which lines are past their limits then, and which could not step,
     /// since the silhouette's rectangle or the camera is near.
     #[inline(always)]
-    fn step(&mut self, clear: &Wide, limit: &Wide) -> (u32, u32) {
-        let (mut past, mut rare) = ([0; LANES], [0; LANES]);
-        for k in 0..LANES {
+    fn step(&mut self) -> (u32, u32) {
+        let (mut past, mut rare) = ([0; SLOTS], [0; SLOTS]);
+        for k in 0..SLOTS {
             let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
             let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
-            let (shift, half) = (self.shift[k], clear[k] - 1.0);
+            let (shift, half) = (self.shift[k], self.clear[k] - 1.0);
             let (left, above) = (self.column[k] - half, self.row[k] - half);
             let (right, below) = (self.column[k] + half + 1.0, self.row[k] + half + 1.0);
             let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
@@ -112,22 +143,50 @@ impl Lines {
             let first = by_column <= by_row;
             let t = either(first, by_column, by_row);
             let t = either(t > self.t[k], t, self.t[k]);
-            let inner = (left > self.low[0][k])
-                & (right < self.high[0][k])
-                & (above > self.low[1][k])
-                & (below < self.high[1][k]);
-            let goes_on = (half >= 0.0) & inner & (t < f64::INFINITY) & (z0 + z1 * t > 2.0 * MIN_DEPTH);
+            let inner_column = (left > self.low[0][k]) & (right < self.high[0][k]);
+            let inner_row = (above > self.low[1][k]) & (below < self.high[1][k]);
             let z = z0 + z1 * t;
+            let goes_on = inner_column & inner_row & (t < f64::INFINITY) & (z > 2.0 * MIN_DEPTH);
             let (u, v) = ((x0 + x1 * t) / z, (y0 + y1 * t) / z);
             let i = either(first, either(rightwards, column, column - 1.0), within(u - shift, left, right));
             let j = either(first, within(v - shift, above, below), either(downwards, row, row - 1.0));
             self.column[k] = either(goes_on, i, self.column[k]);
             self.row[k] = either(goes_on, j, self.row[k]);
             self.t[k] = either(goes_on, t, self.t[k]);
-            past[k] = u64::from(t >= limit[k]);
-            rare[k] = u64::from(!goes_on);
+            past[k] = u32::from(t >= self.limit[k]);
+            rare[k] = u32::from(!goes_on);
         }
         (gathered(&past), gathered(&rare))
+    }
+
+    /// Walks a line on from where it stands.
+    fn go_on_alone(&self, slot: usize, paths: &Paths, exit: &mut Wide) {
+        let Line { k, place } = self.line[slot];
+        let field = &paths.fields[place];
+        let (cell, t) = ((self.column[slot] as i32, self.row[slot] as i32), self.t[slot]);
+        exit[k] = March::from_cell(field.view, paths.line(k, place), cell, t, field.edge).exit_by(t, exit[k]);
+    }
+}
+
+/// Walks a line from its start.
+fn walk_alone(&Line { k, place }: &Line, paths: &Paths, limit: f64) -> f64 {
+    let (field, sighting) = (&paths.fields[place], &paths.block.sightings[place]);
+    let mut march = if sighting.clear[k] > 0.0 {
+        let [x, y, depth] = sighting.at.map(|at| at[k]);
+        let at = Pixel { u: x / depth, v: y / depth, depth };
+        March::from_inside(field.view, paths.line(k, place), &at, field.edge)
+    } else {
+        // The point is inside by coverage, though its pixel is background.
+        let [x, y, z] = paths.way.direction.map(|along| along[k]);
+        March::new(field.view, &paths.block.point(k), &Vector3::new(x, y, z), field.edge)
+    };
+    march.exit_by(0.0, limit)
+}
+
+impl Paths<'_> {
+    fn line(&self, k: usize, place: usize) -> ImageLine {
+        let vector = |of: &[Wide; 3]| Vector3::from(of.map(|of| of[k]));
+        ImageLine::new(vector(&self.block.sightings[place].at), vector(&self.ahead[place]))
     }
 }
 

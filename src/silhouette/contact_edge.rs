@@ -42,9 +42,6 @@ const BELL: [[f64; SIDE]; SIDE] = {
 /// A background pixel of a silhouette.
 type Asked<'a> = (&'a Silhouette, (i32, i32));
 
-/// How much of each pixel is background, 0 to 255, of windows side by side.
-type Windows = [[[u8; ABREAST]; SIDE]; SIDE];
-
 /// The weights' sums of windows side by side: times the offset's x, times its y, and alone.
 type Sums = [[f64; ABREAST]; 3];
 
@@ -71,28 +68,29 @@ fn edge(silhouette: &Silhouette, (i, j): (i32, i32), [x, y, total]: &Sums, slot:
 }
 
 fn sums_around(asked: &[Asked]) -> Sums {
-    let mut windows = [[[0; ABREAST]; SIDE]; SIDE];
+    if asked.iter().any(|(silhouette, _)| silhouette.has_coverage) {
+        return sums_of_bytes(asked);
+    }
+    let mut background = [[0; ABREAST]; SIDE];
     for (slot, &(silhouette, (i, j))) in asked.iter().enumerate() {
-        for (row, dy) in windows.iter_mut().zip(-WINDOW..) {
-            let values = silhouette.values_around(i, j + dy);
-            for (window, value) in row.iter_mut().zip(values) {
-                window[slot] = 255 - value;
-            }
+        for (row, dy) in background.iter_mut().zip(-WINDOW..) {
+            row[slot] = u64::from(silhouette.background_around(i, j + dy));
         }
     }
-    sums(&windows)
+    sums_of_bits(&background)
 }
 
 vectorised! {
-    fn sums(windows: &Windows) -> Sums {
+    /// The sums of windows given as bits: set where a pixel is background.
+    fn sums_of_bits(background: &[[u64; ABREAST]; SIDE]) -> Sums {
         let [mut x, mut y, mut total] = [[0.0; ABREAST]; 3];
-        for ((dy, row), bells) in (-WINDOW..).zip(windows).zip(&BELL) {
-            for ((dx, window), bell) in (-WINDOW..).zip(row).zip(bells) {
+        for (row, weights) in background.iter().zip(&WHOLE_WEIGHTS) {
+            for (place, &[dx, dy, weight]) in weights.iter().enumerate() {
                 for k in 0..ABREAST {
-                    let weight = f64::from(window[k]) * bell;
-                    x[k] += f64::from(dx) * weight;
-                    y[k] += f64::from(dy) * weight;
-                    total[k] += weight;
+                    let is_background = row[k] >> place & 1 == 1;
+                    x[k] = if is_background { x[k] + dx } else { x[k] };
+                    y[k] = if is_background { y[k] + dy } else { y[k] };
+                    total[k] = if is_background { total[k] + weight } else { total[k] };
                 }
             }
         }
@@ -100,7 +98,52 @@ vectorised! {
     }
 }
 
+/// The sums of windows with coverage.
+fn sums_of_bytes(asked: &[Asked]) -> Sums {
+    let [mut x, mut y, mut total] = [[0.0; ABREAST]; 3];
+    for (slot, &(silhouette, (i, j))) in asked.iter().enumerate() {
+        for (dy, bells) in (-WINDOW..).zip(&BELL) {
+            for ((dx, bell), value) in (-WINDOW..).zip(bells).zip(silhouette.values_around(i, j + dy)) {
+                // Most pixels weigh nothing, and adding nothing changes no bit.
+                if value != 255 && *bell != 0.0 {
+                    let weight = f64::from(255 - value) * bell;
+                    x[slot] += f64::from(dx) * weight;
+                    y[slot] += f64::from(dy) * weight;
+                    total[slot] += weight;
+                }
+            }
+        }
+    }
+    [x, y, total]
+}
+
+/// What a pixel that is background altogether adds to the sums.
+const WHOLE_WEIGHTS: [[[f64; 3]; SIDE]; SIDE] = {
+    let mut weights = [[[0.0; 3]; SIDE]; SIDE];
+    let mut k = 0;
+    while k < SIDE * SIDE {
+        let (dx, dy) = ((k % SIDE) as i32 - WINDOW, (k / SIDE) as i32 - WINDOW);
+        let weight = 255.0 * BELL[k / SIDE][k % SIDE];
+        weights[k / SIDE][k % SIDE] = [dx as f64 * weight, dy as f64 * weight, weight];
+        k += 1;
+    }
+    weights
+};
+
 impl Silhouette {
+    /// Which pixels of row `j` in a window around column `i` are background, the first in the lowest bit.
+    #[inline(always)]
+    fn background_around(&self, i: i32, j: i32) -> u32 {
+        const ALL: u32 = (1 << SIDE) - 1;
+        let rect = self.region.rect();
+        if rect.contains(i - WINDOW, j) && rect.contains(i + WINDOW, j) {
+            !self.region.rows_from(i - WINDOW, j).row(0) & ALL
+        } else {
+            (0..SIDE as u32)
+                .fold(0, |bits, k| bits | u32::from(!self.is_subject(i - WINDOW + k as i32, j)) << k)
+        }
+    }
+
     /// The bytes of row `j` in a window around column `i`.
     fn values_around(&self, i: i32, j: i32) -> [u8; SIDE] {
         match self.region.row::<SIDE>(i - WINDOW, j) {

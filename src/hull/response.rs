@@ -71,7 +71,7 @@ impl Hull {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn contact_normal(&self, nearest: &NearestEdge) -> Vector3<f64> {
         let (i, j) = nearest.b;
         match nearest.view.silhouette().edge(i, j) {

@@ -48,14 +48,14 @@ impl EdgeTable {
     }
 
     /// Whether the edge at `(i, j)` is known, or never will be since it is no edge pixel.
-    #[inline]
+    #[inline(always)]
     pub(super) fn knows(&self, region: &Region, (i, j): (i32, i32)) -> bool {
         let index = self.index(region, i, j);
         index.is_none_or(|index| self.state[index].load(Ordering::Acquire) != UNKNOWN)
     }
 
     /// The edge at `(i, j)`, computed by `edge` where it is not known yet.
-    #[inline]
+    #[inline(always)]
     pub(super) fn get(
         &self,
         region: &Region,
@@ -85,7 +85,7 @@ impl EdgeTable {
     }
 
     /// Rank of an edge pixel among all.
-    #[inline]
+    #[inline(always)]
     fn index(&self, region: &Region, i: i32, j: i32) -> Option<usize> {
         let (rect, words) = (region.rect(), region.words());
         if !rect.contains(i, j) {
@@ -107,13 +107,13 @@ impl EdgeTable {
 
 impl Silhouette {
     /// The contact normal and edge point at background pixel `(i, j)`, computed once a pixel.
-    #[inline]
+    #[inline(always)]
     pub fn edge(&self, i: i32, j: i32) -> Option<Edge> {
         self.edges.get(&self.region, (i, j), || contact_edge::at(self, (i, j)))
     }
 
     /// Whether [`Self::edge`] need not compute anything at `(i, j)`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn knows_edge(&self, pixel: (i32, i32)) -> bool {
         self.edges.knows(&self.region, pixel)
     }

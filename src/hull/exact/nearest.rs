@@ -18,7 +18,7 @@ struct Decided {
 
 /// Writes to `way` the ways out of the points `inside`; which of them have one.
 #[inline(always)]
-pub(super) fn ways(hull: &Hull, fields: &[Field], block: &Block, inside: u32, way: &mut Way) -> u32 {
+pub(super) fn ways(hull: &Hull, fields: &[Field], block: &mut Block, inside: u32, way: &mut Way) -> u32 {
     let decided = decide(fields, block);
     let (mut has_way, mut background) = (0, [(0, 0); LANES]);
     let (mut new, mut count) = ([(fields[0].view.silhouette(), (0, 0)); LANES], 0);
@@ -48,19 +48,19 @@ pub(super) fn ways(hull: &Hull, fields: &[Field], block: &Block, inside: u32, wa
 /// The first k at which a window, `1 + floor(k d_max / d_i)`, reaches the view's distance; the first view among
 /// equals. As [`Hull::nearest_edge`](super::super::Hull::nearest_edge) has it.
 #[inline(always)]
-fn decide(fields: &[Field], block: &Block) -> Decided {
+fn decide(fields: &[Field], block: &mut Block) -> Decided {
     let mut largest = [0.0; LANES];
-    for (field, sighting) in fields.iter().zip(&block.sightings) {
+    for (field, sighting) in fields.iter().zip(&mut block.sightings) {
+        field.footprint.at_each(&sighting.at[2], &mut sighting.footprint);
         for k in 0..LANES {
-            let footprint = field.footprint.at(sighting.at[2][k]);
-            largest[k] = either(footprint > largest[k], footprint, largest[k]);
+            largest[k] = either(sighting.footprint[k] > largest[k], sighting.footprint[k], largest[k]);
         }
     }
     let mut decided =
         Decided { field: [0.0; LANES], iteration: [f64::INFINITY; LANES], growth: [0.0; LANES] };
-    for (place, (field, sighting)) in fields.iter().zip(&block.sightings).enumerate() {
+    for (place, sighting) in block.sightings.iter().enumerate() {
         for k in 0..LANES {
-            let growth = largest[k] / field.footprint.at(sighting.at[2][k]);
+            let growth = largest[k] / sighting.footprint[k];
             let beside = sighting.clear[k] - 1.0;
             // The closed form; the division rounds to below a whole number where that reaches already, so that one
             // more is all it may need. The point's own pixel is at -1.

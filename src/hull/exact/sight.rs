@@ -17,8 +17,8 @@ pub(super) struct Field<'a> {
     /// Width and height of the image.
     size: [f64; 2],
     /// The columns and rows of the silhouette's rectangle: the first, and the one behind the last.
-    pub(super) low: [f64; 2],
-    pub(super) high: [f64; 2],
+    low: [f64; 2],
+    high: [f64; 2],
     /// Chebyshev distances, a row's pixels, and the place that pixel (0, 0) would have.
     distance: &'a [u8],
     pub(super) stride: f64,
@@ -47,6 +47,8 @@ pub(super) struct Sighting {
     pub(super) row: Wide,
     /// Chebyshev distance to the background.
     pub(super) clear: Wide,
+    /// Metres that a pixel covers there, once that is asked.
+    pub(super) footprint: Wide,
 }
 
 impl<'a> Field<'a> {

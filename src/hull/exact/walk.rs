@@ -48,8 +48,6 @@ pub(super) struct Walkers {
     limit: Slots,
     /// Cells are pixels (0), or the squares between four pixel centres (one half).
     shift: Slots,
-    low: [Slots; 2],
-    high: [Slots; 2],
     stride: Slots,
     origin: Slots,
 }
@@ -113,9 +111,6 @@ impl Walkers {
                 self.start[axis][slot] = sighting.at[axis][line.k];
                 self.ahead[axis][slot] = paths.ahead[line.place][axis][line.k];
             }
-            for axis in 0..2 {
-                (self.low[axis][slot], self.high[axis][slot]) = (field.low[axis], field.high[axis]);
-            }
             (self.column[slot], self.row[slot], self.clear[slot]) = (column, row, clear);
             (self.t[slot], self.limit[slot], self.shift[slot]) = (0.0, exit[line.k], field.shift);
             (self.stride[slot], self.origin[slot]) = (field.stride, field.origin);
@@ -125,7 +120,9 @@ impl Walkers {
     }
 
     /// Steps out of the square of clear cells; which lines are past their limits then, and which could not step,
-    /// since the silhouette's rectangle or the camera is near.
+    /// since the camera is near.
+    ///
+    /// Nobody asks whether a line leaves the silhouette's rectangle: there it steps into background.
     #[inline(always)]
     fn step(&mut self) -> (u32, u32) {
         let (mut past, mut rare) = ([0; SLOTS], [0; SLOTS]);
@@ -143,10 +140,9 @@ impl Walkers {
             let first = by_column <= by_row;
             let t = either(first, by_column, by_row);
             let t = either(t > self.t[k], t, self.t[k]);
-            let inner_column = (left > self.low[0][k]) & (right < self.high[0][k]);
-            let inner_row = (above > self.low[1][k]) & (below < self.high[1][k]);
-            let z = z0 + z1 * t;
-            let goes_on = inner_column & inner_row & (t < f64::INFINITY) & (z > 2.0 * MIN_DEPTH);
+            // Up to its limit a line lies in the work volume, so that it comes near the camera only there.
+            let z = z0 + z1 * either(t < self.limit[k], t, self.limit[k]);
+            let goes_on = z > 2.0 * MIN_DEPTH;
             let (u, v) = ((x0 + x1 * t) / z, (y0 + y1 * t) / z);
             let i = either(first, either(rightwards, column, column - 1.0), within(u - shift, left, right));
             let j = either(first, within(v - shift, above, below), either(downwards, row, row - 1.0));

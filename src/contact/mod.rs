@@ -10,14 +10,14 @@
 mod cluster;
 mod escape;
 mod reduce;
+mod room;
 mod tilt;
 
 pub use crate::hull::BodyResponse;
-use crate::hull::{self, EdgeModel, Hull, Push, Pushed, Start, Workspace};
+use crate::hull::{EdgeModel, Hull, Push};
 use crate::sample::Samples;
-use cluster::Cluster;
 use nalgebra::{Isometry3, Point3, Vector3};
-use std::cell::Cell;
+use room::{Exits, Room};
 
 /// How contacts are made from the colliding samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -77,8 +77,6 @@ pub struct Contacts {
 /// A body sample inside the hull, in the hull's frame.
 #[derive(Debug, Clone, Copy)]
 struct Colliding {
-    /// Index of the sample: ties go to the lower one.
-    index: usize,
     point: Point3<f64>,
     /// The body's outward normal there; zero where it is not known.
     normal: Vector3<f64>,
@@ -96,59 +94,52 @@ pub fn collide(
     settings: &Settings,
     last_escape: Option<Vector3<f64>>,
 ) -> Contacts {
-    Room::with(|room| {
-        room.take_inside(hull, body, hull_from_body, usize::MAX);
-        let colliding = std::mem::take(&mut room.colliding);
-        let contacts = if colliding.is_empty() || settings.max_contacts == 0 {
-            Contacts::default()
-        } else {
-            contacts_of(hull, body, hull_from_body, settings, last_escape, &colliding, room)
-        };
-        room.colliding = colliding;
-        contacts
-    })
+    let mut contacts = Contacts::default();
+    collide_into(&mut contacts, hull, body, hull_from_body, settings, last_escape);
+    contacts
 }
 
-fn contacts_of(
+/// The same, written to `contacts`.
+pub(crate) fn collide_into(
+    contacts: &mut Contacts,
     hull: &Hull,
     body: &Samples,
     hull_from_body: &Isometry3<f64>,
     settings: &Settings,
     last_escape: Option<Vector3<f64>>,
-    colliding: &[Colliding],
-    room: &mut Room,
-) -> Contacts {
-    let mut escape = None;
-    let clusters = match settings.mode {
-        Mode::Clustered => {
-            let mut clusters = cluster::of(colliding);
-            if clusters.is_empty() {
-                let direction = escape::direction(hull, colliding, last_escape, room);
-                escape = Some(direction);
-                clusters.push(Cluster::all(colliding, direction));
+) {
+    contacts.contacts.clear();
+    contacts.escape = None;
+    Room::with(|room| {
+        room.take_inside(hull, body, hull_from_body, usize::MAX);
+        if room.colliding.is_empty() || settings.max_contacts == 0 {
+            return;
+        }
+        room.choice.clear();
+        match settings.mode {
+            Mode::Clustered => {
+                contacts.escape = room.cluster(hull, last_escape);
+                room.add_clusters(hull, body, hull_from_body, settings.max_depth);
             }
-            let mut contacts = |cluster: &mut Cluster| {
-                cluster.contacts(hull, body, hull_from_body, settings.max_depth, room)
-            };
-            clusters.iter_mut().map(&mut contacts).collect()
+            Mode::Paper => {
+                let vector = body_response(hull, body, hull_from_body).vector;
+                room.add_papers(hull, &vector);
+            }
+            Mode::Point => {
+                let own = room.colliding.iter().map(|sample| own_contact(sample, settings.max_depth));
+                room.choice.add(own);
+            }
+            Mode::Single => {
+                room.choice.add([own_contact(deepest(&room.colliding), settings.max_depth)]);
+            }
         }
-        Mode::Paper => {
-            let vector = body_response(hull, body, hull_from_body).vector;
-            let direction = vector.try_normalize(0.0).unwrap_or(colliding[0].push.direction);
-            let paper = |sample: &Colliding| {
-                let depth = hull.exit(&sample.point, &direction, EdgeModel::Pixel);
-                hull.inside(&sample.point).then_some(Contact { point: sample.point, direction, depth })
-            };
-            vec![colliding.iter().filter_map(paper).collect()]
+        room.choice.spread(settings.max_contacts, &mut room.kept);
+        if settings.mode == Mode::Clustered && contacts.escape.is_none() {
+            contacts.contacts.extend(tilt::without_waiting(&room.kept));
+        } else {
+            contacts.contacts.extend_from_slice(&room.kept);
         }
-        Mode::Point => vec![colliding.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()],
-        Mode::Single => vec![vec![own_contact(deepest(colliding), settings.max_depth)]],
-    };
-    let mut contacts = reduce::spread(clusters, settings.max_contacts);
-    if settings.mode == Mode::Clustered && escape.is_none() {
-        contacts = tilt::without_waiting(contacts);
-    }
-    Contacts { contacts, escape }
+    });
 }
 
 /// Any contacts, the first found, up to `settings.max_contacts`: for callers who only want to know whether there are
@@ -159,10 +150,25 @@ pub fn collide_any(
     hull_from_body: &Isometry3<f64>,
     settings: &Settings,
 ) -> Vec<Contact> {
+    let mut contacts = Contacts::default();
+    collide_any_into(&mut contacts, hull, body, hull_from_body, settings);
+    contacts.contacts
+}
+
+/// The same, written to `contacts`.
+pub(crate) fn collide_any_into(
+    contacts: &mut Contacts,
+    hull: &Hull,
+    body: &Samples,
+    hull_from_body: &Isometry3<f64>,
+    settings: &Settings,
+) {
+    contacts.contacts.clear();
+    contacts.escape = None;
     Room::with(|room| {
         room.take_inside(hull, body, hull_from_body, settings.max_contacts);
-        room.colliding.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()
-    })
+        contacts.contacts.extend(room.colliding.iter().map(|sample| own_contact(sample, settings.max_depth)));
+    });
 }
 
 /// The paper's response of a body (section 5): the mean of its colliding samples' responses gives the direction, the
@@ -177,66 +183,6 @@ pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64
     let direction = sum.try_normalize(0.0).unwrap_or(deepest.normal);
     let exits = responses.iter().map(|(p, _)| hull.exit(p, &direction, EdgeModel::Pixel));
     BodyResponse { vector: direction * exits.fold(0.0, f64::max), colliding }
-}
-
-thread_local! {
-    /// Memory for one body at a time.
-    static SPARE: Cell<Option<Room>> = const { Cell::new(None) };
-}
-
-/// Memory that is used again for body after body.
-#[derive(Debug, Default)]
-struct Room {
-    batch: Workspace,
-    exact: hull::Memory,
-    indices: Vec<usize>,
-    points: Vec<Point3<f64>>,
-    pushes: Vec<Pushed>,
-    colliding: Vec<Colliding>,
-    starts: Vec<Start>,
-    exits: Vec<f64>,
-}
-
-impl Room {
-    fn with<R>(ask: impl FnOnce(&mut Self) -> R) -> R {
-        let mut room = SPARE.take().unwrap_or_default();
-        let answer = ask(&mut room);
-        SPARE.set(Some(room));
-        answer
-    }
-
-    /// Takes up the body's samples inside the hull, in their order, each with its way out; the first `most` of them.
-    fn take_inside(&mut self, hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64>, most: usize) {
-        let samples = body.points();
-        self.colliding.clear();
-        // Nothing is inside in a pose that is not finite.
-        let Ok(candidates) = hull.candidates(body.cloud(), hull_from_body, &mut self.batch) else { return };
-        self.indices.clear();
-        self.indices.extend(candidates.iter());
-        self.points.clear();
-        self.points.extend(self.indices.iter().map(|&index| hull_from_body * samples[index].point));
-        hull.pushes(&self.points, most, &mut self.exact, &mut self.pushes);
-        self.colliding.extend(self.pushes.iter().map(|&Pushed { place, view, push }| {
-            let index = self.indices[place];
-            let normal = hull_from_body * samples[index].normal;
-            Colliding { index, point: self.points[place], normal, view, push }
-        }));
-    }
-
-    /// The exits of samples along one direction, in their order.
-    fn exits_within<'a>(
-        &mut self,
-        hull: &Hull,
-        samples: impl Iterator<Item = &'a Colliding>,
-        direction: &Vector3<f64>,
-        edge: EdgeModel,
-        most: f64,
-    ) -> &[f64] {
-        self.starts.clear();
-        self.starts.extend(samples.map(|sample| Start { point: sample.point, view: sample.view }));
-        hull.exits_within(&self.starts, direction, edge, most, &mut self.exact, &mut self.exits);
-        &self.exits
-    }
 }
 
 fn own_contact(sample: &Colliding, max_depth: f64) -> Contact {

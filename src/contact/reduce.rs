@@ -1,6 +1,7 @@
 //! The few contacts to keep where there are more than the solver wants.
 
 use super::Contact;
+use std::ops::Range;
 
 /// A contact at least this deep, as a part of its cluster's deepest, counts as deepest: the first of them starts the
 /// choice, so that noise in the depths of a body at rest does not change it from step to step.
@@ -10,58 +11,81 @@ const AS_DEEP: f64 = 0.8;
 /// pose to pose.
 const FARTHER: f64 = 1.0 + 1e-6;
 
-/// At most `most` contacts: clusters take turns, the deepest first; within one its deepest contact, then always the
-/// one farthest from those kept. Ties go to the first. `clusters` hold contacts in the order of their samples.
-pub(super) fn spread(mut clusters: Vec<Vec<Contact>>, most: usize) -> Vec<Contact> {
-    clusters.retain(|cluster| !cluster.is_empty());
-    clusters.sort_by(|a, b| deepest(b).total_cmp(&deepest(a)));
-    if clusters.iter().map(Vec::len).sum::<usize>() <= most {
-        return clusters.concat();
-    }
-    let mut turns: Vec<FarthestFirst> = clusters.into_iter().map(FarthestFirst::new).collect();
-    let mut kept = Vec::with_capacity(most);
-    while kept.len() < most {
-        for turn in &mut turns {
-            if kept.len() < most {
-                kept.extend(turn.next());
-            }
-        }
-    }
-    kept
-}
-
-fn deepest(cluster: &[Contact]) -> f64 {
-    cluster.iter().map(|contact| contact.depth).fold(0.0, f64::max)
-}
-
-/// A cluster's contacts in the order in which they are kept.
-struct FarthestFirst {
+/// Contacts of several clusters, in each in the order of their samples.
+#[derive(Debug, Default)]
+pub(super) struct Choice {
     contacts: Vec<Contact>,
-    /// Squared distance to the nearest contact kept; below zero once kept itself.
+    clusters: Vec<Turn>,
+    /// Squared distance of each contact to the nearest one kept; below zero once kept itself.
     to_kept: Vec<f64>,
+}
+
+/// A cluster that takes its turn.
+#[derive(Debug)]
+struct Turn {
+    contacts: Range<usize>,
+    deepest: f64,
     next: Option<usize>,
 }
 
-impl FarthestFirst {
-    fn new(contacts: Vec<Contact>) -> Self {
-        let as_deep = AS_DEEP * deepest(&contacts);
-        let next = contacts.iter().position(|contact| contact.depth >= as_deep);
-        Self { to_kept: vec![f64::INFINITY; contacts.len()], contacts, next }
+impl Choice {
+    pub(super) fn clear(&mut self) {
+        self.contacts.clear();
+        self.clusters.clear();
+    }
+
+    /// Adds the contacts of a cluster; returns how many they are.
+    pub(super) fn add(&mut self, cluster: impl IntoIterator<Item = Contact>) -> usize {
+        let start = self.contacts.len();
+        self.contacts.extend(cluster);
+        let contacts = start..self.contacts.len();
+        let deepest = self.contacts[start..].iter().map(|contact| contact.depth).fold(0.0, f64::max);
+        if !contacts.is_empty() {
+            self.clusters.push(Turn { contacts, deepest, next: None });
+        }
+        self.contacts.len() - start
+    }
+
+    /// Writes to `kept` at most `most` contacts: clusters take turns, the deepest first; within one its deepest
+    /// contact, then always the one farthest from those kept. Ties go to the first.
+    pub(super) fn spread(&mut self, most: usize, kept: &mut Vec<Contact>) {
+        kept.clear();
+        let Self { contacts, clusters, to_kept } = self;
+        // Equally deep ones stay in their order.
+        clusters.sort_unstable_by(|a, b| {
+            b.deepest.total_cmp(&a.deepest).then(a.contacts.start.cmp(&b.contacts.start))
+        });
+        if contacts.len() <= most {
+            kept.extend(clusters.iter().flat_map(|turn| &contacts[turn.contacts.clone()]));
+            return;
+        }
+        to_kept.clear();
+        to_kept.resize(contacts.len(), f64::INFINITY);
+        for turn in clusters.iter_mut() {
+            let as_deep = AS_DEEP * turn.deepest;
+            turn.next = turn.contacts.clone().find(|&k| contacts[k].depth >= as_deep);
+        }
+        while kept.len() < most {
+            for turn in clusters.iter_mut() {
+                if kept.len() < most {
+                    kept.extend(turn.take(contacts, to_kept));
+                }
+            }
+        }
     }
 }
 
-impl Iterator for FarthestFirst {
-    type Item = Contact;
-
-    fn next(&mut self) -> Option<Contact> {
+impl Turn {
+    /// The contact to keep next.
+    fn take(&mut self, contacts: &[Contact], to_kept: &mut [f64]) -> Option<Contact> {
         let chosen = self.next?;
-        let kept = self.contacts[chosen];
-        self.to_kept[chosen] = -1.0;
+        let kept = contacts[chosen];
+        to_kept[chosen] = -1.0;
         let mut farthest: Option<usize> = None;
-        for (k, contact) in self.contacts.iter().enumerate() {
-            self.to_kept[k] = self.to_kept[k].min((contact.point - kept.point).norm_squared());
-            let is_farther = |other: usize| self.to_kept[k] > FARTHER * self.to_kept[other];
-            if self.to_kept[k] >= 0.0 && k != chosen && farthest.is_none_or(is_farther) {
+        for k in self.contacts.clone() {
+            to_kept[k] = to_kept[k].min((contacts[k].point - kept.point).norm_squared());
+            let is_farther = |other: usize| to_kept[k] > FARTHER * to_kept[other];
+            if to_kept[k] >= 0.0 && k != chosen && farthest.is_none_or(is_farther) {
                 farthest = Some(k);
             }
         }

@@ -22,7 +22,7 @@ use super::{EdgeModel, Hull, Push, Unseen};
 use crate::silhouette::Border;
 use crate::vectorised::vectorised;
 use exits::{Exits, Way};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use sight::{Block, Field};
 
 /// One number of each of as many points as are asked together.
@@ -38,8 +38,9 @@ pub(crate) struct Start {
 /// The push of one point of many.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pushed {
-    /// Its place among them.
+    /// Its place among them, and where that is in the hull's frame.
     pub(crate) place: usize,
+    pub(crate) point: Point3<f64>,
     /// Index of the view that decided.
     pub(crate) view: usize,
     pub(crate) push: Push,
@@ -54,25 +55,27 @@ pub(crate) struct Memory {
 }
 
 impl Hull {
-    /// Writes to `pushes` [`Self::push`] of those of `points` that are inside by the coverage edge, in their order;
-    /// of the first `most` of them.
+    /// Writes to `pushes` [`Self::push`] of those of `points`, in the pose `hull_from_points`, that are inside by the
+    /// coverage edge, in their order; of the first `most` of them.
     pub(crate) fn pushes(
         &self,
         points: &[Point3<f64>],
+        hull_from_points: &Isometry3<f64>,
         most: usize,
         memory: &mut Memory,
         pushes: &mut Vec<Pushed>,
     ) {
         pushes.clear();
         if !self.every_view_tells() {
-            let push = |(place, p)| Some(Pushed { place, view: 0, push: self.push(p)? });
-            pushes.extend(points.iter().enumerate().filter_map(push).take(most));
+            let points = points.iter().map(|p| hull_from_points * p).enumerate();
+            let push = |(place, point)| Some(Pushed { place, point, view: 0, push: self.push(&point)? });
+            pushes.extend(points.filter_map(push).take(most));
             return;
         }
         memory.with_fields(self, EdgeModel::Coverage, |fields, block, exits| {
             for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
                 if pushes.len() < most {
-                    push_block(self, chunk, first, fields, block, exits, pushes);
+                    push_block(self, chunk, hull_from_points, first, fields, block, exits, pushes);
                 }
             }
         });
@@ -114,6 +117,7 @@ vectorised! {
     fn push_block(
         hull: &Hull,
         points: &[Point3<f64>],
+        hull_from_points: &Isometry3<f64>,
         first: usize,
         fields: &[Field],
         block: &mut Block,
@@ -121,9 +125,10 @@ vectorised! {
         pushes: &mut Vec<Pushed>,
     ) {
         block.place(points.len(), |k| points[k]);
+        block.transform(hull_from_points);
         let mut inside = 0;
-        for (k, point) in points.iter().enumerate() {
-            inside |= u32::from(hull.in_boxes(point)) << k;
+        for k in 0..points.len() {
+            inside |= u32::from(hull.in_boxes(&block.point(k))) << k;
         }
         let inside = block.sight_inside(fields, inside);
         if inside == 0 {
@@ -135,7 +140,7 @@ vectorised! {
         for k in bits(inside) {
             let direction = Vector3::new(way.direction[0][k], way.direction[1][k], way.direction[2][k]);
             let push = Push { direction, depth: exits.exit[k] };
-            pushes.push(Pushed { place: first + k, view: fields[way.field[k]].index, push });
+            pushes.push(Pushed { place: first + k, point: block.point(k), view: fields[way.field[k]].index, push });
         }
     }
 }

@@ -6,7 +6,7 @@ use super::super::{EdgeModel, View};
 use super::{Wide, bits, either, floor, gathered, index};
 use crate::camera::MIN_DEPTH;
 use crate::silhouette::HALF_COVERAGE;
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Point3};
 
 /// What of a view every point needs.
 #[derive(Debug, Clone, Copy)]
@@ -178,6 +178,22 @@ impl Block {
         for k in 0..LANES {
             let point = point(k.min(count - 1));
             (self.point[0][k], self.point[1][k], self.point[2][k]) = (point.x, point.y, point.z);
+        }
+    }
+
+    /// The points in another frame, by the sums that nalgebra has for one.
+    #[inline(always)]
+    pub(super) fn transform(&mut self, pose: &Isometry3<f64>) {
+        let (q, shift) = (pose.rotation.coords, pose.translation.vector);
+        let [x, y, z] = &mut self.point;
+        for k in 0..LANES {
+            let (px, py, pz) = (x[k], y[k], z[k]);
+            let (tx, ty, tz) = (q.y * pz - q.z * py, q.z * px - q.x * pz, q.x * py - q.y * px);
+            let (tx, ty, tz) = (tx * 2.0, ty * 2.0, tz * 2.0);
+            let (cx, cy, cz) = (q.y * tz - q.z * ty, q.z * tx - q.x * tz, q.x * ty - q.y * tx);
+            x[k] = tx * q.w + cx + px + shift.x;
+            y[k] = ty * q.w + cy + py + shift.y;
+            z[k] = tz * q.w + cz + pz + shift.z;
         }
     }
 

@@ -5,7 +5,7 @@ use super::super::{Aabb, View};
 use super::*;
 use crate::silhouette::Silhouette;
 use image::{GrayImage, Luma};
-use nalgebra::{point, vector};
+use nalgebra::{UnitQuaternion, point, vector};
 use std::sync::Arc;
 
 /// Hulls with and without coverage, and of masks full of specks and holes, some of them up to the image's border.
@@ -40,13 +40,15 @@ fn points(hull: &Hull, count: usize) -> Vec<Point3<f64>> {
 fn many_pushes_have_the_bits_of_single_ones() {
     let (mut memory, mut pushes) = (Memory::default(), Vec::new());
     for (n, hull) in hulls().iter().enumerate() {
-        let points = points(hull, 3001);
-        hull.pushes(&points, usize::MAX, &mut memory, &mut pushes);
+        let turned = UnitQuaternion::from_euler_angles(0.4, -1.1, 2.5);
+        let pose = Isometry3::from_parts(vector![0.3, -0.2, 0.4].into(), turned);
+        let points: Vec<_> = points(hull, 3001).iter().map(|p| pose.inverse_transform_point(p)).collect();
+        hull.pushes(&points, &pose, usize::MAX, &mut memory, &mut pushes);
         let mut found = pushes.iter();
         for (place, p) in points.iter().enumerate() {
-            let Some(push) = hull.push(p) else { continue };
+            let Some(push) = hull.push(&(pose * p)) else { continue };
             let many = found.next().unwrap();
-            assert_eq!((many.place, many.push), (place, push), "hull {n}, {p}");
+            assert_eq!((many.place, many.point, many.push), (place, pose * p, push), "hull {n}, {p}");
         }
         assert!(found.next().is_none() && pushes.len() > 200, "hull {n}: {}", pushes.len());
     }
@@ -56,10 +58,10 @@ fn many_pushes_have_the_bits_of_single_ones() {
 fn the_first_few_pushes_are_the_first_of_all() {
     let (mut memory, mut all, mut few) = (Memory::default(), Vec::new(), Vec::new());
     for hull in hulls() {
-        let points = points(&hull, 500);
-        hull.pushes(&points, usize::MAX, &mut memory, &mut all);
+        let (points, pose) = (points(&hull, 500), Isometry3::identity());
+        hull.pushes(&points, &pose, usize::MAX, &mut memory, &mut all);
         for most in [0, 1, 40] {
-            hull.pushes(&points, most, &mut memory, &mut few);
+            hull.pushes(&points, &pose, most, &mut memory, &mut few);
             assert!(few.iter().map(|few| few.place).eq(all.iter().take(most).map(|all| all.place)));
         }
     }
@@ -70,8 +72,8 @@ fn many_exits_have_the_bits_of_single_ones() {
     let (mut memory, mut pushes, mut exits) = (Memory::default(), Vec::new(), Vec::new());
     let mut random = Random(9);
     for (n, hull) in hulls().iter().enumerate() {
-        let points = points(hull, 1003);
-        hull.pushes(&points, usize::MAX, &mut memory, &mut pushes);
+        let (points, pose) = (points(hull, 1003), Isometry3::identity());
+        hull.pushes(&points, &pose, usize::MAX, &mut memory, &mut pushes);
         let start = |pushed: &Pushed| Start { point: points[pushed.place], view: pushed.view };
         let starts: Vec<_> = pushes.iter().map(start).collect();
         let ball = Aabb { min: point![-1.0, -1.0, -1.0], max: point![1.0, 1.0, 1.0] };

@@ -40,18 +40,25 @@ impl Exits {
         used: u32,
     ) {
         self.exit = wall(hull, block, &way.direction, most);
-        self.ahead.clear();
-        self.ahead.extend(fields.iter().map(|field| field.ahead(&way.direction)));
         let Self { exit, walkers, ahead, lines } = self;
+        ahead.resize(fields.len(), [[0.0; LANES]; 3]);
+        for (field, ahead) in fields.iter().zip(ahead.iter_mut()) {
+            field.ahead(&way.direction, ahead);
+        }
         let paths = Paths { fields, block, way, ahead };
         lines.clear();
-        lines.extend(bits(used).map(|k| Line { k, place: way.field[k] }));
+        for k in bits(used) {
+            lines.push(Line { k, place: way.field[k] });
+        }
         walkers.walk(lines, &paths, exit);
         lines.clear();
         for (place, field) in fields.iter().enumerate() {
             let stays = stays_inside(field, &block.sightings[place], &ahead[place], exit);
-            let in_doubt = bits(used & !stays).filter(|&k| way.field[k] != place);
-            lines.extend(in_doubt.map(|k| Line { k, place }));
+            for k in bits(used & !stays) {
+                if way.field[k] != place {
+                    lines.push(Line { k, place });
+                }
+            }
         }
         walkers.walk(lines, &paths, exit);
     }

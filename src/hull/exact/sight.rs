@@ -77,14 +77,12 @@ impl<'a> Field<'a> {
 
     /// How the homogeneous coordinates change along `direction`, as [`View::homogeneous_direction`] has it.
     #[inline(always)]
-    pub(super) fn ahead(&self, [x, y, z]: &[Wide; 3]) -> [Wide; 3] {
-        let mut ahead = [[0.0; LANES]; 3];
-        for (row, ahead) in self.p.iter().zip(&mut ahead) {
+    pub(super) fn ahead(&self, [x, y, z]: &[Wide; 3], ahead: &mut [Wide; 3]) {
+        for (row, ahead) in self.p.iter().zip(ahead) {
             for k in 0..LANES {
                 ahead[k] = row[0] * x[k] + row[1] * y[k] + row[2] * z[k];
             }
         }
-        ahead
     }
 
     /// The distance at a place of the table.

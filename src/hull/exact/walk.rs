@@ -13,7 +13,7 @@ use crate::camera::{MIN_DEPTH, Pixel};
 use nalgebra::Vector3;
 
 /// Lines that walk side by side.
-const SLOTS: usize = 16;
+const SLOTS: usize = 8;
 
 /// One number of each of them.
 type Slots = [f64; SLOTS];

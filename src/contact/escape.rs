@@ -1,7 +1,8 @@
 //! The way out for a body that is swallowed or pierced: none of its samples can tell, since wherever a sample's own
 //! way out leads, the body follows with more of itself inside.
 
-use super::{Colliding, Exits};
+use super::Colliding;
+use super::group::Exits;
 use crate::hull::{EdgeModel, Hull};
 use nalgebra::Vector3;
 

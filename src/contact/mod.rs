@@ -9,6 +9,7 @@
 
 mod cluster;
 mod escape;
+mod group;
 mod reduce;
 mod room;
 mod tilt;
@@ -17,7 +18,7 @@ pub use crate::hull::BodyResponse;
 use crate::hull::{EdgeModel, Hull, Push};
 use crate::sample::Samples;
 use nalgebra::{Isometry3, Point3, Vector3};
-use room::{Exits, Room};
+use room::Room;
 
 /// How contacts are made from the colliding samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -115,29 +116,27 @@ pub(crate) fn collide_into(
         if room.colliding.is_empty() || settings.max_contacts == 0 {
             return;
         }
-        room.choice.clear();
+        let most = settings.max_contacts;
         match settings.mode {
             Mode::Clustered => {
                 contacts.escape = room.cluster(hull, last_escape);
-                room.add_clusters(hull, body, hull_from_body, settings.max_depth);
+                let kept = room.contacts_of_clusters(hull, body, hull_from_body, settings);
+                if contacts.escape.is_some() {
+                    contacts.contacts.extend_from_slice(kept);
+                } else {
+                    contacts.contacts.extend(tilt::without_waiting(kept));
+                }
             }
             Mode::Paper => {
                 let vector = body_response(hull, body, hull_from_body).vector;
-                room.add_papers(hull, &vector);
+                contacts.contacts.extend_from_slice(room.contacts_of_paper(hull, &vector, most));
             }
             Mode::Point => {
-                let own = room.colliding.iter().map(|sample| own_contact(sample, settings.max_depth));
-                room.choice.add(own);
+                contacts.contacts.extend_from_slice(room.contacts_of_points(settings.max_depth, most));
             }
             Mode::Single => {
-                room.choice.add([own_contact(deepest(&room.colliding), settings.max_depth)]);
+                contacts.contacts.push(own_contact(deepest(&room.colliding), settings.max_depth));
             }
-        }
-        room.choice.spread(settings.max_contacts, &mut room.kept);
-        if settings.mode == Mode::Clustered && contacts.escape.is_none() {
-            contacts.contacts.extend(tilt::without_waiting(&room.kept));
-        } else {
-            contacts.contacts.extend_from_slice(&room.kept);
         }
     });
 }

@@ -1,10 +1,11 @@
 //! What is kept of one body while its contacts are made, in memory that is used again for the next.
 
 use super::cluster::Clusters;
-use super::reduce::Choice;
-use super::{Colliding, Contact, escape};
-use crate::hull::{self, EdgeModel, Hull, Pushed, Start, Workspace};
-use crate::sample::{Samples, Smooth};
+use super::group::{Exits, Group};
+use super::reduce::{self, Choice, Kept};
+use super::{Colliding, Contact, Settings, escape, own_contact};
+use crate::hull::{EdgeModel, Hull, Pushed, Workspace};
+use crate::sample::Samples;
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::cell::Cell;
 
@@ -23,53 +24,10 @@ pub(super) struct Room {
     pub(super) colliding: Vec<Colliding>,
     clusters: Clusters,
     exits: Exits,
-    pub(super) choice: Choice,
-    pub(super) kept: Vec<Contact>,
-}
-
-/// The exits of many samples along one direction.
-#[derive(Debug, Default)]
-pub(super) struct Exits {
-    exact: hull::Memory,
-    starts: Vec<Start>,
-    exits: Vec<f64>,
-}
-
-impl Exits {
-    /// Takes up the samples that are asked from now on.
-    pub(super) fn begin_at<'a>(&mut self, samples: impl Iterator<Item = &'a Colliding>) {
-        self.starts.clear();
-        self.starts.extend(samples.map(|sample| Start { point: sample.point, view: sample.view }));
-    }
-
-    pub(super) fn starts(&self) -> &[Start] {
-        &self.starts
-    }
-
-    /// Metres from each start along `direction` to its exit, at most `most`.
-    pub(super) fn within(
-        &mut self,
-        hull: &Hull,
-        direction: &Vector3<f64>,
-        edge: EdgeModel,
-        most: f64,
-    ) -> &[f64] {
-        hull.exits_within(&self.starts, direction, edge, most, &mut self.exact, &mut self.exits);
-        &self.exits
-    }
-
-    /// A contact of each start, its depth the exit along `direction`.
-    fn contacts(
-        &mut self,
-        hull: &Hull,
-        direction: Vector3<f64>,
-        edge: EdgeModel,
-        most: f64,
-    ) -> impl Iterator<Item = Contact> {
-        self.within(hull, &direction, edge, most);
-        let contact = move |(start, &depth): (&Start, &f64)| Contact { point: start.point, direction, depth };
-        self.starts.iter().zip(&self.exits).map(contact)
-    }
+    groups: Vec<Group>,
+    choice: Choice,
+    kept: Vec<Kept>,
+    contacts: Vec<Contact>,
 }
 
 impl Room {
@@ -118,48 +76,78 @@ impl Room {
         Some(direction)
     }
 
-    /// Adds one contact a member of each cluster, along its V, the depth the member's own exit. A smooth body
-    /// touches with its support points instead, or else it would roll like the polyhedron of its samples.
-    pub(super) fn add_clusters(
+    /// Makes one contact a member of each cluster, along its V, the depth the member's own exit, and keeps at most
+    /// `most`. A smooth body touches with its support points instead, or else it would roll like the polyhedron of its
+    /// samples.
+    pub(super) fn contacts_of_clusters(
         &mut self,
         hull: &Hull,
         body: &Samples,
         hull_from_body: &Isometry3<f64>,
-        max_depth: f64,
-    ) {
-        for (cluster, direction) in self.clusters.directions().enumerate() {
-            let touches = body.smooth().is_some_and(|smooth| {
-                let touching = touching(hull, smooth, hull_from_body, &direction, max_depth);
-                self.choice.add(touching) > 0
-            });
-            if !touches {
-                self.exits.begin_at(self.clusters.members(cluster, &self.colliding));
-                self.choice.add(self.exits.contacts(hull, direction, EdgeModel::Coverage, max_depth));
+        settings: &Settings,
+    ) -> &[Contact] {
+        let Self { clusters, colliding, exits, groups, choice, .. } = self;
+        choice.clear();
+        groups.resize_with(groups.len().max(clusters.len()), Group::default);
+        let (edge, most) = (EdgeModel::Coverage, settings.max_depth);
+        for ((cluster, direction), group) in clusters.directions().enumerate().zip(groups) {
+            group.begin(direction, edge, most);
+            if let Some(smooth) = body.smooth() {
+                group.add_support(hull, smooth, hull_from_body);
             }
+            if group.is_empty() {
+                group.add_samples(clusters.members(cluster, colliding));
+            }
+            let (deepest, first) = group.find_deepest(hull, settings.max_contacts, exits);
+            choice.add(group.points(), deepest, first);
         }
+        self.keep(hull, settings.max_contacts)
     }
 
-    /// Adds one contact a sample that is inside by whole pixels, along the paper's `vector`.
-    pub(super) fn add_papers(&mut self, hull: &Hull, vector: &Vector3<f64>) {
-        let direction = vector.try_normalize(0.0).unwrap_or(self.colliding[0].push.direction);
-        self.exits.begin_at(self.colliding.iter().filter(|sample| hull.inside(&sample.point)));
-        self.choice.add(self.exits.contacts(hull, direction, EdgeModel::Pixel, f64::INFINITY));
+    /// Makes one contact a sample that is inside by whole pixels, along the paper's `vector`, and keeps at most `most`.
+    pub(super) fn contacts_of_paper(
+        &mut self,
+        hull: &Hull,
+        vector: &Vector3<f64>,
+        most: usize,
+    ) -> &[Contact] {
+        let Self { colliding, exits, groups, choice, .. } = self;
+        choice.clear();
+        groups.resize_with(groups.len().max(1), Group::default);
+        let direction = vector.try_normalize(0.0).unwrap_or(colliding[0].push.direction);
+        let group = &mut groups[0];
+        group.begin(direction, EdgeModel::Pixel, f64::INFINITY);
+        group.add_samples(colliding.iter().filter(|sample| hull.inside(&sample.point)));
+        if !group.is_empty() {
+            let (deepest, first) = group.find_deepest(hull, most, exits);
+            choice.add(group.points(), deepest, first);
+        }
+        self.keep(hull, most)
     }
-}
 
-/// The support points against `direction` that are inside, as contacts along it.
-fn touching(
-    hull: &Hull,
-    smooth: &Smooth,
-    hull_from_body: &Isometry3<f64>,
-    direction: &Vector3<f64>,
-    max_depth: f64,
-) -> impl Iterator<Item = Contact> {
-    let (hull_from_body, direction) = (*hull_from_body, *direction);
-    let support = smooth.support(&hull_from_body.inverse_transform_vector(&-direction));
-    let points = (0..support.len()).map(move |k| hull_from_body * support[k].point);
-    points.filter(|p| hull.inside_by(p, EdgeModel::Coverage)).map(move |point| {
-        let depth = hull.exit_within(&point, &direction, EdgeModel::Coverage, max_depth);
-        Contact { point, direction, depth }
-    })
+    /// Makes a contact of each sample along its own way out, and keeps at most `most`.
+    pub(super) fn contacts_of_points(&mut self, max_depth: f64, most: usize) -> &[Contact] {
+        let Self { colliding, choice, kept, contacts, .. } = self;
+        choice.clear();
+        let own = |sample: &Colliding| own_contact(sample, max_depth);
+        let (deepest, first) = reduce::deepest(colliding.iter().map(|sample| own(sample).depth));
+        choice.add(colliding.iter().map(|sample| sample.point), deepest, first);
+        choice.spread(most, kept);
+        contacts.clear();
+        contacts.extend(kept.iter().map(|kept| own(&colliding[kept.place])));
+        contacts
+    }
+
+    /// Chooses what to keep, and finds how deep that is.
+    fn keep(&mut self, hull: &Hull, most: usize) -> &[Contact] {
+        let Self { exits, groups, choice, kept, contacts, .. } = self;
+        choice.spread(most, kept);
+        for (cluster, group) in groups.iter_mut().enumerate() {
+            let of_group = kept.iter().filter(|kept| kept.cluster == cluster).map(|kept| kept.place);
+            group.find_depths(hull, of_group, exits);
+        }
+        contacts.clear();
+        contacts.extend(kept.iter().map(|kept| groups[kept.cluster].contact(kept.place)));
+        contacts
+    }
 }

@@ -18,8 +18,9 @@ mod sight;
 mod walk;
 
 use super::points::LANES;
+use super::view::whole;
 use super::{EdgeModel, Hull, Push, Unseen};
-use crate::silhouette::Border;
+use crate::silhouette::{Border, HALF_COVERAGE};
 use crate::vectorised::vectorised;
 use exits::{Exits, Way};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -104,8 +105,34 @@ impl Hull {
         });
     }
 
+    /// Whether the exit of `start` along `direction` surely lies before `t` metres: the view that is likely to decide
+    /// sees background there. One look, where an exit is a walk in every view. Only where [`Self::every_view_tells`].
+    pub(crate) fn surely_leaves_before(
+        &self,
+        start: &Start,
+        direction: &Vector3<f64>,
+        edge: EdgeModel,
+        t: f64,
+    ) -> bool {
+        /// Far more than rounding, in pixels.
+        const RIM: f64 = 1e-6;
+        let view = &self.views()[start.view];
+        let silhouette = view.silhouette();
+        let Some(at) = view.project(&(start.point + direction * t)) else { return false };
+        let (i, j) = whole(at.u, at.v);
+        let (x, y) = (at.u - f64::from(i), at.v - f64::from(j));
+        let within = |x: f64| x > RIM && x < 1.0 - RIM;
+        if !view.sees(i, j) || !within(x) || !within(y) {
+            false
+        } else if edge == EdgeModel::Coverage && silhouette.has_coverage() {
+            silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * RIM
+        } else {
+            silhouette.distance(i, j) == 0
+        }
+    }
+
     /// Whether a point that some view does not see is outside, and nothing but background ends a silhouette.
-    fn every_view_tells(&self) -> bool {
+    pub(crate) fn every_view_tells(&self) -> bool {
         self.unseen() == Unseen::Outside
             && self
                 .enabled_views()

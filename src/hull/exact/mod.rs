@@ -73,10 +73,10 @@ impl Hull {
             pushes.extend(points.filter_map(push).take(most));
             return;
         }
-        memory.with_fields(self, EdgeModel::Coverage, |fields, block, exits| {
+        memory.with_queries(self, EdgeModel::Coverage, |queries| {
             for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
                 if pushes.len() < most {
-                    push_block(self, chunk, hull_from_points, first, fields, block, exits, pushes);
+                    push_block(queries, chunk, hull_from_points, first, pushes);
                 }
             }
         });
@@ -98,9 +98,9 @@ impl Hull {
             exits.extend(starts.iter().map(|start| self.exit_within(&start.point, direction, edge, most)));
             return;
         }
-        memory.with_fields(self, edge, |fields, block, walks| {
+        memory.with_queries(self, edge, |queries| {
             for chunk in starts.chunks(LANES) {
-                exit_block(self, chunk, direction, most, fields, block, walks, exits);
+                exit_block(queries, chunk, direction, most, exits);
             }
         });
     }
@@ -141,16 +141,15 @@ impl Hull {
 }
 
 vectorised! {
+    /// Adds the pushes of a block of points, the first of which has the place `first`.
     fn push_block(
-        hull: &Hull,
+        queries: &mut Queries,
         points: &[Point3<f64>],
         hull_from_points: &Isometry3<f64>,
         first: usize,
-        fields: &[Field],
-        block: &mut Block,
-        exits: &mut Exits,
         pushes: &mut Vec<Pushed>,
     ) {
+        let Queries { hull, fields, block, exits } = queries;
         block.place(points.len(), |k| points[k]);
         block.transform(hull_from_points);
         let mut inside = 0;
@@ -167,25 +166,26 @@ vectorised! {
         for k in bits(inside) {
             let direction = Vector3::new(way.direction[0][k], way.direction[1][k], way.direction[2][k]);
             let push = Push { direction, depth: exits.exit[k] };
-            pushes.push(Pushed { place: first + k, point: block.point(k), view: fields[way.field[k]].index, push });
+            let view = fields[way.field[k]].index;
+            pushes.push(Pushed { place: first + k, point: block.point(k), view, push });
         }
     }
 }
 
 vectorised! {
+    /// Adds the exits of a block of points.
     fn exit_block(
-        hull: &Hull,
+        queries: &mut Queries,
         starts: &[Start],
         direction: &Vector3<f64>,
         most: f64,
-        fields: &[Field],
-        block: &mut Block,
-        exits: &mut Exits,
         found: &mut Vec<f64>,
     ) {
+        let Queries { hull, fields, block, exits } = queries;
         block.place(starts.len(), |k| starts[k].point);
         block.sight(fields);
-        let mut way = Way { direction: [[direction.x; LANES], [direction.y; LANES], [direction.z; LANES]], ..Way::default() };
+        let direction = [direction.x, direction.y, direction.z].map(|along| [along; LANES]);
+        let mut way = Way { direction, ..Way::default() };
         for (field, start) in way.field.iter_mut().zip(starts) {
             *field = fields.iter().position(|field| field.index == start.view).unwrap_or(0);
         }
@@ -194,18 +194,21 @@ vectorised! {
     }
 }
 
+/// A hull that is asked, and what the answers are worked out in.
+struct Queries<'a> {
+    hull: &'a Hull,
+    fields: &'a [Field<'a>],
+    block: &'a mut Block,
+    exits: &'a mut Exits,
+}
+
 impl Memory {
     /// Runs `ask` on what of the hull's views every point needs.
-    fn with_fields<'h>(
-        &mut self,
-        hull: &'h Hull,
-        edge: EdgeModel,
-        ask: impl FnOnce(&[Field<'h>], &mut Block, &mut Exits),
-    ) {
-        let mut fields: Vec<Field<'h>> = std::mem::take(&mut self.fields);
+    fn with_queries(&mut self, hull: &Hull, edge: EdgeModel, ask: impl FnOnce(&mut Queries)) {
+        let mut fields: Vec<Field> = std::mem::take(&mut self.fields);
         let enabled = hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
         fields.extend(enabled.map(|(index, view)| Field::new(index, view, edge)));
-        ask(&fields, &mut self.block, &mut self.exits);
+        ask(&mut Queries { hull, fields: &fields, block: &mut self.block, exits: &mut self.exits });
         fields.clear();
         // Collected in place: nothing is left to convert but the lifetime.
         self.fields = fields.into_iter().map(|_| unreachable!("it was cleared")).collect();

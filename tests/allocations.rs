@@ -85,12 +85,11 @@ fn a_simulation_on_a_hull_allocates_nothing_in_the_steady_state() {
         (scene::cube(0.1), scene::at(0.15, -0.12, scene::TOP + 0.06)),
         (Shape::Cylinder { radius: 0.04, length: 0.1 }, lying),
     ];
-    for (shape, pose) in &shapes {
-        scene::add_body(&mut world, shape, pose);
-    }
+    let bodies = shapes.each_ref().map(|(shape, pose)| scene::add_body(&mut world, shape, pose).0);
     let mut step = |k: usize| {
         scene::show_table(&data, 0.01 * k as f64);
         scene::step(&mut world, 0.01);
+        assert!(bodies.iter().all(|&body| scene::height(&world, body) > scene::TOP), "all rest on the table");
     };
     (1..300).for_each(&mut step);
     let allocated = allocation_counter::measure(|| (300..400).for_each(&mut step));

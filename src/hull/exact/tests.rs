@@ -93,3 +93,26 @@ fn many_exits_have_the_bits_of_single_ones() {
         }
     }
 }
+
+#[test]
+fn what_surely_leaves_before_has_a_shorter_exit() {
+    let (mut memory, mut pushes, mut random) = (Memory::default(), Vec::new(), Random(11));
+    for hull in hulls().iter().filter(|hull| hull.every_view_tells()) {
+        let (points, pose) = (points(hull, 1003), Isometry3::identity());
+        hull.pushes(&points, &pose, usize::MAX, &mut memory, &mut pushes);
+        for edge in [EdgeModel::Pixel, EdgeModel::Coverage] {
+            let (mut sure, mut shorter) = (0, 0);
+            for pushed in &pushes {
+                let start = Start { point: pushed.point, view: pushed.view };
+                // A little off, as a cluster's direction is.
+                let direction = (pushed.push.direction + vector![0.05, -0.1, 0.1]).normalize();
+                let t = 0.2 * random.unit();
+                let exit = hull.exit_within(&start.point, &direction, edge, f64::INFINITY);
+                let surely = hull.surely_leaves_before(&start, &direction, edge, t);
+                assert!(!surely || exit < t, "{} {exit} {t}", start.point);
+                (sure, shorter) = (sure + usize::from(surely), shorter + usize::from(exit < t));
+            }
+            assert!(5 * sure > shorter, "{sure} of {shorter}");
+        }
+    }
+}

@@ -36,13 +36,13 @@ struct Cluster {
 
 impl Clusters {
     /// Finds the clusters of the supported samples, the one with the deepest sample first, joined by the unsupported
-    /// ones that fit; none where no sample is supported.
+    /// ones that fit; none where no sample is supported. Asks no depth of unsupported ones.
     pub(super) fn find(&mut self, colliding: &[Colliding]) {
         let is_supported = |place: &usize| is_supported(&colliding[*place]);
         self.clusters.clear();
         self.supported.clear();
         self.supported.extend((0..colliding.len()).filter(is_supported));
-        let depth = |place: usize| colliding[place].push.depth;
+        let depth = |place: usize| colliding[place].depth;
         self.supported.sort_unstable_by(|&a, &b| depth(b).total_cmp(&depth(a)).then(a.cmp(&b)));
         self.of_sample.clear();
         self.of_sample.resize(colliding.len(), None);
@@ -90,7 +90,7 @@ impl Clusters {
 
 /// The cluster that a supported sample belongs to, which may be its own.
 fn join_or_found(clusters: &mut Vec<Cluster>, sample: &Colliding) -> usize {
-    let way_out = &sample.push.direction;
+    let way_out = &sample.direction;
     let cosines = clusters.iter().map(|cluster| cluster.direction.dot(way_out));
     let joined = first_greatest(cosines).filter(|(_, cosine)| *cosine >= JOIN_COSINE);
     let joined = joined.map_or(clusters.len(), |(nearest, _)| nearest);
@@ -98,7 +98,7 @@ fn join_or_found(clusters: &mut Vec<Cluster>, sample: &Colliding) -> usize {
         clusters.push(Cluster { sum: Vector3::zeros(), direction: Vector3::zeros() });
     }
     let cluster = &mut clusters[joined];
-    cluster.sum += way_out * (sample.push.depth + DIRECTION_WEIGHT);
+    cluster.sum += way_out * (sample.depth + DIRECTION_WEIGHT);
     cluster.direction = cluster.sum.normalize();
     joined
 }
@@ -109,8 +109,9 @@ fn fitting(clusters: &[Cluster], sample: &Colliding) -> Option<usize> {
     first_greatest(against).filter(|(_, against)| -against <= SUPPORTED).map(|(nearest, _)| nearest)
 }
 
-fn is_supported(sample: &Colliding) -> bool {
-    sample.normal == Vector3::zeros() || sample.push.direction.dot(&sample.normal) <= SUPPORTED
+/// Whether a sample's way out runs against the body's normal there, as far as that is known.
+pub(super) fn is_supported(sample: &Colliding) -> bool {
+    sample.normal == Vector3::zeros() || sample.direction.dot(&sample.normal) <= SUPPORTED
 }
 
 fn first_greatest(values: impl Iterator<Item = f64>) -> Option<(usize, f64)> {

@@ -21,11 +21,11 @@ pub(super) fn direction(
     exits: &mut Exits,
 ) -> Vector3<f64> {
     let stride = colliding.len().div_ceil(MOST_ASKED);
-    let mean: Vector3<f64> = colliding.iter().map(|sample| sample.push.direction * sample.push.depth).sum();
+    let mean: Vector3<f64> = colliding.iter().map(|sample| sample.direction * sample.depth).sum();
     let fresh = cube_directions().chain(mean.try_normalize(1e-9));
     let candidates =
         fresh.map(|direction| (direction, 1.0)).chain(last.map(|direction| (direction, LOYALTY)));
-    exits.begin_at(colliding.iter().step_by(stride));
+    exits.begin_at(colliding.iter().step_by(stride).map(|sample| (sample, sample.direction)));
     let mut search = Search { hull, exits, witness: 0 };
     let mut best: Option<(Vector3<f64>, f64)> = None;
     for (direction, factor) in candidates {
@@ -34,7 +34,7 @@ pub(super) fn direction(
             best = Some((direction, rated));
         }
     }
-    best.map_or(colliding[0].push.direction, |(direction, _)| direction)
+    best.map_or(colliding[0].direction, |(direction, _)| direction)
 }
 
 /// The longest exits of the samples asked.
@@ -55,7 +55,7 @@ impl Search<'_> {
         if rules_out(self.hull.exit_within(witness, direction, EdgeModel::Pixel, enough)) {
             return None;
         }
-        let exits = self.exits.within(self.hull, direction, EdgeModel::Pixel, enough);
+        let exits = self.exits.along(self.hull, direction, EdgeModel::Pixel, enough);
         let (witness, longest) = exits.iter().enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
         self.witness = witness;
         (!rules_out(*longest)).then_some(factor * longest)

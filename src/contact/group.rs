@@ -9,7 +9,7 @@ use crate::hull::{self, EdgeModel, Hull, Start};
 use crate::sample::Smooth;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// The exits of many points along one direction.
+/// The exits of many points.
 #[derive(Debug, Default)]
 pub(super) struct Exits {
     pub(super) exact: hull::Memory,
@@ -19,26 +19,32 @@ pub(super) struct Exits {
 }
 
 impl Exits {
-    /// Takes up the samples that are asked from now on.
-    pub(super) fn begin_at<'a>(&mut self, samples: impl Iterator<Item = &'a Colliding>) {
+    /// Takes up the samples that are asked from now on, and where they go.
+    pub(super) fn begin_at<'a>(&mut self, samples: impl Iterator<Item = (&'a Colliding, Vector3<f64>)>) {
         self.starts.clear();
-        self.starts.extend(samples.map(start));
+        self.starts.extend(samples.map(|(sample, direction)| start(sample, direction)));
     }
 
     pub(super) fn starts(&self) -> &[Start] {
         &self.starts
     }
 
-    /// Metres from each start along `direction` to its exit, at most `most`.
-    pub(super) fn within(
+    /// Metres from each start to its exit, at most `most`.
+    pub(super) fn within(&mut self, hull: &Hull, edge: EdgeModel, most: f64) -> &[f64] {
+        hull.exits_within(&self.starts, edge, most, &mut self.exact, &mut self.exits);
+        &self.exits
+    }
+
+    /// The same, all along one direction.
+    pub(super) fn along(
         &mut self,
         hull: &Hull,
         direction: &Vector3<f64>,
         edge: EdgeModel,
         most: f64,
     ) -> &[f64] {
-        hull.exits_within(&self.starts, direction, edge, most, &mut self.exact, &mut self.exits);
-        &self.exits
+        self.starts.iter_mut().for_each(|start| start.direction = *direction);
+        self.within(hull, edge, most)
     }
 }
 
@@ -81,10 +87,10 @@ impl Group {
     pub(super) fn add_samples<'a>(&mut self, samples: impl Iterator<Item = &'a Colliding>) {
         let mut longest = f64::NEG_INFINITY;
         for sample in samples {
-            if sample.push.depth > longest {
-                (longest, self.likely) = (sample.push.depth, self.starts.len());
+            if sample.depth > longest {
+                (longest, self.likely) = (sample.depth, self.starts.len());
             }
-            self.starts.push(start(sample));
+            self.starts.push(start(sample, self.direction));
             self.depths.push(None);
         }
     }
@@ -95,7 +101,7 @@ impl Group {
         for sample in support.iter() {
             let point = hull_from_body * sample.point;
             if hull.inside_by(&point, self.edge) {
-                self.starts.push(Start { point, view: 0 });
+                self.starts.push(Start { point, direction: self.direction, view: 0 });
                 self.depths.push(Some(hull.exit_within(&point, &self.direction, self.edge, self.max_depth)));
             }
         }
@@ -134,8 +140,7 @@ impl Group {
 
     /// Whether a contact is, or may be, as deep as that.
     fn may_reach(&self, hull: &Hull, place: usize, depth: f64) -> bool {
-        self.depths[place].is_some()
-            || !hull.surely_leaves_before(&self.starts[place], &self.direction, self.edge, depth)
+        self.depths[place].is_some() || !hull.surely_leaves_before(&self.starts[place], self.edge, depth)
     }
 
     /// Finds the depths at `places` that are not known yet.
@@ -156,7 +161,7 @@ impl Group {
                 exits.exits.push(exit);
                 &exits.exits
             }
-            _ => exits.within(hull, &self.direction, self.edge, self.max_depth),
+            _ => exits.within(hull, self.edge, self.max_depth),
         };
         let mut found = found.iter();
         for place in places {
@@ -176,6 +181,6 @@ impl Group {
     }
 }
 
-fn start(sample: &Colliding) -> Start {
-    Start { point: sample.point, view: sample.view }
+fn start(sample: &Colliding, direction: Vector3<f64>) -> Start {
+    Start { point: sample.point, direction, view: sample.view }
 }

@@ -15,7 +15,7 @@ mod room;
 mod tilt;
 
 pub use crate::hull::BodyResponse;
-use crate::hull::{EdgeModel, Hull, Push};
+use crate::hull::{EdgeModel, Hull};
 use crate::sample::Samples;
 use nalgebra::{Isometry3, Point3, Vector3};
 use room::Room;
@@ -83,7 +83,10 @@ struct Colliding {
     normal: Vector3<f64>,
     /// Index of the view whose edge gave the way out.
     view: usize,
-    push: Push,
+    /// Unit direction of its way out.
+    direction: Vector3<f64>,
+    /// Metres along it; zero where nobody has asked.
+    depth: f64,
 }
 
 /// The contacts of `body` in pose `hull_from_body` with `hull`. `last_escape` is the [`Contacts::escape`] of the step
@@ -132,9 +135,11 @@ pub(crate) fn collide_into(
                 contacts.contacts.extend_from_slice(room.contacts_of_paper(hull, &vector, most));
             }
             Mode::Point => {
+                room.find_depths(hull, |_| true);
                 contacts.contacts.extend_from_slice(room.contacts_of_points(settings.max_depth, most));
             }
             Mode::Single => {
+                room.find_depths(hull, |_| true);
                 contacts.contacts.push(own_contact(deepest(&room.colliding), settings.max_depth));
             }
         }
@@ -166,6 +171,7 @@ pub(crate) fn collide_any_into(
     contacts.escape = None;
     Room::with(|room| {
         room.take_inside(hull, body, hull_from_body, settings.max_contacts);
+        room.find_depths(hull, |_| true);
         contacts.contacts.extend(room.colliding.iter().map(|sample| own_contact(sample, settings.max_depth)));
     });
 }
@@ -185,12 +191,12 @@ pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64
 }
 
 fn own_contact(sample: &Colliding, max_depth: f64) -> Contact {
-    Contact { point: sample.point, direction: sample.push.direction, depth: sample.push.depth.min(max_depth) }
+    Contact { point: sample.point, direction: sample.direction, depth: sample.depth.min(max_depth) }
 }
 
 /// The first among the deepest.
 fn deepest(colliding: &[Colliding]) -> &Colliding {
-    colliding.iter().rev().max_by(|a, b| a.push.depth.total_cmp(&b.push.depth)).unwrap_or(&colliding[0])
+    colliding.iter().rev().max_by(|a, b| a.depth.total_cmp(&b.depth)).unwrap_or(&colliding[0])
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! What is kept of one body while its contacts are made, in memory that is used again for the next.
 
-use super::cluster::Clusters;
+use super::cluster::{Clusters, is_supported};
 use super::group::{Exits, Group};
 use super::reduce::{self, Choice, Kept};
 use super::{Colliding, Contact, Settings, escape, own_contact};
-use crate::hull::{EdgeModel, Hull, Pushed, Workspace};
+use crate::hull::{EdgeModel, Hull, Start, Workspace};
 use crate::sample::Samples;
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::cell::Cell;
@@ -19,7 +19,7 @@ pub(super) struct Room {
     batch: Workspace,
     candidates: Vec<usize>,
     points: Vec<Point3<f64>>,
-    pushes: Vec<Pushed>,
+    ways: Vec<(usize, Start)>,
     /// In the order of the samples.
     pub(super) colliding: Vec<Colliding>,
     clusters: Clusters,
@@ -58,19 +58,33 @@ impl Room {
         self.candidates.extend(candidates.iter());
         self.points.clear();
         self.points.extend(self.candidates.iter().map(|&index| samples[index].point));
-        hull.pushes(&self.points, hull_from_body, most, &mut self.exits.exact, &mut self.pushes);
-        self.colliding.extend(self.pushes.iter().map(|&Pushed { place, point, view, push }| {
+        hull.ways_out_of(&self.points, hull_from_body, most, &mut self.exits.exact, &mut self.ways);
+        self.colliding.extend(self.ways.iter().map(|&(place, Start { point, direction, view })| {
             let normal = hull_from_body * samples[self.candidates[place]].normal;
-            Colliding { point, normal, view, push }
+            Colliding { point, normal, view, direction, depth: 0.0 }
         }));
+    }
+
+    /// Finds how long the ways out are of the samples `wanted`.
+    pub(super) fn find_depths(&mut self, hull: &Hull, wanted: impl Fn(&Colliding) -> bool) {
+        let of_wanted = self.colliding.iter().filter(|sample| wanted(sample));
+        self.exits.begin_at(of_wanted.map(|sample| (sample, sample.direction)));
+        let depths = self.exits.within(hull, EdgeModel::Coverage, f64::INFINITY);
+        let of_wanted = self.colliding.iter_mut().filter(|sample| wanted(sample));
+        for (sample, depth) in of_wanted.zip(depths) {
+            sample.depth = *depth;
+        }
     }
 
     /// Puts the samples into clusters; where none can tell, into one, to leave along the way out returned.
     pub(super) fn cluster(&mut self, hull: &Hull, last_escape: Option<Vector3<f64>>) -> Option<Vector3<f64>> {
+        // Of the others only the direction matters.
+        self.find_depths(hull, is_supported);
         self.clusters.find(&self.colliding);
         if !self.clusters.is_empty() {
             return None;
         }
+        self.find_depths(hull, |_| true);
         let direction = escape::direction(hull, &self.colliding, last_escape, &mut self.exits);
         self.clusters.put_together(&self.colliding, &direction);
         Some(direction)
@@ -114,7 +128,7 @@ impl Room {
         let Self { colliding, exits, groups, choice, .. } = self;
         choice.clear();
         groups.resize_with(groups.len().max(1), Group::default);
-        let direction = vector.try_normalize(0.0).unwrap_or(colliding[0].push.direction);
+        let direction = vector.try_normalize(0.0).unwrap_or(colliding[0].direction);
         let group = &mut groups[0];
         group.begin(direction, EdgeModel::Pixel, f64::INFINITY);
         group.add_samples(colliding.iter().filter(|sample| hull.inside(&sample.point)));

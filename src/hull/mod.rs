@@ -31,7 +31,7 @@ mod view;
 pub use aabb::Aabb;
 pub use batch::{Body, BodyResponse, Inside, PointResponse, Workspace};
 pub use data::HullData;
-pub(crate) use exact::{Memory, Pushed, Start};
+pub(crate) use exact::{Memory, Start};
 pub use march::EdgeModel;
 pub use points::Points;
 pub use ray::RayHit;

@@ -1,4 +1,4 @@
-//! Many points at once, in double precision: the pushes and exits that contacts are made of.
+//! Many points at once, in double precision: the ways out and exits that contacts are made of.
 //!
 //! ```text
 //!   points ─► sight ─► nearest edge ─► contact normal ─► exit
@@ -19,7 +19,7 @@ mod walk;
 
 use super::points::LANES;
 use super::view::whole;
-use super::{EdgeModel, Hull, Push, Unseen};
+use super::{EdgeModel, Hull, Unseen};
 use crate::silhouette::{Border, HALF_COVERAGE};
 use crate::vectorised::vectorised;
 use exits::{Exits, Way};
@@ -29,22 +29,13 @@ use sight::{Block, Field};
 /// One number of each of as many points as are asked together.
 type Wide = [f64; LANES];
 
-/// A point inside, and the index of the view that is likely to decide where it leaves.
-#[derive(Debug, Clone, Copy)]
+/// A point inside, and where it is to leave.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Start {
     pub(crate) point: Point3<f64>,
+    pub(crate) direction: Vector3<f64>,
+    /// Index of the view that is likely to decide how far that is: the one that gave the direction.
     pub(crate) view: usize,
-}
-
-/// The push of one point of many.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Pushed {
-    /// Its place among them, and where that is in the hull's frame.
-    pub(crate) place: usize,
-    pub(crate) point: Point3<f64>,
-    /// Index of the view that decided.
-    pub(crate) view: usize,
-    pub(crate) push: Push,
 }
 
 /// Memory that is used again and again; it holds no answer.
@@ -56,38 +47,40 @@ pub(crate) struct Memory {
 }
 
 impl Hull {
-    /// Writes to `pushes` [`Self::push`] of those of `points`, in the pose `hull_from_points`, that are inside by the
-    /// coverage edge, in their order; of the first `most` of them.
-    pub(crate) fn pushes(
+    /// Writes to `ways` the directions of [`Self::push`] for those of `points`, in the pose `hull_from_points`, that are
+    /// inside by the coverage edge: with their places, in their order, of the first `most` of them.
+    pub(crate) fn ways_out_of(
         &self,
         points: &[Point3<f64>],
         hull_from_points: &Isometry3<f64>,
         most: usize,
         memory: &mut Memory,
-        pushes: &mut Vec<Pushed>,
+        ways: &mut Vec<(usize, Start)>,
     ) {
-        pushes.clear();
+        ways.clear();
         if !self.every_view_tells() {
             let points = points.iter().map(|p| hull_from_points * p).enumerate();
-            let push = |(place, point)| Some(Pushed { place, point, view: 0, push: self.push(&point)? });
-            pushes.extend(points.filter_map(push).take(most));
+            let way = |(place, point)| {
+                let (view, direction) = self.way_out(&point)?;
+                Some((place, Start { point, direction, view }))
+            };
+            ways.extend(points.filter_map(way).take(most));
             return;
         }
         memory.with_queries(self, EdgeModel::Coverage, |queries| {
             for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
-                if pushes.len() < most {
-                    push_block(queries, chunk, hull_from_points, first, pushes);
+                if ways.len() < most {
+                    add_ways(queries, chunk, hull_from_points, first, ways);
                 }
             }
         });
-        pushes.truncate(most);
+        ways.truncate(most);
     }
 
     /// Writes to `exits` [`Self::exit_within`] of each of `starts`, all of them inside.
     pub(crate) fn exits_within(
         &self,
         starts: &[Start],
-        direction: &Vector3<f64>,
         edge: EdgeModel,
         most: f64,
         memory: &mut Memory,
@@ -95,30 +88,25 @@ impl Hull {
     ) {
         exits.clear();
         if !self.every_view_tells() {
-            exits.extend(starts.iter().map(|start| self.exit_within(&start.point, direction, edge, most)));
+            let exit = |start: &Start| self.exit_within(&start.point, &start.direction, edge, most);
+            exits.extend(starts.iter().map(exit));
             return;
         }
         memory.with_queries(self, edge, |queries| {
             for chunk in starts.chunks(LANES) {
-                exit_block(queries, chunk, direction, most, exits);
+                add_exits(queries, chunk, most, exits);
             }
         });
     }
 
-    /// Whether the exit of `start` along `direction` surely lies before `t` metres: the view that is likely to decide
+    /// Whether the exit of `start` surely lies before `t` metres: the view that is likely to decide
     /// sees background there. One look, where an exit is a walk in every view. Only where [`Self::every_view_tells`].
-    pub(crate) fn surely_leaves_before(
-        &self,
-        start: &Start,
-        direction: &Vector3<f64>,
-        edge: EdgeModel,
-        t: f64,
-    ) -> bool {
+    pub(crate) fn surely_leaves_before(&self, start: &Start, edge: EdgeModel, t: f64) -> bool {
         /// Far more than rounding, in pixels.
         const RIM: f64 = 1e-6;
         let view = &self.views()[start.view];
         let silhouette = view.silhouette();
-        let Some(at) = view.project(&(start.point + direction * t)) else { return false };
+        let Some(at) = view.project(&(start.point + start.direction * t)) else { return false };
         let (i, j) = whole(at.u, at.v);
         let (x, y) = (at.u - f64::from(i), at.v - f64::from(j));
         let within = |x: f64| x > RIM && x < 1.0 - RIM;
@@ -141,15 +129,15 @@ impl Hull {
 }
 
 vectorised! {
-    /// Adds the pushes of a block of points, the first of which has the place `first`.
-    fn push_block(
+    /// Adds the ways out of a block of points, the first of which has the place `first`.
+    fn add_ways(
         queries: &mut Queries,
         points: &[Point3<f64>],
         hull_from_points: &Isometry3<f64>,
         first: usize,
-        pushes: &mut Vec<Pushed>,
+        ways: &mut Vec<(usize, Start)>,
     ) {
-        let Queries { hull, fields, block, exits } = queries;
+        let Queries { hull, fields, block, .. } = queries;
         block.place(points.len(), |k| points[k]);
         block.transform(hull_from_points);
         let mut inside = 0;
@@ -157,37 +145,24 @@ vectorised! {
             inside |= u32::from(hull.in_boxes(&block.point(k))) << k;
         }
         let inside = block.sight_inside(fields, inside);
-        if inside == 0 {
-            return;
-        }
-        let mut way = Way::default();
-        let inside = nearest::ways(hull, fields, block, inside, &mut way);
-        exits.find(hull, fields, block, &way, f64::INFINITY, inside);
-        for k in bits(inside) {
-            let direction = Vector3::new(way.direction[0][k], way.direction[1][k], way.direction[2][k]);
-            let push = Push { direction, depth: exits.exit[k] };
-            let view = fields[way.field[k]].index;
-            pushes.push(Pushed { place: first + k, point: block.point(k), view, push });
+        if inside != 0 {
+            nearest::add_ways(hull, fields, block, inside, first, ways);
         }
     }
 }
 
 vectorised! {
     /// Adds the exits of a block of points.
-    fn exit_block(
-        queries: &mut Queries,
-        starts: &[Start],
-        direction: &Vector3<f64>,
-        most: f64,
-        found: &mut Vec<f64>,
-    ) {
+    fn add_exits(queries: &mut Queries, starts: &[Start], most: f64, found: &mut Vec<f64>) {
         let Queries { hull, fields, block, exits } = queries;
         block.place(starts.len(), |k| starts[k].point);
         block.sight(fields);
-        let direction = [direction.x, direction.y, direction.z].map(|along| [along; LANES]);
-        let mut way = Way { direction, ..Way::default() };
-        for (field, start) in way.field.iter_mut().zip(starts) {
-            *field = fields.iter().position(|field| field.index == start.view).unwrap_or(0);
+        let mut way = Way::default();
+        for (k, start) in starts.iter().enumerate() {
+            for axis in 0..3 {
+                way.direction[axis][k] = start.direction[axis];
+            }
+            way.field[k] = fields.iter().position(|field| field.index == start.view).unwrap_or(0);
         }
         exits.find(hull, fields, block, &way, most, u32::MAX >> (LANES - starts.len()));
         found.extend_from_slice(&exits.exit[..starts.len()]);

@@ -3,9 +3,8 @@
 use super::super::points::LANES;
 use super::super::search::window_half_width;
 use super::super::{Hull, NearestEdge};
-use super::exits::Way;
 use super::sight::{Block, Field};
-use super::{Wide, bits, either, floor};
+use super::{Start, Wide, bits, either, floor};
 use crate::camera::Pixel;
 use crate::silhouette;
 
@@ -16,15 +15,22 @@ struct Decided {
     growth: Wide,
 }
 
-/// Writes to `way` the ways out of the points `inside`; which of them have one.
+/// Adds the ways out of the points `inside`, with their places, the first of which is `first`.
 #[inline(always)]
-pub(super) fn ways(hull: &Hull, fields: &[Field], block: &mut Block, inside: u32, way: &mut Way) -> u32 {
+pub(super) fn add_ways(
+    hull: &Hull,
+    fields: &[Field],
+    block: &mut Block,
+    inside: u32,
+    first: usize,
+    ways: &mut Vec<(usize, Start)>,
+) {
     let decided = decide(fields, block);
     let (mut has_way, mut background) = (0, [(0, 0); LANES]);
     let (mut new, mut count) = ([(fields[0].view.silhouette(), (0, 0)); LANES], 0);
     for k in bits(inside) {
-        way.field[k] = decided.field[k] as usize;
-        let (silhouette, sighting) = (fields[way.field[k]].view.silhouette(), &block.sightings[way.field[k]]);
+        let place = decided.field[k] as usize;
+        let (silhouette, sighting) = (fields[place].view.silhouette(), &block.sightings[place]);
         let half = window_half_width(decided.iteration[k] as i64, decided.growth[k]);
         let (i, j) = (sighting.column[k] as i32, sighting.row[k] as i32);
         let Some(b) = silhouette.nearest_background(i, j, half) else { continue };
@@ -37,12 +43,12 @@ pub(super) fn ways(hull: &Hull, fields: &[Field], block: &mut Block, inside: u32
     }
     silhouette::compute_edges(&new[..count]);
     for k in bits(has_way) {
-        let (view, at) = (fields[way.field[k]].view, &block.sightings[way.field[k]].at);
-        let a = Pixel { u: at[0][k] / at[2][k], v: at[1][k] / at[2][k], depth: at[2][k] };
-        let normal = hull.contact_normal(&NearestEdge { view, a, b: background[k] });
-        (way.direction[0][k], way.direction[1][k], way.direction[2][k]) = (normal.x, normal.y, normal.z);
+        let place = decided.field[k] as usize;
+        let (field, at) = (&fields[place], block.sightings[place].at.map(|at| at[k]));
+        let a = Pixel { u: at[0] / at[2], v: at[1] / at[2], depth: at[2] };
+        let direction = hull.contact_normal(&NearestEdge { view: field.view, a, b: background[k] });
+        ways.push((first + k, Start { point: block.point(k), direction, view: field.index }));
     }
-    has_way
 }
 
 /// The first k at which a window, `1 + floor(k d_max / d_i)`, reaches the view's distance; the first view among

@@ -37,52 +37,52 @@ fn points(hull: &Hull, count: usize) -> Vec<Point3<f64>> {
 }
 
 #[test]
-fn many_pushes_have_the_bits_of_single_ones() {
-    let (mut memory, mut pushes) = (Memory::default(), Vec::new());
+fn many_ways_out_have_the_bits_of_single_ones() {
+    let (mut memory, mut ways) = (Memory::default(), Vec::new());
     for (n, hull) in hulls().iter().enumerate() {
         let turned = UnitQuaternion::from_euler_angles(0.4, -1.1, 2.5);
         let pose = Isometry3::from_parts(vector![0.3, -0.2, 0.4].into(), turned);
         let points: Vec<_> = points(hull, 3001).iter().map(|p| pose.inverse_transform_point(p)).collect();
-        hull.pushes(&points, &pose, usize::MAX, &mut memory, &mut pushes);
-        let mut found = pushes.iter();
+        hull.ways_out_of(&points, &pose, usize::MAX, &mut memory, &mut ways);
+        let mut found = ways.iter();
         for (place, p) in points.iter().enumerate() {
-            let Some(push) = hull.push(&(pose * p)) else { continue };
-            let many = found.next().unwrap();
-            assert_eq!((many.place, many.point, many.push), (place, pose * p, push), "hull {n}, {p}");
+            let Some((view, direction)) = hull.way_out(&(pose * p)) else { continue };
+            let single = Start { point: pose * p, direction, view };
+            assert_eq!(found.next(), Some(&(place, single)), "hull {n}, {p}");
+            assert_eq!(hull.push(&single.point).map(|push| push.direction), Some(direction));
         }
-        assert!(found.next().is_none() && pushes.len() > 200, "hull {n}: {}", pushes.len());
+        assert!(found.next().is_none() && ways.len() > 200, "hull {n}: {}", ways.len());
     }
 }
 
 #[test]
-fn the_first_few_pushes_are_the_first_of_all() {
+fn the_first_few_ways_out_are_the_first_of_all() {
     let (mut memory, mut all, mut few) = (Memory::default(), Vec::new(), Vec::new());
     for hull in hulls() {
         let (points, pose) = (points(&hull, 500), Isometry3::identity());
-        hull.pushes(&points, &pose, usize::MAX, &mut memory, &mut all);
+        hull.ways_out_of(&points, &pose, usize::MAX, &mut memory, &mut all);
         for most in [0, 1, 40] {
-            hull.pushes(&points, &pose, most, &mut memory, &mut few);
-            assert!(few.iter().map(|few| few.place).eq(all.iter().take(most).map(|all| all.place)));
+            hull.ways_out_of(&points, &pose, most, &mut memory, &mut few);
+            assert!(few.iter().eq(all.iter().take(most)));
         }
     }
 }
 
 #[test]
 fn many_exits_have_the_bits_of_single_ones() {
-    let (mut memory, mut pushes, mut exits) = (Memory::default(), Vec::new(), Vec::new());
+    let (mut memory, mut ways, mut exits) = (Memory::default(), Vec::new(), Vec::new());
     let mut random = Random(9);
     for (n, hull) in hulls().iter().enumerate() {
         let (points, pose) = (points(hull, 1003), Isometry3::identity());
-        hull.pushes(&points, &pose, usize::MAX, &mut memory, &mut pushes);
-        let start = |pushed: &Pushed| Start { point: points[pushed.place], view: pushed.view };
-        let starts: Vec<_> = pushes.iter().map(start).collect();
+        hull.ways_out_of(&points, &pose, usize::MAX, &mut memory, &mut ways);
         let ball = Aabb { min: point![-1.0, -1.0, -1.0], max: point![1.0, 1.0, 1.0] };
         let mut directions: Vec<_> = (0..6).map(|_| random.point(&ball).coords.normalize()).collect();
         directions.extend([Vector3::x(), -Vector3::y(), Vector3::z(), vector![0.6, 0.0, -0.8]]);
         for direction in directions {
+            let starts: Vec<_> = ways.iter().map(|(_, start)| Start { direction, ..*start }).collect();
             for edge in [EdgeModel::Pixel, EdgeModel::Coverage] {
                 for most in [f64::INFINITY, 0.05] {
-                    hull.exits_within(&starts, &direction, edge, most, &mut memory, &mut exits);
+                    hull.exits_within(&starts, edge, most, &mut memory, &mut exits);
                     assert_eq!(exits.len(), starts.len());
                     for (exit, start) in exits.iter().zip(&starts) {
                         let single = hull.exit_within(&start.point, &direction, edge, most);
@@ -96,19 +96,19 @@ fn many_exits_have_the_bits_of_single_ones() {
 
 #[test]
 fn what_surely_leaves_before_has_a_shorter_exit() {
-    let (mut memory, mut pushes, mut random) = (Memory::default(), Vec::new(), Random(11));
+    let (mut memory, mut ways, mut random) = (Memory::default(), Vec::new(), Random(11));
     for hull in hulls().iter().filter(|hull| hull.every_view_tells()) {
         let (points, pose) = (points(hull, 1003), Isometry3::identity());
-        hull.pushes(&points, &pose, usize::MAX, &mut memory, &mut pushes);
+        hull.ways_out_of(&points, &pose, usize::MAX, &mut memory, &mut ways);
         for edge in [EdgeModel::Pixel, EdgeModel::Coverage] {
             let (mut sure, mut shorter) = (0, 0);
-            for pushed in &pushes {
-                let start = Start { point: pushed.point, view: pushed.view };
+            for (_, start) in &ways {
                 // A little off, as a cluster's direction is.
-                let direction = (pushed.push.direction + vector![0.05, -0.1, 0.1]).normalize();
+                let direction = (start.direction + vector![0.05, -0.1, 0.1]).normalize();
+                let start = Start { direction, ..*start };
                 let t = 0.2 * random.unit();
                 let exit = hull.exit_within(&start.point, &direction, edge, f64::INFINITY);
-                let surely = hull.surely_leaves_before(&start, &direction, edge, t);
+                let surely = hull.surely_leaves_before(&start, edge, t);
                 assert!(!surely || exit < t, "{} {exit} {t}", start.point);
                 (sure, shorter) = (sure + usize::from(surely), shorter + usize::from(exit < t));
             }

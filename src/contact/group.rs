@@ -3,7 +3,7 @@
 //! Of a body's many contacts few are kept, and of the others nobody asks more than whether they are among the deepest.
 //! One look at where a contact would end, were it as deep, mostly tells that it is not.
 
-use super::reduce::{self, counts_as};
+use super::reduce::{self, Kept, counts_as};
 use super::{Colliding, Contact};
 use crate::hull::{self, EdgeModel, Hull, Start};
 use crate::sample::Smooth;
@@ -144,30 +144,29 @@ impl Group {
     }
 
     /// Finds the depths at `places` that are not known yet.
-    pub(super) fn find_depths(
+    fn find_depths(
         &mut self,
         hull: &Hull,
         places: impl IntoIterator<Item = usize> + Clone,
         exits: &mut Exits,
     ) {
-        let unknown = || places.clone().into_iter().filter(|&place| self.depths[place].is_none());
         exits.starts.clear();
-        exits.starts.extend(unknown().map(|place| self.starts[place]));
-        let found: &[f64] = match exits.starts() {
-            [] => return,
-            [one] => {
-                let exit = hull.exit_within(&one.point, &self.direction, self.edge, self.max_depth);
-                exits.exits.clear();
-                exits.exits.push(exit);
-                &exits.exits
-            }
-            _ => exits.within(hull, self.edge, self.max_depth),
-        };
-        let mut found = found.iter();
+        exits.starts.extend(places.clone().into_iter().filter_map(|place| self.unknown(place)));
+        let mut found = exits.within(hull, self.edge, self.max_depth).iter();
         for place in places {
-            if self.depths[place].is_none() {
-                self.depths[place] = found.next().copied();
-            }
+            self.learn(place, &mut found);
+        }
+    }
+
+    /// Where a contact starts whose depth is not known yet.
+    fn unknown(&self, place: usize) -> Option<Start> {
+        if self.depths[place].is_none() { Some(self.starts[place]) } else { None }
+    }
+
+    /// Takes the next of the depths `found`, unless it is known.
+    fn learn<'d>(&mut self, place: usize, found: &mut impl Iterator<Item = &'d f64>) {
+        if self.depths[place].is_none() {
+            self.depths[place] = found.next().copied();
         }
     }
 
@@ -178,6 +177,17 @@ impl Group {
     /// The contact of a point whose depth has been found.
     pub(super) fn contact(&self, place: usize) -> Contact {
         Contact { point: self.starts[place].point, direction: self.direction, depth: self.known(place) }
+    }
+}
+
+/// Finds the depths of what is kept of groups that share their edge and largest depth.
+pub(super) fn find_depths(hull: &Hull, groups: &mut [Group], kept: &[Kept], exits: &mut Exits) {
+    let Some(Group { edge, max_depth, .. }) = groups.first() else { return };
+    exits.starts.clear();
+    exits.starts.extend(kept.iter().filter_map(|kept| groups[kept.cluster].unknown(kept.place)));
+    let mut found = exits.within(hull, *edge, *max_depth).iter();
+    for kept in kept {
+        groups[kept.cluster].learn(kept.place, &mut found);
     }
 }
 

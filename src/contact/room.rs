@@ -1,7 +1,7 @@
 //! What is kept of one body while its contacts are made, in memory that is used again for the next.
 
 use super::cluster::{Clusters, is_supported};
-use super::group::{Exits, Group};
+use super::group::{self, Exits, Group};
 use super::reduce::{self, Choice, Kept};
 use super::{Colliding, Contact, Settings, escape, own_contact};
 use crate::hull::{EdgeModel, Hull, Start, Workspace};
@@ -156,10 +156,7 @@ impl Room {
     fn keep(&mut self, hull: &Hull, most: usize) -> &[Contact] {
         let Self { exits, groups, choice, kept, contacts, .. } = self;
         choice.spread(most, kept);
-        for (cluster, group) in groups.iter_mut().enumerate() {
-            let of_group = kept.iter().filter(|kept| kept.cluster == cluster).map(|kept| kept.place);
-            group.find_depths(hull, of_group, exits);
-        }
+        group::find_depths(hull, groups, kept, exits);
         contacts.clear();
         contacts.extend(kept.iter().map(|kept| groups[kept.cluster].contact(kept.place)));
         contacts

@@ -26,6 +26,9 @@ use exits::{Exits, Way};
 use nalgebra::{Isometry3, Point3, Vector3};
 use sight::{Block, Field};
 
+/// So few exits are sooner found one by one.
+const FEW: usize = 2;
+
 /// One number of each of as many points as are asked together.
 type Wide = [f64; LANES];
 
@@ -87,7 +90,7 @@ impl Hull {
         exits: &mut Vec<f64>,
     ) {
         exits.clear();
-        if !self.every_view_tells() {
+        if starts.len() <= FEW || !self.every_view_tells() {
             let exit = |start: &Start| self.exit_within(&start.point, &start.direction, edge, most);
             exits.extend(starts.iter().map(exit));
             return;

@@ -4,10 +4,8 @@
 //! that they belong to its underside: a sample is *supported* when the way out runs against the body's outward
 //! normal, and only supported samples found clusters.
 
-use super::{Colliding, Contact};
-use crate::hull::{EdgeModel, Hull};
-use crate::sample::Samples;
-use nalgebra::{Isometry3, Vector3};
+use super::Colliding;
+use nalgebra::Vector3;
 
 /// A sample is supported when the cosine between its way out and the body's normal is at most this.
 const SUPPORTED: f64 = -0.3;
@@ -19,93 +17,103 @@ const JOIN_COSINE: f64 = 0.819_152_044_288_991_8; // cos 35 degrees
 /// Length, in metres, added to every way out, so that one of length zero still counts by its direction.
 const DIRECTION_WEIGHT: f64 = 1e-6;
 
-/// Samples that leave the hull together along one direction.
+/// Samples that leave the hull together, each along its cluster's direction.
+#[derive(Debug, Default)]
+pub(super) struct Clusters {
+    clusters: Vec<Cluster>,
+    /// The cluster of each sample, by its place; `None` where it fits none.
+    of_sample: Vec<Option<usize>>,
+    /// Places of the supported samples, the deepest first.
+    supported: Vec<usize>,
+}
+
 #[derive(Debug)]
-pub(super) struct Cluster {
-    members: Vec<Colliding>,
+struct Cluster {
     sum: Vector3<f64>,
+    /// The direction of V, the mean of the members' ways out.
+    direction: Vector3<f64>,
 }
 
-/// The clusters of the supported samples, the one with the deepest sample first, joined by the unsupported ones that
-/// fit; empty where no sample is supported.
-pub(super) fn of(colliding: &[Colliding]) -> Vec<Cluster> {
-    let (mut supported, unsupported): (Vec<Colliding>, Vec<Colliding>) =
-        colliding.iter().partition(|sample| is_supported(&sample.push.direction, &sample.normal));
-    supported.sort_by(|a, b| b.push.depth.total_cmp(&a.push.depth).then(a.index.cmp(&b.index)));
-    let mut clusters: Vec<Cluster> = Vec::new();
-    for sample in supported {
-        let cosines = clusters.iter().map(|cluster| cluster.direction().dot(&sample.push.direction));
-        match first_greatest(cosines) {
-            Some((nearest, cosine)) if cosine >= JOIN_COSINE => clusters[nearest].add(sample),
-            _ => clusters.push(Cluster::founded_by(sample)),
+impl Clusters {
+    /// Finds the clusters of the supported samples, the one with the deepest sample first, joined by the unsupported
+    /// ones that fit; none where no sample is supported. Asks no depth of unsupported ones.
+    pub(super) fn find(&mut self, colliding: &[Colliding]) {
+        let is_supported = |place: &usize| is_supported(&colliding[*place]);
+        self.clusters.clear();
+        self.supported.clear();
+        self.supported.extend((0..colliding.len()).filter(is_supported));
+        let depth = |place: usize| colliding[place].depth;
+        self.supported.sort_unstable_by(|&a, &b| depth(b).total_cmp(&depth(a)).then(a.cmp(&b)));
+        self.of_sample.clear();
+        self.of_sample.resize(colliding.len(), None);
+        for &place in &self.supported {
+            self.of_sample[place] = Some(join_or_found(&mut self.clusters, &colliding[place]));
+        }
+        for (sample, cluster) in colliding.iter().zip(&mut self.of_sample) {
+            if cluster.is_none() {
+                *cluster = fitting(&self.clusters, sample);
+            }
         }
     }
-    for sample in unsupported {
-        let against = clusters.iter().map(|cluster| -cluster.direction().dot(&sample.normal));
-        if let Some((nearest, cosine)) = first_greatest(against)
-            && -cosine <= SUPPORTED
-        {
-            clusters[nearest].members.push(sample);
-        }
+
+    /// All samples in one cluster, to leave along `direction`.
+    pub(super) fn put_together(&mut self, colliding: &[Colliding], direction: &Vector3<f64>) {
+        self.clusters.clear();
+        self.clusters.push(Cluster { sum: *direction, direction: direction.normalize() });
+        self.of_sample.clear();
+        self.of_sample.resize(colliding.len(), Some(0));
     }
-    clusters
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.clusters.is_empty()
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.clusters.len()
+    }
+
+    /// The clusters' directions.
+    pub(super) fn directions(&self) -> impl Iterator<Item = Vector3<f64>> {
+        self.clusters.iter().map(|cluster| cluster.direction)
+    }
+
+    /// The samples of a cluster, in their order.
+    pub(super) fn members<'a>(
+        &'a self,
+        cluster: usize,
+        colliding: &'a [Colliding],
+    ) -> impl Iterator<Item = &'a Colliding> {
+        let of_sample = colliding.iter().zip(&self.of_sample);
+        of_sample.filter(move |(_, of)| **of == Some(cluster)).map(|(sample, _)| sample)
+    }
 }
 
-fn is_supported(way_out: &Vector3<f64>, normal: &Vector3<f64>) -> bool {
-    *normal == Vector3::zeros() || way_out.dot(normal) <= SUPPORTED
+/// The cluster that a supported sample belongs to, which may be its own.
+fn join_or_found(clusters: &mut Vec<Cluster>, sample: &Colliding) -> usize {
+    let way_out = &sample.direction;
+    let cosines = clusters.iter().map(|cluster| cluster.direction.dot(way_out));
+    let joined = first_greatest(cosines).filter(|(_, cosine)| *cosine >= JOIN_COSINE);
+    let joined = joined.map_or(clusters.len(), |(nearest, _)| nearest);
+    if joined == clusters.len() {
+        clusters.push(Cluster { sum: Vector3::zeros(), direction: Vector3::zeros() });
+    }
+    let cluster = &mut clusters[joined];
+    cluster.sum += way_out * (sample.depth + DIRECTION_WEIGHT);
+    cluster.direction = cluster.sum.normalize();
+    joined
+}
+
+/// The cluster that an unsupported sample fits best, if any.
+fn fitting(clusters: &[Cluster], sample: &Colliding) -> Option<usize> {
+    let against = clusters.iter().map(|cluster| -cluster.direction.dot(&sample.normal));
+    first_greatest(against).filter(|(_, against)| -against <= SUPPORTED).map(|(nearest, _)| nearest)
+}
+
+/// Whether a sample's way out runs against the body's normal there, as far as that is known.
+pub(super) fn is_supported(sample: &Colliding) -> bool {
+    sample.normal == Vector3::zeros() || sample.direction.dot(&sample.normal) <= SUPPORTED
 }
 
 fn first_greatest(values: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
     values.enumerate().reduce(|best, next| if next.1 > best.1 { next } else { best })
-}
-
-impl Cluster {
-    fn founded_by(sample: Colliding) -> Self {
-        let mut cluster = Self { members: Vec::new(), sum: Vector3::zeros() };
-        cluster.add(sample);
-        cluster
-    }
-
-    /// All samples, to leave along `direction`.
-    pub(super) fn all(colliding: &[Colliding], direction: Vector3<f64>) -> Self {
-        Self { members: colliding.to_vec(), sum: direction }
-    }
-
-    fn add(&mut self, sample: Colliding) {
-        self.sum += sample.push.direction * (sample.push.depth + DIRECTION_WEIGHT);
-        self.members.push(sample);
-    }
-
-    /// The direction of V, the mean of the members' ways out.
-    fn direction(&self) -> Vector3<f64> {
-        self.sum.normalize()
-    }
-
-    /// One contact a member, along V, its depth the member's own exit, in the order of the samples. A smooth body
-    /// touches with its support points instead, or else it would roll like the polyhedron of its samples.
-    pub(super) fn contacts(
-        &self,
-        hull: &Hull,
-        body: &Samples,
-        hull_from_body: &Isometry3<f64>,
-        max_depth: f64,
-    ) -> Vec<Contact> {
-        let direction = self.direction();
-        let contact = |point| {
-            let depth = hull.exit_within(&point, &direction, EdgeModel::Coverage, max_depth);
-            Contact { point, direction, depth }
-        };
-        if let Some(smooth) = body.smooth() {
-            let support = smooth.support(&hull_from_body.inverse_transform_vector(&-direction));
-            let points = support.iter().map(|sample| hull_from_body * sample.point);
-            let touching: Vec<_> =
-                points.filter(|p| hull.inside_by(p, EdgeModel::Coverage)).map(contact).collect();
-            if !touching.is_empty() {
-                return touching;
-            }
-        }
-        let mut members: Vec<&Colliding> = self.members.iter().collect();
-        members.sort_by_key(|sample| sample.index);
-        members.into_iter().map(|sample| contact(sample.point)).collect()
-    }
 }

@@ -2,6 +2,7 @@
 //! way out leads, the body follows with more of itself inside.
 
 use super::Colliding;
+use super::group::Exits;
 use crate::hull::{EdgeModel, Hull};
 use nalgebra::Vector3;
 
@@ -13,13 +14,19 @@ const MOST_ASKED: usize = 64;
 
 /// The direction whose longest exit over the colliding samples is shortest: among the 26 to the faces, edges and
 /// corners of a cube, the samples' mean way out, and the last step's.
-pub(super) fn direction(hull: &Hull, colliding: &[Colliding], last: Option<Vector3<f64>>) -> Vector3<f64> {
+pub(super) fn direction(
+    hull: &Hull,
+    colliding: &[Colliding],
+    last: Option<Vector3<f64>>,
+    exits: &mut Exits,
+) -> Vector3<f64> {
     let stride = colliding.len().div_ceil(MOST_ASKED);
-    let mean: Vector3<f64> = colliding.iter().map(|sample| sample.push.direction * sample.push.depth).sum();
+    let mean: Vector3<f64> = colliding.iter().map(|sample| sample.direction * sample.depth).sum();
     let fresh = cube_directions().chain(mean.try_normalize(1e-9));
     let candidates =
         fresh.map(|direction| (direction, 1.0)).chain(last.map(|direction| (direction, LOYALTY)));
-    let mut search = Search { hull, colliding, stride, witness: 0 };
+    exits.begin_at(colliding.iter().step_by(stride).map(|sample| (sample, sample.direction)));
+    let mut search = Search { hull, exits, witness: 0 };
     let mut best: Option<(Vector3<f64>, f64)> = None;
     for (direction, factor) in candidates {
         let least = best.map_or(f64::INFINITY, |(_, least)| least);
@@ -27,34 +34,31 @@ pub(super) fn direction(hull: &Hull, colliding: &[Colliding], last: Option<Vecto
             best = Some((direction, rated));
         }
     }
-    best.map_or(colliding[0].push.direction, |(direction, _)| direction)
+    best.map_or(colliding[0].direction, |(direction, _)| direction)
 }
 
 /// The longest exits of the samples asked.
 struct Search<'a> {
     hull: &'a Hull,
-    colliding: &'a [Colliding],
-    stride: usize,
+    exits: &'a mut Exits,
     /// The sample that ruled the last direction out: it is likely to rule out the next one too.
     witness: usize,
 }
 
 impl Search<'_> {
-    /// `factor` times the longest exit along `direction`, `None` as soon as it is not below `least`.
+    /// `factor` times the longest exit along `direction`; `None` where it is not below `least`.
     fn rated(&mut self, direction: &Vector3<f64>, factor: f64, least: f64) -> Option<f64> {
-        let mut longest = 0.0_f64;
         // Beyond this a walk need not go on: a little more than what rules the direction out.
         let enough = least / factor * (1.0 + 1e-12);
-        let samples = (0..self.colliding.len()).step_by(self.stride);
-        for sample in [self.witness].into_iter().chain(samples) {
-            let point = &self.colliding[sample].point;
-            longest = longest.max(self.hull.exit_within(point, direction, EdgeModel::Pixel, enough));
-            if factor * longest >= least {
-                self.witness = sample;
-                return None;
-            }
+        let rules_out = |exit: f64| factor * exit >= least;
+        let witness = &self.exits.starts()[self.witness].point;
+        if rules_out(self.hull.exit_within(witness, direction, EdgeModel::Pixel, enough)) {
+            return None;
         }
-        Some(factor * longest)
+        let exits = self.exits.along(self.hull, direction, EdgeModel::Pixel, enough);
+        let (witness, longest) = exits.iter().enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        self.witness = witness;
+        (!rules_out(*longest)).then_some(factor * longest)
     }
 }
 

@@ -9,15 +9,16 @@
 
 mod cluster;
 mod escape;
+mod group;
 mod reduce;
+mod room;
 mod tilt;
 
 pub use crate::hull::BodyResponse;
-use crate::hull::{EdgeModel, Hull, Push, Workspace};
+use crate::hull::{EdgeModel, Hull};
 use crate::sample::Samples;
-use cluster::Cluster;
 use nalgebra::{Isometry3, Point3, Vector3};
-use std::cell::Cell;
+use room::Room;
 
 /// How contacts are made from the colliding samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -77,12 +78,15 @@ pub struct Contacts {
 /// A body sample inside the hull, in the hull's frame.
 #[derive(Debug, Clone, Copy)]
 struct Colliding {
-    /// Index of the sample: ties go to the lower one.
-    index: usize,
     point: Point3<f64>,
     /// The body's outward normal there; zero where it is not known.
     normal: Vector3<f64>,
-    push: Push,
+    /// Index of the view whose edge gave the way out.
+    view: usize,
+    /// Unit direction of its way out.
+    direction: Vector3<f64>,
+    /// Metres along it; zero where nobody has asked.
+    depth: f64,
 }
 
 /// The contacts of `body` in pose `hull_from_body` with `hull`. `last_escape` is the [`Contacts::escape`] of the step
@@ -94,40 +98,52 @@ pub fn collide(
     settings: &Settings,
     last_escape: Option<Vector3<f64>>,
 ) -> Contacts {
-    let colliding = samples_inside(hull, body, hull_from_body, usize::MAX);
-    if colliding.is_empty() || settings.max_contacts == 0 {
-        return Contacts::default();
-    }
-    let mut escape = None;
-    let clusters = match settings.mode {
-        Mode::Clustered => {
-            let mut clusters = cluster::of(&colliding);
-            if clusters.is_empty() {
-                let direction = escape::direction(hull, &colliding, last_escape);
-                escape = Some(direction);
-                clusters.push(Cluster::all(&colliding, direction));
+    let mut contacts = Contacts::default();
+    collide_into(&mut contacts, hull, body, hull_from_body, settings, last_escape);
+    contacts
+}
+
+/// The same, written to `contacts`.
+pub(crate) fn collide_into(
+    contacts: &mut Contacts,
+    hull: &Hull,
+    body: &Samples,
+    hull_from_body: &Isometry3<f64>,
+    settings: &Settings,
+    last_escape: Option<Vector3<f64>>,
+) {
+    contacts.contacts.clear();
+    contacts.escape = None;
+    Room::with(|room| {
+        room.take_inside(hull, body, hull_from_body, usize::MAX);
+        if room.colliding.is_empty() || settings.max_contacts == 0 {
+            return;
+        }
+        let most = settings.max_contacts;
+        match settings.mode {
+            Mode::Clustered => {
+                contacts.escape = room.cluster(hull, last_escape);
+                let kept = room.contacts_of_clusters(hull, body, hull_from_body, settings);
+                if contacts.escape.is_some() {
+                    contacts.contacts.extend_from_slice(kept);
+                } else {
+                    contacts.contacts.extend(tilt::without_waiting(kept));
+                }
             }
-            let contacts =
-                |cluster: &Cluster| cluster.contacts(hull, body, hull_from_body, settings.max_depth);
-            clusters.iter().map(contacts).collect()
+            Mode::Paper => {
+                let vector = body_response(hull, body, hull_from_body).vector;
+                contacts.contacts.extend_from_slice(room.contacts_of_paper(hull, &vector, most));
+            }
+            Mode::Point => {
+                room.find_depths(hull, |_| true);
+                contacts.contacts.extend_from_slice(room.contacts_of_points(settings.max_depth, most));
+            }
+            Mode::Single => {
+                room.find_depths(hull, |_| true);
+                contacts.contacts.push(own_contact(deepest(&room.colliding), settings.max_depth));
+            }
         }
-        Mode::Paper => {
-            let vector = body_response(hull, body, hull_from_body).vector;
-            let direction = vector.try_normalize(0.0).unwrap_or(colliding[0].push.direction);
-            let paper = |sample: &Colliding| {
-                let depth = hull.exit(&sample.point, &direction, EdgeModel::Pixel);
-                hull.inside(&sample.point).then_some(Contact { point: sample.point, direction, depth })
-            };
-            vec![colliding.iter().filter_map(paper).collect()]
-        }
-        Mode::Point => vec![colliding.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()],
-        Mode::Single => vec![vec![own_contact(deepest(&colliding), settings.max_depth)]],
-    };
-    let mut contacts = reduce::spread(clusters, settings.max_contacts);
-    if settings.mode == Mode::Clustered && escape.is_none() {
-        contacts = tilt::without_waiting(contacts);
-    }
-    Contacts { contacts, escape }
+    });
 }
 
 /// Any contacts, the first found, up to `settings.max_contacts`: for callers who only want to know whether there are
@@ -138,8 +154,26 @@ pub fn collide_any(
     hull_from_body: &Isometry3<f64>,
     settings: &Settings,
 ) -> Vec<Contact> {
-    let inside = samples_inside(hull, body, hull_from_body, settings.max_contacts);
-    inside.iter().map(|sample| own_contact(sample, settings.max_depth)).collect()
+    let mut contacts = Contacts::default();
+    collide_any_into(&mut contacts, hull, body, hull_from_body, settings);
+    contacts.contacts
+}
+
+/// The same, written to `contacts`.
+pub(crate) fn collide_any_into(
+    contacts: &mut Contacts,
+    hull: &Hull,
+    body: &Samples,
+    hull_from_body: &Isometry3<f64>,
+    settings: &Settings,
+) {
+    contacts.contacts.clear();
+    contacts.escape = None;
+    Room::with(|room| {
+        room.take_inside(hull, body, hull_from_body, settings.max_contacts);
+        room.find_depths(hull, |_| true);
+        contacts.contacts.extend(room.colliding.iter().map(|sample| own_contact(sample, settings.max_depth)));
+    });
 }
 
 /// The paper's response of a body (section 5): the mean of its colliding samples' responses gives the direction, the
@@ -156,42 +190,13 @@ pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64
     BodyResponse { vector: direction * exits.fold(0.0, f64::max), colliding }
 }
 
-thread_local! {
-    /// Memory for the samples of one body at a time.
-    static SPARE: Cell<Option<Workspace>> = const { Cell::new(None) };
-}
-
-/// The body's samples inside the hull, in their order, each with its way out; the first `most` of them.
-fn samples_inside(
-    hull: &Hull,
-    body: &Samples,
-    hull_from_body: &Isometry3<f64>,
-    most: usize,
-) -> Vec<Colliding> {
-    let mut workspace = SPARE.take().unwrap_or_default();
-    let mut inside = Vec::new();
-    // Nothing is inside in a pose that is not finite.
-    if let Ok(candidates) = hull.candidates(body.cloud(), hull_from_body, &mut workspace) {
-        let samples = body.points();
-        let colliding = candidates.iter().filter_map(|index| {
-            let sample = &samples[index];
-            let point = hull_from_body * sample.point;
-            let push = hull.push(&point)?;
-            Some(Colliding { index, point, normal: hull_from_body * sample.normal, push })
-        });
-        inside.extend(colliding.take(most));
-    }
-    SPARE.set(Some(workspace));
-    inside
-}
-
 fn own_contact(sample: &Colliding, max_depth: f64) -> Contact {
-    Contact { point: sample.point, direction: sample.push.direction, depth: sample.push.depth.min(max_depth) }
+    Contact { point: sample.point, direction: sample.direction, depth: sample.depth.min(max_depth) }
 }
 
 /// The first among the deepest.
 fn deepest(colliding: &[Colliding]) -> &Colliding {
-    colliding.iter().rev().max_by(|a, b| a.push.depth.total_cmp(&b.push.depth)).unwrap_or(&colliding[0])
+    colliding.iter().rev().max_by(|a, b| a.depth.total_cmp(&b.depth)).unwrap_or(&colliding[0])
 }
 
 #[cfg(test)]

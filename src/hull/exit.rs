@@ -79,11 +79,7 @@ impl Hull {
             } else {
                 March::new(view, p, direction, edge)
             };
-            let mut left = 0.0;
-            while march.verdict() == Verdict::Inside && march.until() < exit {
-                left = march.until();
-                march.step();
-            }
+            let left = march.leave_by(0.0, exit);
             match march.verdict() {
                 Verdict::Inside => {}
                 // It may be that the others suffice.

@@ -76,6 +76,19 @@ impl<'a> March<'a> {
         march
     }
 
+    /// The walk from where it enters cell `(i, j)`, `t` metres on; so far it has been inside.
+    pub(super) fn from_cell(
+        view: &'a View,
+        line: ImageLine,
+        (i, j): (i32, i32),
+        t: f64,
+        edge: EdgeModel,
+    ) -> Self {
+        let mut march = Self::before_start(view, line, edge);
+        march.enter_cell(i, j, t);
+        march
+    }
+
     fn before_start(view: &'a View, line: ImageLine, edge: EdgeModel) -> Self {
         let silhouette = view.silhouette();
         let by_coverage = edge == EdgeModel::Coverage && silhouette.has_coverage();
@@ -109,6 +122,23 @@ impl<'a> March<'a> {
     /// The verdict holds up to this `t`, and may change there.
     pub(super) fn until(&self) -> f64 {
         self.until
+    }
+
+    /// Goes on as long as the verdict is inside, up to `limit`; where it began to be another, `from` where it is from
+    /// the start.
+    pub(super) fn leave_by(&mut self, from: f64, limit: f64) -> f64 {
+        let mut left = from;
+        while self.verdict == Verdict::Inside && self.until < limit {
+            left = self.until;
+            self.step();
+        }
+        left
+    }
+
+    /// The same: `limit` where it is inside up to there.
+    pub(super) fn exit_by(&mut self, from: f64, limit: f64) -> f64 {
+        let left = self.leave_by(from, limit);
+        if self.verdict == Verdict::Inside { limit } else { left.min(limit) }
     }
 
     /// Goes on to what holds after `until`.

@@ -13,6 +13,7 @@
 mod aabb;
 mod batch;
 mod data;
+mod exact;
 mod exit;
 mod frustum;
 mod image_line;
@@ -30,6 +31,7 @@ mod view;
 pub use aabb::Aabb;
 pub use batch::{Body, BodyResponse, Inside, PointResponse, Workspace};
 pub use data::HullData;
+pub(crate) use exact::{Memory, Start};
 pub use march::EdgeModel;
 pub use points::Points;
 pub use ray::RayHit;
@@ -205,8 +207,9 @@ impl Hull {
 
     /// Metres that a pixel covers at `p` in the view that sees it largest; the work volume's diagonal where none does.
     pub fn pixel_size(&self, p: &Point3<f64>) -> f64 {
-        let sizes =
-            self.enabled_views().filter_map(|view| view.project(p).map(|pixel| view.footprint(&pixel)));
+        let sizes = self
+            .enabled_views()
+            .filter_map(|view| view.project(p).map(|pixel| view.footprint().at(pixel.depth)));
         sizes.fold((self.bounds.max - self.bounds.min).norm(), f64::min)
     }
 

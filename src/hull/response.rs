@@ -61,16 +61,27 @@ impl Hull {
             return None;
         }
         Sightings::with(|sightings| {
-            if !sightings.take_inside(self, p, EdgeModel::Coverage) {
-                return None;
-            }
-            let (index, nearest) = self.nearest_edge_among(sightings)?;
-            let direction = self.contact_normal(&nearest);
+            let (index, direction) = self.way_out_among(sightings, p)?;
             let depth = self.exit_from(sightings, index, p, &direction, EdgeModel::Coverage, f64::INFINITY);
             Some(Push { direction, depth })
         })
     }
 
+    /// The direction of [`Self::push`], and the index of the view that gave it.
+    pub(super) fn way_out(&self, p: &Point3<f64>) -> Option<(usize, Vector3<f64>)> {
+        if self.in_boxes(p) { Sightings::with(|sightings| self.way_out_among(sightings, p)) } else { None }
+    }
+
+    /// Takes the sightings of `p`.
+    fn way_out_among(&self, sightings: &mut Sightings, p: &Point3<f64>) -> Option<(usize, Vector3<f64>)> {
+        if !sightings.take_inside(self, p, EdgeModel::Coverage) {
+            return None;
+        }
+        let (index, nearest) = self.nearest_edge_among(sightings)?;
+        Some((index, self.contact_normal(&nearest)))
+    }
+
+    #[inline(always)]
     pub(super) fn contact_normal(&self, nearest: &NearestEdge) -> Vector3<f64> {
         let (i, j) = nearest.b;
         match nearest.view.silhouette().edge(i, j) {

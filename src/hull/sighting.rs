@@ -88,7 +88,7 @@ impl Sighting {
             return None;
         }
         let distance = view.silhouette().distance(pixel.0, pixel.1);
-        Some(Self { index, homogeneous, at, pixel, distance, footprint: view.footprint(&at) })
+        Some(Self { index, homogeneous, at, pixel, distance, footprint: view.footprint().at(at.depth) })
     }
 
     fn verdict(&self, view: &View, edge: EdgeModel) -> Verdict {

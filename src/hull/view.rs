@@ -3,7 +3,7 @@
 use super::{Aabb, EdgeModel, frustum};
 use crate::camera::{Camera, MIN_DEPTH, Pixel};
 use crate::silhouette::{Edge, HALF_COVERAGE, Rect, Silhouette};
-use nalgebra::{Matrix3x4, Point2, Point3, Vector2, Vector3};
+use nalgebra::{Matrix3, Matrix3x4, Point2, Point3, Vector2, Vector3};
 use std::sync::Arc;
 
 /// What one view says of a point.
@@ -29,9 +29,47 @@ pub struct View {
     /// Holds every point of the silhouette, whichever way its edge is taken.
     rect: Rect,
     planes: [Vector3<f64>; 4],
+    footprint: Footprint,
+}
+
+/// How many metres a pixel covers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Footprint {
+    fx: f64,
+    fy: f64,
     /// One pixel down moves (-s / (fx fy), 1 / fy) on the plane at depth 1: this many times 1 / fy. The skew s is zero
     /// for most cameras.
     down_stretch: f64,
+    /// Whether the step to the right is the smaller one at every depth.
+    is_right: bool,
+}
+
+impl Footprint {
+    fn new(k: &Matrix3<f64>) -> Self {
+        let (fx, fy) = (k[(0, 0)], k[(1, 1)]);
+        let down_stretch = (k[(0, 1)] / fx).hypot(1.0);
+        // The same bits, or far from them.
+        let is_right = (fx == fy && down_stretch == 1.0) || fx * down_stretch > fy * (1.0 + 1e-9);
+        Self { fx, fy, down_stretch, is_right }
+    }
+
+    /// [`Self::at`] each of many depths.
+    #[inline(always)]
+    pub(super) fn at_each<const N: usize>(&self, depths: &[f64; N], footprints: &mut [f64; N]) {
+        if self.is_right {
+            (0..N).for_each(|k| footprints[k] = depths[k] / self.fx);
+        } else {
+            (0..N).for_each(|k| footprints[k] = self.at(depths[k]));
+        }
+    }
+
+    /// At a depth: the smaller of the steps to the right and down (design: d_i of the window search).
+    #[inline(always)]
+    pub(super) fn at(&self, depth: f64) -> f64 {
+        let right = depth / self.fx;
+        let down = depth / self.fy * self.down_stretch;
+        if down < right { down } else { right }
+    }
 }
 
 impl View {
@@ -44,9 +82,8 @@ impl View {
         let rect = silhouette.rect().grown(i32::from(silhouette.has_coverage()));
         let planes = frustum::planes(&projection, &rect);
         let centre = camera.centre();
-        let k = camera.intrinsics();
-        let down_stretch = (k[(0, 1)] / k[(0, 0)]).hypot(1.0);
-        Self { camera, projection, silhouette, seen, enabled: true, centre, rect, planes, down_stretch }
+        let footprint = Footprint::new(camera.intrinsics());
+        Self { camera, projection, silhouette, seen, enabled: true, centre, rect, planes, footprint }
     }
 
     /// The view taken out, so that it abstains, or put back.
@@ -178,16 +215,12 @@ impl View {
 
     /// Metres that one pixel covers at a depth of one metre.
     pub(super) fn footprint_at_one_metre(&self) -> f64 {
-        self.footprint(&Pixel { u: 0.0, v: 0.0, depth: 1.0 })
+        self.footprint.at(1.0)
     }
 
-    /// The same at the depth of a point: the smaller of the steps to the right and down (design: d_i of the window
-    /// search).
-    pub(super) fn footprint(&self, pixel: &Pixel) -> f64 {
-        let k = self.camera.intrinsics();
-        let right = pixel.depth / k[(0, 0)];
-        let down = pixel.depth / k[(1, 1)] * self.down_stretch;
-        right.min(down)
+    /// Metres that one pixel covers at any depth.
+    pub(super) fn footprint(&self) -> &Footprint {
+        &self.footprint
     }
 }
 

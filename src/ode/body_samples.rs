@@ -32,11 +32,11 @@ struct Given {
     kind: Kind,
 }
 
-/// A geom's class and, where it has any, its sizes.
+/// A geom's class and its sizes, as many as the class has, then zeros.
 #[derive(Debug, Clone, PartialEq)]
 struct Kind {
     class: c_int,
-    sizes: Vec<f64>,
+    sizes: [f64; 3],
 }
 
 /// Gives `geom` samples of the user's own, instead of what its class would give.
@@ -82,18 +82,18 @@ pub(super) unsafe fn of(
             let triangles = triangles(geom, world_from_geom);
             lock(&CACHE).get_trimesh(address, &triangles, min_feature).map(Some)
         } else {
-            let shape = plain_shape(class, &kind.sizes);
+            let shape = plain_shape(class, kind.sizes);
             shape.map(|shape| lock(&CACHE).get(&shape, min_feature)).transpose()
         }
     }
 }
 
-fn plain_shape(class: u32, sizes: &[f64]) -> Option<BodyShape> {
-    let shape = match (class, sizes) {
-        (c, &[radius]) if c == dSphereClass => BodyShape::Sphere { radius },
-        (c, &[x, y, z]) if c == dBoxClass => BodyShape::Box { lengths: Vector3::new(x, y, z) },
-        (c, &[radius, length]) if c == dCapsuleClass => BodyShape::Capsule { radius, length },
-        (c, &[radius, length]) if c == dCylinderClass => BodyShape::Cylinder { radius, length },
+fn plain_shape(class: u32, [x, y, z]: [f64; 3]) -> Option<BodyShape> {
+    let shape = match class {
+        c if c == dSphereClass => BodyShape::Sphere { radius: x },
+        c if c == dBoxClass => BodyShape::Box { lengths: Vector3::new(x, y, z) },
+        c if c == dCapsuleClass => BodyShape::Capsule { radius: x, length: y },
+        c if c == dCylinderClass => BodyShape::Cylinder { radius: x, length: y },
         _ => return None,
     };
     Some(shape)
@@ -109,18 +109,18 @@ unsafe fn kind(geom: dGeomID) -> Kind {
         let two = |get: unsafe extern "C" fn(dGeomID, *mut f64, *mut f64)| {
             let (mut radius, mut length) = (0.0, 0.0);
             get(geom, &raw mut radius, &raw mut length);
-            vec![radius, length]
+            [radius, length, 0.0]
         };
         let sizes = match class as u32 {
-            c if c == dSphereClass => vec![dGeomSphereGetRadius(geom)],
+            c if c == dSphereClass => [dGeomSphereGetRadius(geom), 0.0, 0.0],
             c if c == dCapsuleClass => two(dGeomCapsuleGetParams),
             c if c == dCylinderClass => two(dGeomCylinderGetParams),
             c if c == dBoxClass => {
                 let mut lengths = [0.0; 4];
                 dGeomBoxGetLengths(geom, lengths.as_mut_ptr());
-                lengths[..3].to_vec()
+                [lengths[0], lengths[1], lengths[2]]
             }
-            _ => Vec::new(),
+            _ => [0.0; 3],
         };
         Kind { class, sizes }
     }

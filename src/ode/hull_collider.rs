@@ -3,17 +3,23 @@
 use super::hull_geom::{Collidable, HullGeom};
 use super::{body_samples, convert, hull_class, hull_geom};
 use crate::camera::Ray;
-use crate::contact::{self, Contact, Settings};
+use crate::contact::{self, Contact, Contacts, Settings};
 use crate::hull::Hull;
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{
     CONTACTS_UNIMPORTANT, dBodyEnable, dBodyIsEnabled, dContactGeom, dGeomGetBody, dGeomID, dGeomRayGet,
     dGeomRayGetBackfaceCull, dGeomRayGetLength,
 };
+use std::cell::Cell;
 use std::ffi::c_int;
 
 /// The low bits of a collider's flags: how many contacts the caller has room for.
 const ROOM: u32 = 0xffff;
+
+thread_local! {
+    /// Memory for the contacts of one pair at a time.
+    static SPARE: Cell<Contacts> = const { Cell::new(Contacts { contacts: Vec::new(), escape: None }) };
+}
 
 /// Contacts of hull geom `hull` with `other`; returns their number.
 ///
@@ -52,22 +58,25 @@ pub(super) unsafe fn collide_body(
     let settings =
         Settings { max_contacts: collidable.settings.max_contacts.min(room), ..collidable.settings };
     let frame: &Hull = &collidable.hull;
-    let found = if flags & CONTACTS_UNIMPORTANT != 0 {
-        contact::collide_any(frame, &samples, &hull_from_other, &settings)
+    let mut found = SPARE.take();
+    if flags & CONTACTS_UNIMPORTANT != 0 {
+        contact::collide_any_into(&mut found, frame, &samples, &hull_from_other, &settings);
     } else {
-        let found = contact::collide(frame, &samples, &hull_from_other, &settings, collidable.last_escape);
+        let last_escape = collidable.last_escape;
+        contact::collide_into(&mut found, frame, &samples, &hull_from_other, &settings, last_escape);
         // SAFETY: the caller vouches for the geoms.
         unsafe { wake(geom, other, &collidable, &found, &hull_from_other) };
-        found.contacts
-    };
+    }
     let world_from_hull = hull_from_world.inverse();
-    for (k, contact) in found.iter().enumerate() {
+    for (k, contact) in found.contacts.iter().enumerate() {
         // SAFETY: k is below the room that the caller vouches for.
         unsafe {
             contacts.byte_add(k * skip as usize).write(in_ode_terms(contact, &world_from_hull, hull, other))
         };
     }
-    found.len() as c_int
+    let count = found.contacts.len();
+    SPARE.set(found);
+    count as c_int
 }
 
 /// Wakes the body of `other` where it sleeps and the hull at it has changed: ODE wakes a body only through an enabled

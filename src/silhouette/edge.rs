@@ -1,25 +1,13 @@
 //! Normals at the edge of a silhouette: the paper's, and the one that contacts use.
 
 use super::region::{Region, WORD, Word};
-use super::{HALF_COVERAGE, Silhouette};
+use super::{Silhouette, contact_edge};
 use crate::vectorised::vectorised;
 use nalgebra::{Point2, Vector2};
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
-/// Half-width of the contact normal's window, in pixels.
-const WINDOW: i32 = 6;
-
-/// Pixels on its side.
-const SIDE: usize = 2 * WINDOW as usize + 1;
-
-/// Squared distance, in pixels, at which the contact normal's weights `(1 - r^2 / REACH_SQUARED)^3` end: a round bell
-/// of standard deviation 2.2, wide enough to see past the stairs of a binary edge, narrow enough to follow a finger.
-/// It ends inside the window. A Gaussian that the square window cuts off tilts the normals of straight edges by 0.08
-/// degrees on average, enough for a sphere on a flat table to roll away; this one by 0.02.
-const REACH_SQUARED: f64 = 48.0;
-
 /// A mean vector shorter than this, in pixels, has no direction worth trusting (paper, section 4.2; design value).
-const SHORTEST_MEAN: f64 = 0.3;
+pub(super) const SHORTEST_MEAN: f64 = 0.3;
 
 /// A silhouette's edge at one of its background pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +43,15 @@ impl EdgeTable {
         self.state[..count].iter_mut().for_each(|state| *state.get_mut() = UNKNOWN);
     }
 
+    /// Whether the edge at `(i, j)` is known, or never will be since it is no edge pixel.
+    #[inline(always)]
+    pub(super) fn knows(&self, region: &Region, (i, j): (i32, i32)) -> bool {
+        let index = self.index(region, i, j);
+        index.is_none_or(|index| self.state[index].load(Ordering::Acquire) != UNKNOWN)
+    }
+
     /// The edge at `(i, j)`, computed by `edge` where it is not known yet.
+    #[inline(always)]
     pub(super) fn get(
         &self,
         region: &Region,
@@ -85,6 +81,7 @@ impl EdgeTable {
     }
 
     /// Rank of an edge pixel among all.
+    #[inline(always)]
     fn index(&self, region: &Region, i: i32, j: i32) -> Option<usize> {
         let (rect, words) = (region.rect(), region.words());
         if !rect.contains(i, j) {
@@ -119,8 +116,15 @@ vectorised! {
 
 impl Silhouette {
     /// The contact normal and edge point at background pixel `(i, j)`, computed once a pixel.
+    #[inline(always)]
     pub fn edge(&self, i: i32, j: i32) -> Option<Edge> {
-        self.edges.get(&self.region, (i, j), || self.contact_edge(i, j))
+        self.edges.get(&self.region, (i, j), || contact_edge::at(self, (i, j)))
+    }
+
+    /// Whether [`Self::edge`] need not compute anything at `(i, j)`.
+    #[inline(always)]
+    pub(crate) fn knows_edge(&self, pixel: (i32, i32)) -> bool {
+        self.edges.knows(&self.region, pixel)
     }
 
     /// The paper's normal (section 4.2) at background pixel `(i, j)`: the mean vector from there to the background
@@ -168,73 +172,7 @@ impl Silhouette {
         let background = offsets.filter(|(dx, dy)| !self.is_subject(i + dx, j + dy));
         background.fold((0, 0, 0), |(x, y, count), (dx, dy)| (x + dx, y + dy, count + 1))
     }
-
-    /// The contact normal at `(i, j)`: the same mean with each vector weighted by `(1 - coverage)` and a bell,
-    /// which takes the square window's bias away; and the edge point beneath it.
-    pub(super) fn contact_edge(&self, i: i32, j: i32) -> Option<Edge> {
-        let (mut sum, mut total) = (Vector2::zeros(), 0.0);
-        for (dy, bells) in (-WINDOW..=WINDOW).zip(&BELL) {
-            for ((dx, bell), value) in (-WINDOW..=WINDOW).zip(bells).zip(self.values_around(i, j + dy)) {
-                // Most pixels weigh nothing, and adding nothing changes no bit.
-                if value != 255 && *bell != 0.0 {
-                    let weight = f64::from(255 - value) * bell;
-                    sum += Vector2::new(f64::from(dx), f64::from(dy)) * weight;
-                    total += weight;
-                }
-            }
-        }
-        let normal = (sum / total).try_normalize(SHORTEST_MEAN)?;
-        let centre = Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
-        let point = centre - normal * self.depth_of_edge(centre, normal);
-        Some(Edge { point, normal })
-    }
-
-    /// The bytes of row `j` in a window around column `i`.
-    fn values_around(&self, i: i32, j: i32) -> [u8; SIDE] {
-        match self.region.row::<SIDE>(i - WINDOW, j) {
-            Some(row) => row,
-            None => std::array::from_fn(|k| self.value(i - WINDOW + k as i32, j)),
-        }
-    }
-
-    /// How far inwards of a background pixel's centre the edge lies, in pixels: where coverage reaches one half, or
-    /// half a pixel where the mask carries none.
-    fn depth_of_edge(&self, centre: Point2<f64>, normal: Vector2<f64>) -> f64 {
-        const STEP: f64 = 0.125;
-        if !self.has_coverage {
-            return 0.5;
-        }
-        let coverage = |depth: f64| {
-            let inwards = centre - normal * depth;
-            self.coverage(inwards.x, inwards.y) - HALF_COVERAGE
-        };
-        let mut before = coverage(0.0);
-        for step in 1..=16 {
-            let depth = f64::from(step) * STEP;
-            let here = coverage(depth);
-            if before < 0.0 && here >= 0.0 {
-                return depth - STEP * here / (here - before);
-            }
-            before = here;
-        }
-        0.5
-    }
 }
-
-/// The weights of the contact normal's window.
-const BELL: [[f64; SIDE]; SIDE] = {
-    let mut weights = [[0.0; SIDE]; SIDE];
-    let mut k = 0;
-    while k < SIDE * SIDE {
-        let (dx, dy) = ((k % SIDE) as i32 - WINDOW, (k / SIDE) as i32 - WINDOW);
-        let rest = 1.0 - (dx * dx + dy * dy) as f64 / REACH_SQUARED;
-        if rest > 0.0 {
-            weights[k / SIDE][k % SIDE] = rest * rest * rest;
-        }
-        k += 1;
-    }
-    weights
-};
 
 /// How many of the low nine bits are set, and the sum of their positions.
 #[inline(always)]

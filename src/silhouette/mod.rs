@@ -4,6 +4,7 @@
 //! [`SUBJECT`]. The values between are coverage, the fraction of the pixel that the subject covers, and put the edge
 //! inside the pixel. What lies beyond the image is decided by the [`Border`].
 
+mod contact_edge;
 mod distance;
 mod edge;
 mod mask;
@@ -14,6 +15,7 @@ mod scan;
 mod tiles;
 mod undistort;
 
+pub(crate) use contact_edge::compute_edges;
 pub use edge::Edge;
 pub use mask::load_mask;
 pub use rect::Rect;
@@ -58,7 +60,6 @@ pub(crate) struct Tables<'a> {
     /// Chebyshev distances; 255 for all that are larger than 254.
     pub(crate) distance: &'a [u8],
     /// The same, four a word as they lie in memory.
-    #[cfg_attr(not(test), expect(dead_code, reason = "batches are about to look distances up by words"))]
     pub(crate) distance_words: &'a [u32],
     pub(crate) tiles: &'a Tiles,
 }
@@ -177,6 +178,12 @@ impl Silhouette {
         } else {
             0
         }
+    }
+
+    /// The distance at a place of the table.
+    #[inline]
+    pub(crate) fn distance_at(&self, place: usize) -> u16 {
+        self.distances.at(place)
     }
 
     /// The tables themselves, for queries of many points.

@@ -23,7 +23,7 @@ const LEFT: i32 = 15;
 
 impl Silhouette {
     /// The background pixel nearest to `(i, j)` (Euclidean, then row-major) within the window of half-width `half`.
-    #[inline]
+    #[inline(always)]
     pub fn nearest_background(&self, i: i32, j: i32, half: i32) -> Option<(i32, i32)> {
         let first = i32::from(self.distance(i, j));
         let region = self.region.rect();
@@ -41,7 +41,7 @@ impl Silhouette {
     }
 
     /// For a pixel whose nearest background is in sight, `half` not less than its distance.
-    #[inline]
+    #[inline(always)]
     fn nearest_by_rows(&self, i: i32, j: i32, half: i32) -> (i32, i32) {
         let half = half.min(LEFT);
         let within = Word::MAX >> (Word::BITS as i32 - 1 - 2 * half) << (LEFT - half);
@@ -66,6 +66,7 @@ impl Silhouette {
         (i + best.0, j + best.1)
     }
 
+    #[inline(never)]
     fn nearest_by_rings(&self, i: i32, j: i32, first: i32, half: i32) -> Option<(i32, i32)> {
         let mut best: Option<Ranked> = None;
         let mut ring = first;

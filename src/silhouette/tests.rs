@@ -139,7 +139,40 @@ fn an_edge_is_the_same_when_asked_again() {
     let s = Silhouette::new(&covered(70, 50, blob), Border::Background);
     let once: Vec<_> = s.edge_pixels().map(|(i, j)| s.edge(i, j)).collect();
     assert!(once.len() > 100 && s.edge_pixels().map(|(i, j)| s.edge(i, j)).eq(once.iter().copied()));
-    assert!(s.edge_pixels().map(|(i, j)| s.contact_edge(i, j)).eq(once));
+    assert!(s.edge_pixels().map(|(i, j)| contact_edge::at(&s, (i, j))).eq(once));
+}
+
+/// The mean vector to the background around `(i, j)`, weighted, pixel by pixel.
+fn weighted_mean(s: &Silhouette, i: i32, j: i32) -> Vector2<f64> {
+    let (mut sum, mut total) = (Vector2::zeros(), 0.0);
+    for (dy, dx) in (-6..=6).flat_map(|dy| (-6..=6).map(move |dx| (dy, dx))) {
+        let rest = f64::max(1.0 - f64::from(dx * dx + dy * dy) / 48.0, 0.0);
+        let weight = f64::from(255 - s.value(i + dx, j + dy)) * (rest * rest * rest);
+        sum += Vector2::new(f64::from(dx), f64::from(dy)) * weight;
+        total += weight;
+    }
+    sum / total
+}
+
+#[test]
+fn contact_normals_are_the_weighted_mean_to_the_bit_however_many_are_asked() {
+    for (mask, border) in [
+        (drawn(70, 50, blob), Border::Background),
+        (drawn(70, 50, blob), Border::Open),
+        (covered(70, 50, blob), Border::Background),
+        (drawn(9, 7, |u, _| u > 4.0), Border::Background),
+    ] {
+        let (one_by_one, together) = (Silhouette::new(&mask, border), Silhouette::new(&mask, border));
+        let asked: Vec<_> = together.edge_pixels().map(|pixel| (&together, pixel)).collect();
+        compute_edges(&asked);
+        assert!(!asked.is_empty());
+        for &(_, (i, j)) in &asked {
+            assert!(together.knows_edge((i, j)) && !one_by_one.knows_edge((i, j)));
+            let normal = weighted_mean(&one_by_one, i, j).try_normalize(0.3);
+            assert_eq!(one_by_one.edge(i, j).map(|edge| edge.normal), normal, "{border:?} ({i}, {j})");
+            assert_eq!(one_by_one.edge(i, j), together.edge(i, j));
+        }
+    }
 }
 
 #[test]

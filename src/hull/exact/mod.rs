@@ -1,0 +1,235 @@
+//! Many points at once, in double precision: the ways out and exits that contacts are made of.
+//!
+//! ```text
+//!   points ─► sight ─► nearest edge ─► contact normal ─► exit
+//!             every view, once         of new edge pixels many at once
+//! ```
+//!
+//! The same arithmetic in the same order as [`Hull::push`] and [`Hull::exit_within`], so that the same bits come out;
+//! only what a point does not wait for is done for many at a time. What is rare goes the single query's way: walks
+//! along a silhouette's rectangle or through an edge with coverage, and all of a frame in which a view may abstain.
+
+// Loops over the lanes of several arrays say what happens to lane k: it is what the compiler turns into vectors.
+#![allow(clippy::needless_range_loop)]
+
+mod exits;
+mod nearest;
+mod sight;
+mod walk;
+
+use super::points::LANES;
+use super::view::whole;
+use super::{EdgeModel, Hull, Unseen};
+use crate::silhouette::{Border, HALF_COVERAGE};
+use crate::vectorised::vectorised;
+use exits::{Exits, Way};
+use nalgebra::{Isometry3, Point3, Vector3};
+use sight::{Block, Field};
+
+/// So few exits are sooner found one by one.
+const FEW: usize = 2;
+
+/// One number of each of as many points as are asked together.
+type Wide = [f64; LANES];
+
+/// A point inside, and where it is to leave.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Start {
+    pub(crate) point: Point3<f64>,
+    pub(crate) direction: Vector3<f64>,
+    /// Index of the view that is likely to decide how far that is: the one that gave the direction.
+    pub(crate) view: usize,
+}
+
+/// Memory that is used again and again; it holds no answer.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    fields: Vec<Field<'static>>,
+    block: Block,
+    exits: Exits,
+}
+
+impl Hull {
+    /// Writes to `ways` the directions of [`Self::push`] for those of `points`, in the pose `hull_from_points`, that are
+    /// inside by the coverage edge: with their places, in their order, of the first `most` of them.
+    pub(crate) fn ways_out_of(
+        &self,
+        points: &[Point3<f64>],
+        hull_from_points: &Isometry3<f64>,
+        most: usize,
+        memory: &mut Memory,
+        ways: &mut Vec<(usize, Start)>,
+    ) {
+        ways.clear();
+        if !self.every_view_tells() {
+            let points = points.iter().map(|p| hull_from_points * p).enumerate();
+            let way = |(place, point)| {
+                let (view, direction) = self.way_out(&point)?;
+                Some((place, Start { point, direction, view }))
+            };
+            ways.extend(points.filter_map(way).take(most));
+            return;
+        }
+        memory.with_queries(self, EdgeModel::Coverage, |queries| {
+            for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
+                if ways.len() < most {
+                    add_ways(queries, chunk, hull_from_points, first, ways);
+                }
+            }
+        });
+        ways.truncate(most);
+    }
+
+    /// Writes to `exits` [`Self::exit_within`] of each of `starts`, all of them inside.
+    pub(crate) fn exits_within(
+        &self,
+        starts: &[Start],
+        edge: EdgeModel,
+        most: f64,
+        memory: &mut Memory,
+        exits: &mut Vec<f64>,
+    ) {
+        exits.clear();
+        if starts.len() <= FEW || !self.every_view_tells() {
+            let exit = |start: &Start| self.exit_within(&start.point, &start.direction, edge, most);
+            exits.extend(starts.iter().map(exit));
+            return;
+        }
+        memory.with_queries(self, edge, |queries| {
+            for chunk in starts.chunks(LANES) {
+                add_exits(queries, chunk, most, exits);
+            }
+        });
+    }
+
+    /// Whether the exit of `start` surely lies before `t` metres: the view that is likely to decide
+    /// sees background there. One look, where an exit is a walk in every view. Only where [`Self::every_view_tells`].
+    pub(crate) fn surely_leaves_before(&self, start: &Start, edge: EdgeModel, t: f64) -> bool {
+        /// Far more than rounding, in pixels.
+        const RIM: f64 = 1e-6;
+        let view = &self.views()[start.view];
+        let silhouette = view.silhouette();
+        let Some(at) = view.project(&(start.point + start.direction * t)) else { return false };
+        let (i, j) = whole(at.u, at.v);
+        let (x, y) = (at.u - f64::from(i), at.v - f64::from(j));
+        let within = |x: f64| x > RIM && x < 1.0 - RIM;
+        if !view.sees(i, j) || !within(x) || !within(y) {
+            false
+        } else if edge == EdgeModel::Coverage && silhouette.has_coverage() {
+            silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * RIM
+        } else {
+            silhouette.distance(i, j) == 0
+        }
+    }
+
+    /// Whether a point that some view does not see is outside, and nothing but background ends a silhouette.
+    pub(crate) fn every_view_tells(&self) -> bool {
+        self.unseen() == Unseen::Outside
+            && self
+                .enabled_views()
+                .all(|view| view.seen().is_none() && view.silhouette().border() == Border::Background)
+    }
+}
+
+vectorised! {
+    /// Adds the ways out of a block of points, the first of which has the place `first`.
+    fn add_ways(
+        queries: &mut Queries,
+        points: &[Point3<f64>],
+        hull_from_points: &Isometry3<f64>,
+        first: usize,
+        ways: &mut Vec<(usize, Start)>,
+    ) {
+        let Queries { hull, fields, block, .. } = queries;
+        block.place(points.len(), |k| points[k]);
+        block.transform(hull_from_points);
+        let mut inside = 0;
+        for k in 0..points.len() {
+            inside |= u32::from(hull.in_boxes(&block.point(k))) << k;
+        }
+        let inside = block.sight_inside(fields, inside);
+        if inside != 0 {
+            nearest::add_ways(hull, fields, block, inside, first, ways);
+        }
+    }
+}
+
+vectorised! {
+    /// Adds the exits of a block of points.
+    fn add_exits(queries: &mut Queries, starts: &[Start], most: f64, found: &mut Vec<f64>) {
+        let Queries { hull, fields, block, exits } = queries;
+        block.place(starts.len(), |k| starts[k].point);
+        block.sight(fields);
+        let mut way = Way::default();
+        for (k, start) in starts.iter().enumerate() {
+            for axis in 0..3 {
+                way.direction[axis][k] = start.direction[axis];
+            }
+            way.field[k] = fields.iter().position(|field| field.index == start.view).unwrap_or(0);
+        }
+        exits.find(hull, fields, block, &way, most, u32::MAX >> (LANES - starts.len()));
+        found.extend_from_slice(&exits.exit[..starts.len()]);
+    }
+}
+
+/// A hull that is asked, and what the answers are worked out in.
+struct Queries<'a> {
+    hull: &'a Hull,
+    fields: &'a [Field<'a>],
+    block: &'a mut Block,
+    exits: &'a mut Exits,
+}
+
+impl Memory {
+    /// Runs `ask` on what of the hull's views every point needs.
+    fn with_queries(&mut self, hull: &Hull, edge: EdgeModel, ask: impl FnOnce(&mut Queries)) {
+        let mut fields: Vec<Field> = std::mem::take(&mut self.fields);
+        let enabled = hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
+        fields.extend(enabled.map(|(index, view)| Field::new(index, view, edge)));
+        ask(&mut Queries { hull, fields: &fields, block: &mut self.block, exits: &mut self.exits });
+        fields.clear();
+        // Collected in place: nothing is left to convert but the lifetime.
+        self.fields = fields.into_iter().map(|_| unreachable!("it was cleared")).collect();
+    }
+}
+
+/// The places of the set bits.
+#[inline(always)]
+fn bits(mut word: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = word.trailing_zeros();
+        word &= word.wrapping_sub(1);
+        (place < u32::BITS).then_some(place as usize)
+    })
+}
+
+/// Both are computed, and one is taken: no branch for the compiler to stumble over.
+#[inline(always)]
+fn either(condition: bool, yes: f64, no: f64) -> f64 {
+    if condition { yes } else { no }
+}
+
+/// Adding this leaves the nearest whole number in a float's lowest bits.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+
+/// The whole number below `x`, which is not negative and below 2^51.
+#[inline(always)]
+fn floor(x: f64) -> f64 {
+    let nearest = (x + WHOLE) - WHOLE;
+    either(nearest > x, nearest - 1.0, nearest)
+}
+
+/// A whole number that is not negative and below 2^32.
+#[inline(always)]
+fn index(x: f64) -> u32 {
+    (x + WHOLE).to_bits() as u32
+}
+
+/// Zeros and ones as bits.
+#[inline(always)]
+fn gathered<const N: usize>(ones: &[u32; N]) -> u32 {
+    ones.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
+}
+
+#[cfg(test)]
+mod tests;

@@ -90,13 +90,7 @@ impl Frame {
 
     /// The paper's body vectors (section 5), written to `vectors`.
     pub fn body_vectors(&self, boxes: &Boxes, vectors: &mut Vec<BodyResponse>, workspace: &mut Workspace) {
-        vectors.clear();
-        vectors.extend(
-            boxes
-                .poses
-                .iter()
-                .map(|pose| self.0.respond_body(&boxes.points, pose, workspace).expect("a finite pose")),
-        );
+        self.body_vectors_on_threads(boxes, vectors, std::slice::from_mut(workspace));
     }
 
     /// The same by as many threads as there are workspaces.

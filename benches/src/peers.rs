@@ -10,7 +10,9 @@ use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, Scene, VGA, Who};
 use ode_visual_hull_bench::{ode, parry};
 
-/// Edges of a voxel in metres, and what is asked of ODE's mesh, parry3d's mesh and parry3d's voxels over ours.
+const PEERS: [&str; 3] = ["ode_trimesh", "parry_trimesh", "parry_voxels"];
+
+/// Edges of a voxel in metres, and what is asked of each peer's time over that of the paper's body vectors.
 const CELLS: [(&str, f64, [Option<f64>; 3]); 2] =
     [("1cm", 0.01, [Some(120.0), Some(100.0), Some(30.0)]), ("2cm", 0.02, [Some(25.0), None, Some(6.0)])];
 
@@ -19,19 +21,19 @@ pub fn measure(survey: &mut Survey) {
     let bodies = Bodies::scattered(60, SAMPLES_400);
     for (name, cell, bounds) in CELLS {
         let times = survey.race(race(&scene, &bodies, cell));
-        let what = "masks in, contacts of 60 boxes out, over the library's default contacts";
-        for (peer, bound) in ["ode_trimesh", "parry_trimesh", "parry_voxels"].into_iter().zip(bounds) {
-            let ratio = times.ratio(peer, "contacts");
+        let what = "masks in, contacts of 60 boxes out, over the library's body vectors";
+        for (peer, bound) in PEERS.into_iter().zip(bounds) {
+            let ratio = times.ratio(peer, "vectors");
             let figure = format!("frame_over_{peer}_{name}");
             match bound {
                 Some(bound) => survey.asked(&figure, ratio, Bound::AtLeast(bound), Start::Masks, what),
                 None => survey.reported(&figure, ratio, Start::Masks, what),
             }
         }
-        let what = "the same over the paper's body vectors";
-        for peer in ["ode_trimesh", "parry_trimesh", "parry_voxels"] {
-            let ratio = times.ratio(peer, "vectors");
-            survey.reported(&format!("vectors_over_{peer}_{name}"), ratio, Start::Masks, what);
+        let what = "the same over the library's default contacts";
+        for peer in PEERS {
+            let ratio = times.ratio(peer, "contacts");
+            survey.reported(&format!("contacts_over_{peer}_{name}"), ratio, Start::Masks, what);
         }
         let what =
             "the part of the routes over voxels that all share: preparing, and carving by our inside test";

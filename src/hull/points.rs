@@ -17,6 +17,7 @@ pub struct Points {
     centre: Point3<f64>,
     radius: f64,
     count: usize,
+    /// About the middle of all.
     blocks: Vec<Block>,
     /// A sphere around each block's points.
     spheres: Vec<Spheres>,
@@ -24,8 +25,8 @@ pub struct Points {
     order: Vec<u32>,
 }
 
-/// Points that are asked together, about the middle of all; the last block is filled up with its last point.
-#[derive(Debug, Clone, PartialEq)]
+/// Points that are asked together, or directions. The last block of many is filled up with its last point.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Block {
     pub(super) x: Lane,
     pub(super) y: Lane,
@@ -89,8 +90,7 @@ impl Points {
     /// A point of the blocks about the middle of all.
     #[inline(always)]
     pub(super) fn at(&self, place: usize) -> [f32; 3] {
-        let (block, lane) = (&self.blocks[place / LANES], place % LANES);
-        [block.x[lane], block.y[lane], block.z[lane]]
+        self.blocks[place / LANES].get(place % LANES)
     }
 }
 
@@ -100,6 +100,27 @@ impl Block {
             std::array::from_fn(|k| (points[k.min(points.len() - 1)] - about)[axis] as f32)
         };
         Self { x: lane(0), y: lane(1), z: lane(2) }
+    }
+
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> [f32; 3] {
+        [self.x[lane], self.y[lane], self.z[lane]]
+    }
+
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, [x, y, z]: [f32; 3]) {
+        (self.x[lane], self.y[lane], self.z[lane]) = (x, y, z);
+    }
+
+    /// The point so many steps along `direction` from each; how many is said for each.
+    #[inline(always)]
+    pub(super) fn moved(&self, direction: &Self, steps: &Lane) -> Self {
+        let along = |from: &Lane, by: &Lane| std::array::from_fn(|k| from[k] + steps[k] * by[k]);
+        Self {
+            x: along(&self.x, &direction.x),
+            y: along(&self.y, &direction.y),
+            z: along(&self.z, &direction.z),
+        }
     }
 }
 

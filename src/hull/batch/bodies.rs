@@ -1,24 +1,88 @@
-//! The paper's vectors of many bodies, on one thread or several.
+//! The paper's vectors of bodies (section 5), on one thread or several.
 
-use super::super::Hull;
-use super::super::points::Points;
-use super::{BodyResponse, Workspace};
+use super::super::points::{Block, LANES, Points};
+use super::super::{EdgeModel, Hull};
+use super::folded_hull::FoldedHull;
+use super::inside::{self, Within};
+use super::lanes::ones;
+use super::pool::{ENOUGH, Pool};
+use super::respond::Responses;
+use super::{Workspace, exit::Exits};
 use crate::lock::lock;
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Vector3};
 use std::sync::Mutex;
 
-/// Bodies that a thread takes at once: few enough that no thread waits long for another's last ones.
-const AT_ONCE: usize = 8;
+/// Bodies that a thread takes at once: enough to fill a pool, few enough that no thread waits long for another's last
+/// ones.
+const AT_ONCE: usize = 64;
+
+/// How often one point a body is asked before the others.
+const LEADERS: usize = 2;
 
 /// A body to ask for: its samples, and its pose (world from body).
 pub type Body<'a> = (&'a Points, Isometry3<f64>);
+
+/// The paper's response of a body (section 5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyResponse {
+    /// The vector that moves the body out, in metres; zero where nothing collides.
+    pub vector: Vector3<f64>,
+    /// How many samples collide.
+    pub colliding: usize,
+}
+
+impl BodyResponse {
+    const NONE: Self = Self { vector: Vector3::new(0.0, 0.0, 0.0), colliding: 0 };
+}
 
 /// Bodies and the places of their answers, handed out from the front.
 type Queue<'q, 'b> =
     std::iter::Zip<std::slice::Chunks<'q, Body<'b>>, std::slice::ChunksMut<'q, BodyResponse>>;
 
+/// What the points of a body say together.
+#[derive(Debug, Clone, Copy, Default)]
+struct Verdict {
+    colliding: usize,
+    sum: Vector3<f64>,
+    /// The longest way out.
+    depth: f32,
+    /// The normal there, and then the unit direction of V.
+    direction: Vector3<f64>,
+    /// How far along V the hindmost of the points to ask lies, and which it is.
+    hindmost: (f32, u32),
+    longest: f32,
+}
+
+/// Verdicts on the bodies of a pool.
+#[derive(Debug, Default)]
+pub(super) struct Verdicts {
+    bodies: Vec<Verdict>,
+    directions: Vec<Block>,
+    exits: Exits,
+    /// Points whose exits are asked.
+    asked: Vec<u32>,
+}
+
 impl Hull {
+    /// The paper's vector of a body (section 5) with these samples: the mean of the responses gives the direction,
+    /// the longest exit along it the length. Where the responses cancel out, the deepest sample's stands in.
+    ///
+    /// Many bodies are sooner answered together, by [`respond_bodies`](Self::respond_bodies).
+    ///
+    /// # Errors
+    /// A pose that is not finite.
+    pub fn respond_body(
+        &self,
+        samples: &Points,
+        world_from_body: &Isometry3<f64>,
+        workspace: &mut Workspace,
+    ) -> Result<BodyResponse> {
+        let mut response = [BodyResponse::NONE];
+        self.respond_together(&[(samples, *world_from_body)], &mut response, workspace)?;
+        Ok(response[0])
+    }
+
     /// [`Self::respond_body`] of each of `bodies`, in their order, written to `responses`.
     ///
     /// With the feature `threads` as many threads of a pool that persists work as there are `workspaces`; else, or with
@@ -34,7 +98,7 @@ impl Hull {
         responses: &mut Vec<BodyResponse>,
     ) -> Result<()> {
         responses.clear();
-        responses.resize(bodies.len(), BodyResponse { vector: Vector3::zeros(), colliding: 0 });
+        responses.resize(bodies.len(), BodyResponse::NONE);
         let queue = Mutex::new(bodies.chunks(AT_ONCE).zip(responses.chunks_mut(AT_ONCE)));
         let failed = Mutex::new(None);
         let work = |workspace: &mut Workspace| {
@@ -58,11 +122,159 @@ impl Hull {
     fn respond_from(&self, queue: &Mutex<Queue>, workspace: &mut Workspace) -> Result<()> {
         let next = || lock(queue).next();
         while let Some((bodies, responses)) = next() {
-            for ((samples, world_from_body), response) in bodies.iter().zip(responses) {
-                *response = self.respond_body(samples, world_from_body, workspace)?;
-            }
+            self.respond_together(bodies, responses, workspace)?;
         }
         Ok(())
+    }
+
+    /// Answers for as many bodies at a time as fill a pool.
+    fn respond_together(
+        &self,
+        bodies: &[Body],
+        responses: &mut [BodyResponse],
+        workspace: &mut Workspace,
+    ) -> Result<()> {
+        let mut folded = workspace.fold(self);
+        let mut answer = || -> Result<()> {
+            let Workspace { found, pool, ways, verdicts, .. } = workspace;
+            let mut first = 0;
+            pool.clear();
+            for (k, (samples, world_from_body)) in bodies.iter().enumerate() {
+                found.places.clear();
+                let posed = folded.find(samples, world_from_body, Within::Subject, found)?;
+                pool.take(k - first, samples, &found.places, &posed);
+                if pool.len() >= ENOUGH || k + 1 == bodies.len() {
+                    verdicts.fill(&folded, pool, ways, &mut responses[first..=k]);
+                    pool.clear();
+                    first = k + 1;
+                }
+            }
+            Ok(())
+        };
+        let answered = answer();
+        workspace.take_back(folded);
+        answered
+    }
+}
+
+impl Verdicts {
+    /// Writes the vectors of the bodies whose points are in `pool`.
+    fn fill(
+        &mut self,
+        hull: &FoldedHull,
+        pool: &mut Pool,
+        ways: &mut Responses,
+        responses: &mut [BodyResponse],
+    ) {
+        responses.fill(BodyResponse::NONE);
+        if pool.len() == 0 {
+            return;
+        }
+        ways.fill(hull, pool);
+        self.weigh(pool, ways, responses.len());
+        self.measure(hull, pool);
+        for (response, verdict) in responses.iter_mut().zip(&self.bodies) {
+            let vector = verdict.direction * f64::from(verdict.longest);
+            *response = BodyResponse { vector, colliding: verdict.colliding };
+        }
+    }
+
+    /// The direction of each body's V.
+    fn weigh(&mut self, pool: &Pool, ways: &Responses, bodies: usize) {
+        self.bodies.clear();
+        self.bodies.resize(bodies, Verdict::default());
+        for (point, &(body, _)) in pool.points.iter().enumerate() {
+            let Some(way) = ways.get(point) else { continue };
+            let verdict = &mut self.bodies[body as usize];
+            if verdict.colliding == 0 || way.depth > verdict.depth {
+                (verdict.depth, verdict.direction) = (way.depth, way.normal.cast::<f64>());
+            }
+            verdict.colliding += 1;
+            verdict.sum += (way.normal * way.depth).cast::<f64>();
+        }
+        for verdict in &mut self.bodies {
+            verdict.direction = verdict.sum.try_normalize(0.0).unwrap_or(verdict.direction);
+        }
+    }
+
+    /// The longest exit of each body's points along its V: first that of the hindmost point. Of the others only those
+    /// that are still inside so far along V may have a longer one, and of these the hindmost is asked first again.
+    fn measure(&mut self, hull: &FoldedHull, pool: &Pool) {
+        if hull.may_abstain() {
+            self.measure_one_by_one(hull, pool);
+            return;
+        }
+        self.aim(pool);
+        self.exits.start_at_walls(&hull.volume, pool, &self.directions);
+        self.asked.clear();
+        self.asked.extend(0..pool.len() as u32);
+        for _ in 0..LEADERS {
+            self.keep_hindmost(pool);
+            self.ask(hull, pool);
+            self.find_farther(hull, pool);
+        }
+        self.ask(hull, pool);
+    }
+
+    /// Of the points to ask leaves each body's that lies farthest back along its V.
+    fn keep_hindmost(&mut self, pool: &Pool) {
+        let Self { bodies, directions, asked, .. } = self;
+        bodies.iter_mut().for_each(|body| body.hindmost = (f32::INFINITY, 0));
+        for &point in asked.iter() {
+            let (block, lane) = (point as usize / LANES, point as usize % LANES);
+            let ([x, y, z], [dx, dy, dz]) = (pool.at[block].get(lane), directions[block].get(lane));
+            let hindmost = &mut bodies[pool.points[point as usize].0 as usize].hindmost;
+            let along = x * dx + y * dy + z * dz;
+            if along < hindmost.0 {
+                *hindmost = (along, point);
+            }
+        }
+        asked.clear();
+        let hindmost = bodies.iter().map(|body| body.hindmost);
+        asked.extend(hindmost.filter(|(along, _)| along.is_finite()).map(|(_, point)| point));
+    }
+
+    /// Takes the exits of the points asked into account.
+    fn ask(&mut self, hull: &FoldedHull, pool: &Pool) {
+        let Self { bodies, directions, exits, asked } = self;
+        exits.fill_some(&hull.views, pool, directions, asked);
+        for &point in asked.iter() {
+            let longest = &mut bodies[pool.points[point as usize].0 as usize].longest;
+            *longest = longest.max(exits.get(point as usize));
+        }
+    }
+
+    /// Sets the points to ask to those that are still inside where the longest exit so far has brought them.
+    fn find_farther(&mut self, hull: &FoldedHull, pool: &Pool) {
+        let Self { bodies, directions, asked, .. } = self;
+        asked.clear();
+        for (block, (at, direction)) in pool.at.iter().zip(directions.iter()).enumerate() {
+            let body = |lane: usize| pool.points[(block * LANES + lane).min(pool.len() - 1)].0;
+            let longest = std::array::from_fn(|lane| bodies[body(lane) as usize].longest);
+            let inside = inside::of_block(&hull.views, &at.moved(direction, &longest));
+            asked.extend(ones(inside & pool.filled(block)).map(|lane| (block * LANES + lane) as u32));
+        }
+    }
+
+    /// Each point's direction is its body's.
+    fn aim(&mut self, pool: &Pool) {
+        self.directions.resize(pool.at.len(), Block::default());
+        for (block, directions) in self.directions.iter_mut().enumerate() {
+            for lane in 0..LANES {
+                let (body, _) = pool.points[(block * LANES + lane).min(pool.len() - 1)];
+                directions.set(lane, self.bodies[body as usize].direction.cast::<f32>().into());
+            }
+        }
+    }
+
+    /// What a view's silence means, the single queries weigh.
+    fn measure_one_by_one(&mut self, hull: &FoldedHull, pool: &Pool) {
+        for (point, &(body, _)) in pool.points.iter().enumerate() {
+            let p = hull.volume.in_world(pool.at[point / LANES].get(point % LANES));
+            let verdict = &mut self.bodies[body as usize];
+            let exit = hull.hull.exit(&p, &verdict.direction, EdgeModel::Pixel);
+            verdict.longest = verdict.longest.max(exit as f32);
+        }
     }
 }
 

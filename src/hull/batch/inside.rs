@@ -1,7 +1,8 @@
 //! Which of many points are inside, as many at a time as a vector register holds.
 
 use super::super::points::{Block, LANES, Points, Spheres};
-use super::fold::{Folded, FoldedBox, NEAREST, either, whole};
+use super::fold::{Folded, NEAREST, Posed, Volume};
+use super::lanes::{bits, either, ones, whole};
 use crate::silhouette::{LOW, Word};
 use crate::vectorised::vectorised;
 
@@ -14,64 +15,98 @@ pub(super) enum Within {
     NearSubject,
 }
 
+/// Points inside.
+#[derive(Debug, Default)]
+pub(super) struct Found {
+    /// Their places in the blocks, ascending.
+    pub(super) places: Vec<u32>,
+    /// Scratch: for each view the blocks of which it surely sees all within, a bit each.
+    whole: Vec<u32>,
+}
+
+impl Within {
+    /// By how many pixels it reaches beyond the subject.
+    pub(super) fn more_pixels(self) -> f32 {
+        f32::from(u8::from(self == Self::NearSubject))
+    }
+}
+
 vectorised! {
     /// Adds the places of the points that all views see `within` the silhouette, in their order.
     ///
-    /// `volume` is the work volume where it may cut points off.
+    /// `volume` is the work volume, and the points' pose in it, where it may cut points off.
     pub(super) fn find(
         points: &Points,
         views: &[Folded],
-        volume: Option<&FoldedBox>,
+        volume: Option<(&Volume, &Posed)>,
         within: Within,
-        found: &mut Vec<u32>,
+        found: &mut Found,
     ) {
-        let near = f32::from(u8::from(within == Within::NearSubject));
+        let Found { places, whole } = found;
+        // The view that ruled the last ones out is likely to rule out their neighbours: it is asked first.
+        let (mut sharp, mut sharpest) = (0, 0);
         for (group, (spheres, blocks)) in points.blocks().enumerate() {
             let mut asked = u32::MAX >> (LANES - blocks.len());
-            for view in views {
-                asked &= touched(view, spheres, near);
+            whole.clear();
+            whole.resize(views.len(), 0);
+            for n in 0..views.len() {
+                let view = (sharp + n) % views.len();
+                let (touched, inside) = spheres_seen(&views[view], spheres, within);
+                asked &= touched;
+                whole[view] = inside;
                 if asked == 0 {
+                    sharp = view;
                     break;
                 }
             }
-            while asked != 0 {
-                let k = asked.trailing_zeros() as usize;
-                asked &= asked - 1;
+            for k in ones(asked) {
                 let (block, index) = (&blocks[k], group * LANES + k);
                 let mut inside = u32::MAX >> (LANES - points.filled(index));
-                for view in views {
-                    inside &= seen(view, block, within);
+                for n in 0..views.len() {
+                    let view = (sharpest + n) % views.len();
+                    if whole[view] >> k & 1 == 0 {
+                        inside &= seen(&views[view], block, within);
+                    }
                     if inside == 0 {
+                        sharpest = view;
                         break;
                     }
                 }
-                if inside != 0 && let Some(volume) = volume {
-                    inside &= volume.contains(&block.x, &block.y, &block.z);
+                if inside != 0 && let Some((volume, posed)) = volume {
+                    inside &= volume.contains(posed, block);
                 }
-                while inside != 0 {
-                    found.push((index * LANES + inside.trailing_zeros() as usize) as u32);
-                    inside &= inside - 1;
-                }
+                places.extend(ones(inside).map(|lane| (index * LANES + lane) as u32));
             }
         }
     }
 }
 
-/// Which of many spheres may appear in a view's silhouette, a bit each.
-#[inline(always)]
-fn touched(view: &Folded, spheres: &Spheres, near: f32) -> u32 {
-    let (tiles, mut touched) = (view.tables.tiles.lookup(), [0; LANES]);
-    for k in 0..LANES {
-        let centre = [spheres.x[k], spheres.y[k], spheres.z[k]];
-        touched[k] = u32::from(view.may_touch(&tiles, centre, spheres.radius[k], near));
+vectorised! {
+    /// Which points of a block lie inside, a bit each.
+    pub(super) fn of_block(views: &[Folded], block: &Block) -> u32 {
+        let mut inside = u32::MAX;
+        for view in views {
+            inside &= seen(view, block, Within::Subject);
+            if inside == 0 {
+                break;
+            }
+        }
+        inside
     }
-    bits(&touched)
 }
 
-/// Zeros and ones as bits.
+/// Which of many spheres may appear in a view's silhouette, and which surely do as a whole, a bit each.
 #[inline(always)]
-fn bits(ones: &[u32; LANES]) -> u32 {
-    ones.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
+fn spheres_seen(view: &Folded, spheres: &Spheres, within: Within) -> (u32, u32) {
+    let tiles = view.tables.tiles.lookup();
+    let distances = view.distances();
+    let (near, mut touched, mut inside) = (within.more_pixels(), [0; LANES], [0; LANES]);
+    for k in 0..LANES {
+        let centre = [spheres.x[k], spheres.y[k], spheres.z[k]];
+        let (touches, is_inside) = view.sphere((&tiles, &distances), centre, spheres.radius[k], near);
+        (touched[k], inside[k]) = (u32::from(touches), u32::from(is_inside));
+    }
+    (bits(&touched), bits(&inside))
 }
 
 /// Which points of a block a view sees within the silhouette, a bit each.

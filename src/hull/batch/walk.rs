@@ -1,36 +1,62 @@
-//! Walks of many points through silhouettes at once, each along its own line.
+//! Walks of many points through one silhouette, each along its own line.
 //!
 //! As in [`march`](super::super::march): a step leads to the side of the largest square of subject pixels around, and
-//! crosses into the pixel behind it. Points that have arrived wait for the others; the last few, which often have far
-//! to go, go on one by one.
+//! crosses into the pixel behind it. All lanes step together.
+//!
+//! The image of a line is straight. Where the depth is `d0 + t d`, the pixel at `t` metres lies `s` times the slope at
+//! the start away from the start, `s = t d0 / (d0 + t d)`: so walks go by `s`, and divide by nothing.
 
-use super::super::points::{LANES, Lane};
-use super::fold::{Homogeneous, bits_of, either};
+use super::super::points::{Block, LANES, Lane};
+use super::fold::Folded;
+use super::lanes::{bits, bits_of, either, ones};
+use super::lookup::Distances;
+use super::pool::Pool;
+use crate::vectorised::vectorised;
 
-/// No walk takes more steps; a line through the largest image takes fewer.
+/// Steps after which is first asked who has arrived,
+const YOUNG: usize = 3;
+
+/// and then again and again.
+const STEPS: usize = 2;
+
+/// So few lines are sooner walked one by one.
+const FEW: u32 = 5;
+
+/// No line takes more steps; one through the largest image takes fewer.
 const MOST_STEPS: usize = 1 << 18;
 
-/// So few lines are sooner done one by one.
-const FEW: u32 = 6;
-
-/// Lines of as many points as walk together: where they are at `t` metres is `start + t ahead`.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Lines<'a> {
-    pub(super) start: Homogeneous,
-    pub(super) ahead: Homogeneous,
-    /// The pixel that each point starts in.
-    pub(super) column: Lane,
-    pub(super) row: Lane,
-    /// Each view's distances, and how many pixels a row of them has.
-    pub(super) table: [&'a [u8]; LANES],
-    pub(super) width: [u32; LANES],
+/// Points on their way out, as one view sees them.
+pub(super) struct Route<'a> {
+    pub(super) view: &'a Folded<'a>,
+    /// The view's place among all.
+    pub(super) place: usize,
+    pub(super) pool: &'a Pool,
+    pub(super) directions: &'a [Block],
 }
 
-/// One line, `(u depth, v depth, depth)` at its start and a metre's change.
+/// The lines that are walked together: in pixels `start + s slope`.
+#[derive(Debug, Clone, Copy, Default)]
+struct Lines {
+    /// Which points walk them.
+    points: [u32; LANES],
+    start: Plane,
+    slope: Plane,
+    per_slope: Plane,
+    /// The pixel that each is in, and when it entered it.
+    pixel: Plane,
+    s: Lane,
+    /// After which nobody cares.
+    limit: Lane,
+    /// The change of the depth per metre, over the depth at the start.
+    deeper: Lane,
+}
+
+/// One of them.
 #[derive(Clone, Copy)]
 struct Line {
-    start: [f32; 3],
-    ahead: [f32; 3],
+    start: [f32; 2],
+    slope: [f32; 2],
+    per_slope: [f32; 2],
 }
 
 /// Where a walk is: a pixel, and when it entered it.
@@ -38,64 +64,160 @@ struct Line {
 struct Place {
     column: f32,
     row: f32,
-    t: f32,
+    s: f32,
 }
 
-/// Walks every line whose bit is set in `walking` until background or its `limit`, and lowers the limit to where it
-/// left.
-#[inline(always)]
-pub(super) fn walk(lines: &Lines, limit: &mut Lane, mut walking: u32) {
-    let (mut column, mut row, mut t) = (lines.column, lines.row, [0.0_f32; LANES]);
-    while walking.count_ones() > FEW {
-        let (mut places, mut pixels) = ([0; LANES], [0_u32; LANES]);
-        for k in 0..LANES {
-            places[k] = bits_of(row[k]) * lines.width[k] + bits_of(column[k]);
-        }
-        for k in bits(walking) {
-            pixels[k] = u32::from(lines.table[k].get(places[k] as usize).copied().unwrap_or(0));
-            if pixels[k] == 0 {
-                limit[k] = either(t[k] < limit[k], t[k], limit[k]);
-                walking &= !(1 << k);
+/// Columns and rows, in the region.
+#[derive(Debug, Clone, Copy, Default)]
+struct Plane {
+    u: Lane,
+    v: Lane,
+}
+
+vectorised! {
+    /// Lowers the exits of `points`, in `metres`, to where they leave the view. Its distances come as a slice of their
+    /// own: the compiler has to know that nothing here writes to them.
+    ///
+    /// Most have arrived after a few steps. The others go on with one another, each in a lane that is free.
+    pub(super) fn walk(route: &Route, points: &[u32], distance_words: &[u32], metres: &mut [Lane]) {
+        let table = Distances::new(distance_words, route.view.tables.width);
+        let (mut young, mut old, mut free) = (Lines::default(), Lines::default(), u32::MAX);
+        for points in points.chunks(LANES) {
+            young.load(route, points, metres);
+            let filled = u32::MAX >> (LANES - points.len());
+            let arrived = young.step(YOUNG, &table);
+            young.report(arrived & filled, metres);
+            let mut left = !arrived & filled;
+            while left != 0 {
+                if free == 0 {
+                    free = old.step(STEPS, &table);
+                    old.report(free, metres);
+                    continue;
+                }
+                old.take(free.trailing_zeros() as usize, &young, left.trailing_zeros() as usize);
+                (free, left) = (free & (free - 1), left & (left - 1));
             }
         }
-        let mut past = [0_u32; LANES];
-        for k in 0..LANES {
-            let here = Place { column: column[k], row: row[k], t: t[k] };
-            let next = lines.line(k).step(&here, pixels[k] as f32);
-            (column[k], row[k], t[k]) = (next.column, next.row, next.t);
-            past[k] = u32::from(next.t >= limit[k]);
+        while free != u32::MAX {
+            let few = free.count_zeros() <= FEW;
+            let arrived = !free & if few { old.finish(!free, &table) } else { old.step(STEPS, &table) };
+            old.report(arrived, metres);
+            free |= arrived;
         }
-        for (k, past) in past.into_iter().enumerate() {
-            walking &= !(past << k);
-        }
-    }
-    for k in bits(walking) {
-        limit[k] = lines.walk_alone(k, Place { column: column[k], row: row[k], t: t[k] }, limit[k]);
     }
 }
 
-impl Lines<'_> {
+impl Lines {
+    /// Begins where the view sees the points; ends at their exits so far.
+    #[inline(always)]
+    fn load(&mut self, route: &Route, points: &[u32], metres: &[Lane]) {
+        let (mut direction, mut per_depth, mut most) = (Block::default(), [0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            let point = points[k.min(points.len() - 1)];
+            let (block, lane) = (point as usize / LANES, point as usize % LANES);
+            let sighting = route.pool.sighting(block, route.place);
+            self.points[k] = point;
+            (self.start.u[k], self.start.v[k]) = (sighting.u[lane], sighting.v[lane]);
+            (self.pixel.u[k], self.pixel.v[k]) = (sighting.column[lane], sighting.row[lane]);
+            per_depth[k] = sighting.per_depth[lane];
+            direction.set(k, route.directions[block].get(lane));
+            most[k] = metres[block][lane];
+        }
+        let changes = route.view.changes(&direction);
+        for k in 0..LANES {
+            let deeper = changes.depth[k] * per_depth[k];
+            let slope_u = changes.u[k] * per_depth[k] - self.start.u[k] * deeper;
+            let slope_v = changes.v[k] * per_depth[k] - self.start.v[k] * deeper;
+            (self.slope.u[k], self.slope.v[k]) = (slope_u, slope_v);
+            (self.per_slope.u[k], self.per_slope.v[k]) = (1.0 / slope_u, 1.0 / slope_v);
+            self.deeper[k] = deeper;
+            self.s[k] = 0.0;
+            // Where the depth comes to nothing the line has left the image.
+            let depth = 1.0 + most[k] * deeper;
+            let ends = (depth > 0.0) & (most[k] < f32::INFINITY);
+            self.limit[k] = either(ends, most[k] / depth, f32::INFINITY);
+        }
+    }
+
+    /// Line k goes on where line j of `other` is.
+    #[inline(always)]
+    fn take(&mut self, k: usize, other: &Self, j: usize) {
+        self.points[k] = other.points[j];
+        let planes = [
+            (&mut self.start, &other.start),
+            (&mut self.slope, &other.slope),
+            (&mut self.per_slope, &other.per_slope),
+            (&mut self.pixel, &other.pixel),
+        ];
+        for (plane, other) in planes {
+            (plane.u[k], plane.v[k]) = (other.u[j], other.v[j]);
+        }
+        (self.s[k], self.limit[k], self.deeper[k]) = (other.s[j], other.limit[j], other.deeper[j]);
+    }
+
+    /// Lowers the exits of the lines that have arrived before their limit.
+    #[inline(always)]
+    fn report(&self, arrived: u32, metres: &mut [Lane]) {
+        let mut exit = [0.0; LANES];
+        for k in 0..LANES {
+            exit[k] = self.s[k] / (1.0 - self.s[k] * self.deeper[k]);
+        }
+        for k in ones(arrived) {
+            if self.s[k] < self.limit[k] {
+                let point = self.points[k] as usize;
+                metres[point / LANES][point % LANES] = exit[k];
+            }
+        }
+    }
+
+    /// Some steps of all; which lines have arrived at background or at their limit, a bit each.
+    #[inline(always)]
+    fn step(&mut self, steps: usize, table: &Distances) -> u32 {
+        let mut walks = [0_u32; LANES];
+        for _ in 0..steps {
+            for k in 0..LANES {
+                let here = self.place(k);
+                let pixels = table.at(bits_of(here.column), bits_of(here.row));
+                let goes = (pixels > 0) & (here.s < self.limit[k]);
+                let next = self.line(k).step(&here, pixels as f32);
+                self.pixel.u[k] = either(goes, next.column, here.column);
+                self.pixel.v[k] = either(goes, next.row, here.row);
+                self.s[k] = either(goes, next.s, here.s);
+                walks[k] = u32::from(goes);
+            }
+        }
+        !bits(&walks)
+    }
+
+    /// Those that are left go on one by one until they arrive.
+    #[inline(always)]
+    fn finish(&mut self, left: u32, table: &Distances) -> u32 {
+        for k in ones(left) {
+            let (line, mut here) = (self.line(k), self.place(k));
+            for _ in 0..MOST_STEPS {
+                let pixels = table.at(bits_of(here.column), bits_of(here.row));
+                if pixels == 0 || here.s >= self.limit[k] {
+                    break;
+                }
+                here = line.step(&here, pixels as f32);
+            }
+            self.s[k] = here.s;
+        }
+        left
+    }
+
     #[inline(always)]
     fn line(&self, k: usize) -> Line {
         Line {
-            start: [self.start.u[k], self.start.v[k], self.start.depth[k]],
-            ahead: [self.ahead.u[k], self.ahead.v[k], self.ahead.depth[k]],
+            start: [self.start.u[k], self.start.v[k]],
+            slope: [self.slope.u[k], self.slope.v[k]],
+            per_slope: [self.per_slope.u[k], self.per_slope.v[k]],
         }
     }
 
-    /// Where line k, which is at `here`, leaves, if before `limit`.
     #[inline(always)]
-    fn walk_alone(&self, k: usize, mut here: Place, limit: f32) -> f32 {
-        let (line, table, width) = (self.line(k), self.table[k], self.width[k]);
-        for _ in 0..MOST_STEPS {
-            let place = bits_of(here.row) * width + bits_of(here.column);
-            let pixels = table.get(place as usize).copied().unwrap_or(0);
-            if pixels == 0 || here.t >= limit {
-                break;
-            }
-            here = line.step(&here, f32::from(pixels));
-        }
-        either(here.t < limit, here.t, limit)
+    fn place(&self, k: usize) -> Place {
+        Place { column: self.pixel.u[k], row: self.pixel.v[k], s: self.s[k] }
     }
 }
 
@@ -103,34 +225,23 @@ impl Line {
     /// From `here` into the pixel behind the square of `clear` pixels around.
     #[inline(always)]
     fn step(&self, here: &Place, clear: f32) -> Place {
-        let ([su, sv, sd], [au, av, ad]) = (self.start, self.ahead);
-        // The signs of du/dt and dv/dt: the depth squared that divides both is positive.
-        let (rightwards, downwards) = (au * sd - su * ad > 0.0, av * sd - sv * ad > 0.0);
+        let ([u, v], [across, down]) = (self.start, self.slope);
+        let (rightwards, downwards) = (across > 0.0, down > 0.0);
         let right = here.column + either(rightwards, clear, 1.0 - clear);
         let below = here.row + either(downwards, clear, 1.0 - clear);
-        let by_column = self.crossing(right * sd - su, au - right * ad);
-        let by_row = self.crossing(below * sd - sv, av - below * ad);
+        let by_column = either(across != 0.0, (right - u) * self.per_slope[0], f32::INFINITY);
+        let by_row = either(down != 0.0, (below - v) * self.per_slope[1], f32::INFINITY);
         let first = by_column <= by_row;
-        let t = either(first, by_column, by_row);
-        let t = either(t > here.t, t, here.t);
-        let per_depth = 1.0 / (sd + t * ad);
+        let s = either(first, by_column, by_row);
+        let s = either(s > here.s, s, here.s);
         let beside = clear - 1.0;
-        let u = within((su + t * au) * per_depth, here.column, beside);
-        let v = within((sv + t * av) * per_depth, here.row, beside);
+        let (column, row) =
+            (within(u + s * across, here.column, beside), within(v + s * down, here.row, beside));
         Place {
-            column: either(first, either(rightwards, right, right - 1.0), u),
-            row: either(first, v, either(downwards, below, below - 1.0)),
-            t,
+            column: either(first, either(rightwards, right, right - 1.0), column),
+            row: either(first, row, either(downwards, below, below - 1.0)),
+            s,
         }
-    }
-
-    /// When the line reaches a side, at `numerator / slope`; one that never does crosses it behind the camera, or
-    /// nowhere.
-    #[inline(always)]
-    fn crossing(&self, numerator: f32, slope: f32) -> f32 {
-        let t = numerator / slope;
-        let is_ahead = (self.start[2] + t * self.ahead[2] > 0.0) & (t.abs() < f32::INFINITY);
-        either(is_ahead, t, f32::INFINITY)
     }
 }
 
@@ -141,14 +252,4 @@ fn within(x: f32, middle: f32, reach: f32) -> f32 {
     let x = either(x > middle - reach + 0.5, x, middle - reach + 0.5);
     let x = either(x < middle + reach + 0.5, x, middle + reach + 0.5);
     bits_of(x - 0.5) as f32
-}
-
-/// The places of the set bits.
-#[inline(always)]
-pub(super) fn bits(mut word: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let place = word.trailing_zeros();
-        word &= word.wrapping_sub(1);
-        (place < u32::BITS).then_some(place as usize)
-    })
 }

@@ -1,21 +1,24 @@
 //! Memory that batch queries use again and again.
 
+use super::super::Hull;
 use super::super::points::Points;
-use super::exit::Sightings;
+use super::bodies::Verdicts;
 use super::fold::Folded;
-use super::respond::Way;
+use super::folded_hull::FoldedHull;
+use super::inside::Found;
+use super::pool::Pool;
+use super::respond::Responses;
 use nalgebra::Vector3;
 
 /// Memory for batch queries. Whoever keeps it from call to call allocates nothing once it has grown; it holds no
 /// answer beyond the next call, and may be used with any hull and any points.
 #[derive(Debug, Default)]
 pub struct Workspace {
-    folded: Vec<Folded<'static>>,
-    pub(super) found: Vec<u32>,
-    pub(super) ways: Vec<Way>,
-    /// The index in the hull of each folded view.
-    pub(super) views: Vec<usize>,
-    pub(super) sightings: Sightings,
+    folded: [Vec<Folded<'static>>; 2],
+    pub(super) found: Found,
+    pub(super) pool: Pool,
+    pub(super) ways: Responses,
+    pub(super) verdicts: Verdicts,
     pub(super) responses: Vec<PointResponse>,
     inside: Vec<u64>,
 }
@@ -79,21 +82,24 @@ impl Workspace {
     pub(super) fn mark(&mut self, points: &Points) -> Inside<'_> {
         self.inside.clear();
         self.inside.resize(points.len().div_ceil(64), 0);
-        for &place in &self.found {
+        for &place in &self.found.places {
             let point = points.given(place as usize);
             self.inside[point / 64] |= 1 << (point % 64);
         }
-        Inside { words: &self.inside, count: self.found.len() }
+        Inside { words: &self.inside, count: self.found.places.len() }
     }
 
-    /// The memory of the folded views, for a hull that lives shorter than the workspace.
-    pub(super) fn lend<'a>(&mut self) -> Vec<Folded<'a>> {
-        std::mem::take(&mut self.folded)
+    /// Folds `hull` in the memory of the last one.
+    pub(super) fn fold<'a>(&mut self, hull: &'a Hull) -> FoldedHull<'a> {
+        FoldedHull::new(hull, std::mem::take(&mut self.folded))
     }
 
-    pub(super) fn take_back(&mut self, mut folded: Vec<Folded<'_>>) {
-        folded.clear();
-        // Collected in place: nothing is left to convert but the lifetime.
-        self.folded = folded.into_iter().map(|_| unreachable!("it was cleared")).collect();
+    /// Takes the memory back: it may outlive the hull.
+    pub(super) fn take_back(&mut self, folded: FoldedHull) {
+        self.folded = folded.into_lists().map(|mut views| {
+            views.clear();
+            // Collected in place: nothing is left to convert but the lifetime.
+            views.into_iter().map(|_| unreachable!("it was cleared")).collect()
+        });
     }
 }

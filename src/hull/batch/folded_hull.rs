@@ -1,0 +1,85 @@
+//! A hull folded for a call: its enabled views and its work volume, and which points of a body are inside.
+
+use super::super::points::Points;
+use super::super::{Hull, Unseen};
+use super::fold::{Folded, Posed, Volume};
+use super::inside::{self, Found, Within};
+use crate::Result;
+use nalgebra::Isometry3;
+
+/// A hull as points of the volume's frame see it.
+#[derive(Debug)]
+pub(super) struct FoldedHull<'a> {
+    pub(super) hull: &'a Hull,
+    pub(super) volume: Volume,
+    pub(super) views: Vec<Folded<'a>>,
+    /// The views as the body asked last sees them.
+    posed: Vec<Folded<'a>>,
+}
+
+impl<'a> FoldedHull<'a> {
+    /// Folds `hull` in the memory of two lists.
+    pub(super) fn new(hull: &'a Hull, [mut views, posed]: [Vec<Folded<'a>>; 2]) -> Self {
+        let volume = Volume::of(hull);
+        let enabled = hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
+        views.extend(enabled.map(|(index, view)| Folded::new(view, index, &volume)));
+        Self { hull, volume, views, posed }
+    }
+
+    pub(super) fn into_lists(self) -> [Vec<Folded<'a>>; 2] {
+        [self.views, self.posed]
+    }
+
+    /// Whether some view's silence matters: then the tables do not tell all.
+    pub(super) fn may_abstain(&self) -> bool {
+        let is_masked = |view: &Folded| self.hull.views()[view.index].seen().is_some();
+        self.hull.unseen() != Unseen::Outside || self.views.iter().any(is_masked)
+    }
+
+    /// Finds the points inside, or, with [`Within::NearSubject`], of all but those surely outside by any
+    /// edge model.
+    ///
+    /// # Errors
+    /// A pose that is not finite.
+    pub(super) fn find(
+        &mut self,
+        points: &Points,
+        world_from_points: &Isometry3<f64>,
+        within: Within,
+        found: &mut Found,
+    ) -> Result<Posed> {
+        let posed = Posed::new(points, world_from_points, &self.volume)?;
+        if points.is_empty() || !self.may_touch(&posed, within) {
+            return Ok(posed);
+        }
+        if self.may_abstain() {
+            let inside = |&place: &u32| {
+                let p = self.volume.in_world(posed.place(points.at(place as usize)));
+                within == Within::NearSubject || self.hull.inside(&p)
+            };
+            found.places.extend((0..points.len() as u32).filter(inside));
+            return Ok(posed);
+        }
+        self.posed.clear();
+        self.posed.extend(self.views.iter().map(|view| view.seen_from(&posed)));
+        let cut = within == Within::Subject && !self.volume.holds(&posed);
+        let cut = cut.then_some((&self.volume, &posed));
+        inside::find(points, &self.posed, cut, within, found);
+        Ok(posed)
+    }
+
+    /// Whether the sphere around a body's points may touch the hull: its box, and in every view its silhouette.
+    fn may_touch(&self, posed: &Posed, within: Within) -> bool {
+        let middle = self.volume.in_world(posed.middle());
+        if self.hull.aabb().is_empty() || !self.hull.may_touch(&middle, f64::from(posed.radius) + 1e-6) {
+            return false;
+        }
+        self.may_abstain() || {
+            let touched = |view: &Folded| {
+                let tables = (&view.tables.tiles.lookup(), &view.distances());
+                view.sphere(tables, posed.middle(), posed.radius, within.more_pixels()).0
+            };
+            self.views.iter().all(touched)
+        }
+    }
+}

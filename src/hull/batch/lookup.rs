@@ -1,0 +1,57 @@
+//! A silhouette's tables as many lanes look them up: without a branch, and with indices of which a vector holds many.
+
+use crate::silhouette::{LOW, Tables, Word};
+
+/// Chebyshev distances to the background, up to 255.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Distances<'a> {
+    /// Four a word, the first in the lowest byte.
+    words: &'a [u32],
+    last: u32,
+    width: u32,
+}
+
+/// Subject pixels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bits<'a> {
+    words: &'a [Word],
+    last: u32,
+    /// Bits in a row.
+    stride: u32,
+}
+
+impl<'a> Distances<'a> {
+    #[inline(always)]
+    pub(super) fn new(words: &'a [u32], width: usize) -> Self {
+        let words: &[u32] = if words.is_empty() { &[0] } else { words };
+        let last = (words.len() - 1) as u32 & LOW;
+        Self { words: &words[..=last as usize], last, width: width as u32 }
+    }
+
+    /// The distance at a pixel of the region; some distance for any other.
+    #[inline(always)]
+    pub(super) fn at(&self, column: u32, row: u32) -> u32 {
+        let place = row.wrapping_mul(self.width).wrapping_add(column);
+        u32::from_le(self.words[(place / 4).min(self.last) as usize]) >> (place % 4 * 8) & 255
+    }
+}
+
+impl<'a> Bits<'a> {
+    #[inline(always)]
+    pub(super) fn of(tables: &Tables<'a>) -> Self {
+        let words: &[Word] = if tables.subject.is_empty() { &[0] } else { tables.subject };
+        let last = (words.len() - 1) as u32 & LOW;
+        Self { words: &words[..=last as usize], last, stride: tables.words as u32 * Word::BITS }
+    }
+
+    /// The subject bits of a row from `column` on, the first lowest. What lies beside the region are bits of the rows
+    /// before and after it: of their margins first, which are background.
+    #[inline(always)]
+    pub(super) fn from(&self, column: i32, row: i32) -> Word {
+        let place = (row as u32).wrapping_mul(self.stride).wrapping_add(column as u32);
+        let (word, shift) = (place / Word::BITS, place % Word::BITS);
+        let low = self.words[word.min(self.last) as usize];
+        let high = self.words[(word + 1).min(self.last) as usize];
+        low >> shift | (high << 1) << (Word::BITS - 1 - shift)
+    }
+}

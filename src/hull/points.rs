@@ -111,17 +111,6 @@ impl Block {
     pub(super) fn set(&mut self, lane: usize, [x, y, z]: [f32; 3]) {
         (self.x[lane], self.y[lane], self.z[lane]) = (x, y, z);
     }
-
-    /// The point so many steps along `direction` from each; how many is said for each.
-    #[inline(always)]
-    pub(super) fn moved(&self, direction: &Self, steps: &Lane) -> Self {
-        let along = |from: &Lane, by: &Lane| std::array::from_fn(|k| from[k] + steps[k] * by[k]);
-        Self {
-            x: along(&self.x, &direction.x),
-            y: along(&self.y, &direction.y),
-            z: along(&self.z, &direction.z),
-        }
-    }
 }
 
 impl Spheres {

@@ -13,11 +13,11 @@ use crate::{Error, Result};
 use nalgebra::{Isometry3, Vector3};
 use std::sync::Mutex;
 
-/// Bodies that a thread takes at once: enough to fill a pool, few enough that no thread waits long for another's last
+/// Bodies that one of several threads takes at once: enough to fill a pool, few enough that no thread waits long for another's last
 /// ones.
-const AT_ONCE: usize = 64;
+const AT_ONCE: usize = 32;
 
-/// How often one point a body is asked before the others.
+/// How often one point a body is asked before all that are left.
 const LEADERS: usize = 2;
 
 /// A body to ask for: its samples, and its pose (world from body).
@@ -60,8 +60,9 @@ pub(super) struct Verdicts {
     bodies: Vec<Verdict>,
     directions: Vec<Block>,
     exits: Exits,
-    /// Points whose exits are asked.
+    /// Points whose exits are asked now, and those that may have to be asked.
     asked: Vec<u32>,
+    left: Vec<u32>,
 }
 
 impl Hull {
@@ -99,22 +100,26 @@ impl Hull {
     ) -> Result<()> {
         responses.clear();
         responses.resize(bodies.len(), BodyResponse::NONE);
+        match workspaces {
+            [] => Err(Error::argument("expected at least one workspace, found none; pass one a thread")),
+            [one] => self.respond_together(bodies, responses, one),
+            several => self.respond_on_threads(bodies, responses, several),
+        }
+    }
+
+    fn respond_on_threads(
+        &self,
+        bodies: &[Body],
+        responses: &mut [BodyResponse],
+        workspaces: &mut [Workspace],
+    ) -> Result<()> {
         let queue = Mutex::new(bodies.chunks(AT_ONCE).zip(responses.chunks_mut(AT_ONCE)));
         let failed = Mutex::new(None);
-        let work = |workspace: &mut Workspace| {
+        on_threads(workspaces, |workspace| {
             if let Err(error) = self.respond_from(&queue, workspace) {
                 lock(&failed).get_or_insert(error);
             }
-        };
-        match workspaces {
-            [] => {
-                return Err(Error::argument(
-                    "expected at least one workspace, found none; pass one a thread",
-                ));
-            }
-            [one] => work(one),
-            several => on_threads(several, work),
-        }
+        });
         lock(&failed).take().map_or(Ok(()), Err)
     }
 
@@ -198,7 +203,7 @@ impl Verdicts {
     }
 
     /// The longest exit of each body's points along its V: first that of the hindmost point. Of the others only those
-    /// that are still inside so far along V may have a longer one, and of these the hindmost is asked first again.
+    /// that are still inside so far along V may have a longer one, and of these the hindmost is asked next.
     fn measure(&mut self, hull: &FoldedHull, pool: &Pool) {
         if hull.may_abstain() {
             self.measure_one_by_one(hull, pool);
@@ -206,21 +211,22 @@ impl Verdicts {
         }
         self.aim(pool);
         self.exits.start_at_walls(&hull.volume, pool, &self.directions);
-        self.asked.clear();
-        self.asked.extend(0..pool.len() as u32);
+        self.left.clear();
+        self.left.extend(0..pool.len() as u32);
         for _ in 0..LEADERS {
-            self.keep_hindmost(pool);
+            self.choose_hindmost(pool);
             self.ask(hull, pool);
-            self.find_farther(hull, pool);
+            self.leave_behind(hull, pool);
         }
+        std::mem::swap(&mut self.asked, &mut self.left);
         self.ask(hull, pool);
     }
 
-    /// Of the points to ask leaves each body's that lies farthest back along its V.
-    fn keep_hindmost(&mut self, pool: &Pool) {
-        let Self { bodies, directions, asked, .. } = self;
+    /// Of the points left asks each body's that lies farthest back along its V.
+    fn choose_hindmost(&mut self, pool: &Pool) {
+        let Self { bodies, directions, asked, left, .. } = self;
         bodies.iter_mut().for_each(|body| body.hindmost = (f32::INFINITY, 0));
-        for &point in asked.iter() {
+        for &point in left.iter() {
             let (block, lane) = (point as usize / LANES, point as usize % LANES);
             let ([x, y, z], [dx, dy, dz]) = (pool.at[block].get(lane), directions[block].get(lane));
             let hindmost = &mut bodies[pool.points[point as usize].0 as usize].hindmost;
@@ -236,7 +242,7 @@ impl Verdicts {
 
     /// Takes the exits of the points asked into account.
     fn ask(&mut self, hull: &FoldedHull, pool: &Pool) {
-        let Self { bodies, directions, exits, asked } = self;
+        let Self { bodies, directions, exits, asked, .. } = self;
         exits.fill_some(&hull.views, pool, directions, asked);
         for &point in asked.iter() {
             let longest = &mut bodies[pool.points[point as usize].0 as usize].longest;
@@ -244,16 +250,32 @@ impl Verdicts {
         }
     }
 
-    /// Sets the points to ask to those that are still inside where the longest exit so far has brought them.
-    fn find_farther(&mut self, hull: &FoldedHull, pool: &Pool) {
-        let Self { bodies, directions, asked, .. } = self;
-        asked.clear();
-        for (block, (at, direction)) in pool.at.iter().zip(directions.iter()).enumerate() {
-            let body = |lane: usize| pool.points[(block * LANES + lane).min(pool.len() - 1)].0;
-            let longest = std::array::from_fn(|lane| bodies[body(lane) as usize].longest);
-            let inside = inside::of_block(&hull.views, &at.moved(direction, &longest));
-            asked.extend(ones(inside & pool.filled(block)).map(|lane| (block * LANES + lane) as u32));
+    /// Of the points left keeps those whose exits, as far as they are known, are longer than the longest so far, and
+    /// that are still inside where that has brought them.
+    fn leave_behind(&mut self, hull: &FoldedHull, pool: &Pool) {
+        let Self { bodies, directions, exits, left, .. } = self;
+        left.retain(|&point| {
+            let (body, _) = pool.points[point as usize];
+            exits.get(point as usize) > bodies[body as usize].longest
+        });
+        let mut kept = 0;
+        for start in (0..left.len()).step_by(LANES) {
+            let count = LANES.min(left.len() - start);
+            let mut moved = Block::default();
+            for k in 0..LANES {
+                let point = left[start + k.min(count - 1)] as usize;
+                let ([x, y, z], way) =
+                    (pool.at[point / LANES].get(point % LANES), directions[point / LANES].get(point % LANES));
+                let longest = bodies[pool.points[point].0 as usize].longest;
+                moved.set(k, [x + longest * way[0], y + longest * way[1], z + longest * way[2]]);
+            }
+            let inside = inside::of_block(&hull.views, &moved) & (u32::MAX >> (LANES - count));
+            for k in ones(inside) {
+                left[kept] = left[start + k];
+                kept += 1;
+            }
         }
+        left.truncate(kept);
     }
 
     /// Each point's direction is its body's.

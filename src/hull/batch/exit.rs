@@ -6,7 +6,7 @@
 
 use super::super::points::{Block, LANES, Lane};
 use super::fold::{Folded, Homogeneous, Volume};
-use super::lanes::{bits, either, ones};
+use super::lanes::{bits, either, ones, whole};
 use super::pool::{Pool, Sighting};
 use super::walk::{Route, walk};
 use crate::vectorised::vectorised;
@@ -93,17 +93,19 @@ vectorised! {
     fn doubt(route: &Route, metres: &[Lane], doubtful: &mut Vec<u32>) {
         let Route { view, place, pool, directions } = route;
         for (block, (direction, metres)) in directions.iter().zip(metres).enumerate() {
-            let clear = stays_clear(pool.sighting(block, *place), &view.changes(direction), metres);
+            let clear = stays_clear(view, pool.sighting(block, *place), &view.changes(direction), metres);
             let doubts = pool.filled(block) & !clear & !pool.decisions[block].by(*place);
             doubtful.extend(ones(doubts).map(|lane| (block * LANES + lane) as u32));
         }
     }
 }
 
-/// Which lines surely stay on subject pixels up to their exits: those whose end lies in the square of subject pixels
-/// around their start.
+/// Which lines surely stay on subject pixels up to their exits: those whose start and end lie in squares of subject
+/// pixels that meet.
 #[inline(always)]
-fn stays_clear(sighting: &Sighting, changes: &Homogeneous, exit: &Lane) -> u32 {
+fn stays_clear(view: &Folded, sighting: &Sighting, changes: &Homogeneous, exit: &Lane) -> u32 {
+    let distances = view.distances();
+    let (right, below) = (view.tables.width as f32 - 0.5, view.tables.height as f32 - 0.5);
     let mut clear = [0_u32; LANES];
     for k in 0..LANES {
         let t = exit[k] * sighting.per_depth[k];
@@ -111,10 +113,11 @@ fn stays_clear(sighting: &Sighting, changes: &Homogeneous, exit: &Lane) -> u32 {
         let per_depth = 1.0 / depth;
         let u = (sighting.u[k] + t * changes.u[k]) * per_depth;
         let v = (sighting.v[k] + t * changes.v[k]) * per_depth;
-        // From the pixel's middle to the square's side.
-        let half = sighting.clear[k] - 0.5;
-        let (du, dv) = (u - sighting.column[k] - 0.5, v - sighting.row[k] - 0.5);
-        clear[k] = u32::from((depth > 0.0) & (du.abs() <= half) & (dv.abs() <= half));
+        let end = distances.at(whole(u, right), whole(v, below)) as f32;
+        // From a point to its square's side it is at least one pixel less than the distance says.
+        let meet = (sighting.clear[k] - 1.0) + (end - 1.0);
+        let (du, dv) = ((u - sighting.u[k]).abs(), (v - sighting.v[k]).abs());
+        clear[k] = u32::from((depth > 0.0) & (end > 0.0) & (du <= meet) & (dv <= meet));
     }
     bits(&clear)
 }

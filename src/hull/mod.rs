@@ -17,6 +17,7 @@ mod exact;
 mod exit;
 mod frustum;
 mod image_line;
+mod lanes;
 mod march;
 mod points;
 mod ray;

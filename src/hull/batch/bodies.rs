@@ -1,10 +1,10 @@
 //! The paper's vectors of bodies (section 5), on one thread or several.
 
+use super::super::lanes::ones;
 use super::super::points::{Block, LANES, Points};
 use super::super::{EdgeModel, Hull};
 use super::folded_hull::FoldedHull;
 use super::inside::{self, Within};
-use super::lanes::ones;
 use super::pool::{ENOUGH, Pool};
 use super::respond::Responses;
 use super::{Workspace, exit::Exits};

@@ -1,8 +1,8 @@
 //! The edges nearest to many points, and their normals (paper, section 4.2).
 
+use super::super::lanes::{bits_of, either};
 use super::super::points::{Block, LANES};
 use super::fold::Folded;
-use super::lanes::{bits_of, either};
 use super::lookup::Bits;
 use super::pool::Pool;
 use super::rings;

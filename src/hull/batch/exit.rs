@@ -4,9 +4,9 @@
 //!   wall ─► the view that decided ─► which others stay clear ─► walks in those that may not
 //! ```
 
+use super::super::lanes::{bits, either, ones, whole};
 use super::super::points::{Block, LANES, Lane};
 use super::fold::{Folded, Homogeneous, Volume};
-use super::lanes::{bits, either, ones, whole};
 use super::pool::{Pool, Sighting};
 use super::walk::{Route, walk};
 use crate::vectorised::vectorised;

@@ -9,9 +9,9 @@
 //! double precision and only then rounded, so that world and body may lie anywhere: with points about their middle
 //! the error stays below a thousandth of a pixel.
 
+use super::super::lanes::{bits, whole};
 use super::super::points::{Block, LANES, Lane, Points};
 use super::super::{Hull, View};
-use super::lanes::{bits, whole};
 use super::lookup::Distances;
 use crate::silhouette::{Lookup, Silhouette, Tables};
 use crate::{Error, Result};

@@ -1,8 +1,8 @@
 //! Which of many points are inside, as many at a time as a vector register holds.
 
+use super::super::lanes::{bits, either, ones, whole};
 use super::super::points::{Block, LANES, Points, Spheres};
 use super::fold::{Folded, NEAREST, Posed, Volume};
-use super::lanes::{bits, either, ones, whole};
 use crate::silhouette::{LOW, Word};
 use crate::vectorised::vectorised;
 

@@ -20,7 +20,6 @@ mod exit;
 mod fold;
 mod folded_hull;
 mod inside;
-mod lanes;
 mod lookup;
 mod pool;
 mod respond;

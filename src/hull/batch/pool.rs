@@ -7,9 +7,9 @@
 //!   order        view 0: 17 3 21 .. | view 1: 40 2 ..   places of points by the view that decides, shallow ones first
 //! ```
 
+use super::super::lanes::{bits, bits_of, either, whole};
 use super::super::points::{Block, LANES, Lane, Points};
 use super::fold::{Folded, Homogeneous, NEAREST, Posed};
-use super::lanes::{bits, bits_of, either, whole};
 use crate::vectorised::vectorised;
 
 /// Points that lie deeper than this, in pixels, count as equally deep where they are put in order.

@@ -6,9 +6,9 @@
 //! The image of a line is straight. Where the depth is `d0 + t d`, the pixel at `t` metres lies `s` times the slope at
 //! the start away from the start, `s = t d0 / (d0 + t d)`: so walks go by `s`, and divide by nothing.
 
+use super::super::lanes::{bits, bits_of, either, ones};
 use super::super::points::{Block, LANES, Lane};
 use super::fold::Folded;
-use super::lanes::{bits, bits_of, either, ones};
 use super::lookup::Distances;
 use super::pool::Pool;
 use crate::vectorised::vectorised;

@@ -1,10 +1,11 @@
 //! Where many points inside leave the hull: the nearest exit over the views and the work volume.
 
 use super::super::Hull;
+use super::super::lanes::{bits, either, ones};
 use super::super::points::LANES;
+use super::Wide;
 use super::sight::{Block, Field, Sighting};
 use super::walk::{Line, Paths, Walkers};
-use super::{Wide, bits, either, gathered};
 
 /// Where to: a unit direction for each point, and the view that is asked first, by its place among the fields.
 #[derive(Debug, Clone, Copy, Default)]
@@ -47,14 +48,14 @@ impl Exits {
         }
         let paths = Paths { fields, block, way, ahead };
         lines.clear();
-        for k in bits(used) {
+        for k in ones(used) {
             lines.push(Line { k, place: way.field[k] });
         }
         walkers.walk(lines, &paths, exit);
         lines.clear();
         for (place, field) in fields.iter().enumerate() {
             let stays = stays_inside(field, &block.sightings[place], &ahead[place], exit);
-            for k in bits(used & !stays) {
+            for k in ones(used & !stays) {
                 if way.field[k] != place {
                     lines.push(Line { k, place });
                 }
@@ -80,7 +81,7 @@ fn stays_inside(field: &Field, sighting: &Sighting, ahead: &[Wide; 3], exit: &Wi
         let near = (du.abs() < reach * end_z) & (dv.abs() < reach * end_z);
         stays[k] = u32::from((end_z > 0.0) & near & (reach > 0.0));
     }
-    gathered(&stays)
+    bits(&stays)
 }
 
 /// Metres to the side of the work volume, at most `most`.

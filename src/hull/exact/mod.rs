@@ -193,43 +193,5 @@ impl Memory {
     }
 }
 
-/// The places of the set bits.
-#[inline(always)]
-fn bits(mut word: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let place = word.trailing_zeros();
-        word &= word.wrapping_sub(1);
-        (place < u32::BITS).then_some(place as usize)
-    })
-}
-
-/// Both are computed, and one is taken: no branch for the compiler to stumble over.
-#[inline(always)]
-fn either(condition: bool, yes: f64, no: f64) -> f64 {
-    if condition { yes } else { no }
-}
-
-/// Adding this leaves the nearest whole number in a float's lowest bits.
-const WHOLE: f64 = 4_503_599_627_370_496.0;
-
-/// The whole number below `x`, which is not negative and below 2^51.
-#[inline(always)]
-fn floor(x: f64) -> f64 {
-    let nearest = (x + WHOLE) - WHOLE;
-    either(nearest > x, nearest - 1.0, nearest)
-}
-
-/// A whole number that is not negative and below 2^32.
-#[inline(always)]
-fn index(x: f64) -> u32 {
-    (x + WHOLE).to_bits() as u32
-}
-
-/// Zeros and ones as bits.
-#[inline(always)]
-fn gathered<const N: usize>(ones: &[u32; N]) -> u32 {
-    ones.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
-}
-
 #[cfg(test)]
 mod tests;

@@ -1,10 +1,11 @@
 //! The silhouette edges nearest to many points, and the ways out that they give.
 
+use super::super::lanes::{either, floor, ones};
 use super::super::points::LANES;
 use super::super::search::window_half_width;
 use super::super::{Hull, NearestEdge};
 use super::sight::{Block, Field};
-use super::{Start, Wide, bits, either, floor};
+use super::{Start, Wide};
 use crate::camera::Pixel;
 use crate::silhouette;
 
@@ -28,7 +29,7 @@ pub(super) fn add_ways(
     let decided = decide(fields, block);
     let (mut has_way, mut background) = (0, [(0, 0); LANES]);
     let (mut new, mut count) = ([(fields[0].view.silhouette(), (0, 0)); LANES], 0);
-    for k in bits(inside) {
+    for k in ones(inside) {
         let place = decided.field[k] as usize;
         let (silhouette, sighting) = (fields[place].view.silhouette(), &block.sightings[place]);
         let half = window_half_width(decided.iteration[k] as i64, decided.growth[k]);
@@ -42,7 +43,7 @@ pub(super) fn add_ways(
         }
     }
     silhouette::compute_edges(&new[..count]);
-    for k in bits(has_way) {
+    for k in ones(has_way) {
         let place = decided.field[k] as usize;
         let (field, at) = (&fields[place], block.sightings[place].at.map(|at| at[k]));
         let a = Pixel { u: at[0] / at[2], v: at[1] / at[2], depth: at[2] };

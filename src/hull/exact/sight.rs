@@ -1,9 +1,10 @@
 //! Where the views see many points.
 
+use super::super::lanes::{bits, either, floor, index, ones};
 use super::super::points::LANES;
 use super::super::view::Footprint;
 use super::super::{EdgeModel, View};
-use super::{Wide, bits, either, floor, gathered, index};
+use super::Wide;
 use crate::camera::MIN_DEPTH;
 use crate::silhouette::HALF_COVERAGE;
 use nalgebra::{Isometry3, Point3};
@@ -151,14 +152,14 @@ impl<'a> Field<'a> {
         for k in 0..LANES {
             clear[k] = u32::from(sighting.clear[k] > least);
         }
-        let (visible, clear) = (gathered(&visible), gathered(&clear));
+        let (visible, clear) = (bits(&visible), bits(&clear));
         visible & (clear | if self.by_coverage { self.covered(sighting, visible & !clear) } else { 0 })
     }
 
     /// Which of `doubtful` points beside the edge, or beyond, are inside by coverage.
     fn covered(&self, sighting: &Sighting, doubtful: u32) -> u32 {
         let mut inside = 0;
-        for k in bits(doubtful) {
+        for k in ones(doubtful) {
             let pixel = (sighting.column[k] as i32, sighting.row[k] as i32);
             let (u, v) = (sighting.at[0][k] / sighting.at[2][k], sighting.at[1][k] / sighting.at[2][k]);
             if self.view.may_hold(pixel) && self.view.silhouette().coverage(u, v) >= HALF_COVERAGE {

@@ -5,10 +5,11 @@
 //! next line takes its slot at once.
 
 use super::super::image_line::ImageLine;
+use super::super::lanes::{bits, either, floor, index, ones};
 use super::super::march::March;
+use super::Wide;
 use super::exits::Way;
 use super::sight::{Block, Field};
-use super::{Wide, bits, either, floor, gathered, index};
 use crate::camera::{MIN_DEPTH, Pixel};
 use nalgebra::Vector3;
 
@@ -58,14 +59,14 @@ impl Walkers {
     pub(super) fn walk(&mut self, lines: &[Line], paths: &Paths, exit: &mut Wide) {
         let (mut waiting, mut walking) = (lines.iter(), 0_u32);
         loop {
-            for slot in bits(!walking & (u32::MAX >> (u32::BITS as usize - SLOTS))) {
+            for slot in ones(!walking & (u32::MAX >> (u32::BITS as usize - SLOTS))) {
                 walking |= u32::from(self.take_up(slot, &mut waiting, paths, exit)) << slot;
             }
             if walking == 0 {
                 break;
             }
             let (past, rare) = self.step();
-            for slot in bits(walking & rare) {
+            for slot in ones(walking & rare) {
                 self.go_on_alone(slot, paths, exit);
             }
             walking &= !(past | rare);
@@ -73,7 +74,7 @@ impl Walkers {
             for k in 0..SLOTS {
                 places[k] = index(self.row[k] * self.stride[k] + self.column[k] + self.origin[k]);
             }
-            for slot in bits(walking) {
+            for slot in ones(walking) {
                 let field = &paths.fields[self.line[slot].place];
                 let clear = field.clear(places[slot]);
                 self.clear[slot] = f64::from(clear);
@@ -152,7 +153,7 @@ impl Walkers {
             past[k] = u32::from(t >= self.limit[k]);
             rare[k] = u32::from(!goes_on);
         }
-        (gathered(&past), gathered(&rare))
+        (bits(&past), bits(&rare))
     }
 
     /// Walks a line on from where it stands.

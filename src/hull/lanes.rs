@@ -1,0 +1,55 @@
+//! What loops over lanes are made of: plain operations that the compiler turns into vector instructions.
+
+/// Whole numbers are these ones' lowest bits once added to them.
+const WHOLE_F32: f32 = 8_388_608.0;
+const WHOLE_F64: f64 = 4_503_599_627_370_496.0;
+
+/// Both are computed, and one is taken: no branch for the compiler to stumble over.
+#[inline(always)]
+pub(super) fn either<T>(condition: bool, yes: T, no: T) -> T {
+    if condition { yes } else { no }
+}
+
+/// Zeros and ones as bits, a lane each.
+#[inline(always)]
+pub(super) fn bits<const N: usize>(ones: &[u32; N]) -> u32 {
+    ones.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
+}
+
+/// The places of the bits set, ascending.
+#[inline(always)]
+pub(super) fn ones(mut word: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = word.trailing_zeros();
+        word &= word.wrapping_sub(1);
+        (place < u32::BITS).then_some(place as usize)
+    })
+}
+
+/// The whole number below `x`, which is brought between one half and `most`; NaN becomes the lower bound.
+#[inline(always)]
+pub(super) fn whole(x: f32, most: f32) -> u32 {
+    let x = either(x > 0.5, x, 0.5);
+    let x = either(x < most, x, most);
+    // Half is taken off since the sum rounds to the nearest.
+    bits_of(x - 0.5)
+}
+
+/// The whole number nearest to `x`, which is not negative and below 2^23.
+#[inline(always)]
+pub(super) fn bits_of(x: f32) -> u32 {
+    (x + WHOLE_F32).to_bits() & 0x007f_ffff
+}
+
+/// The whole number below `x`, which is not negative and below 2^51.
+#[inline(always)]
+pub(super) fn floor(x: f64) -> f64 {
+    let nearest = (x + WHOLE_F64) - WHOLE_F64;
+    either(nearest > x, nearest - 1.0, nearest)
+}
+
+/// A whole number that is not negative and below 2^32.
+#[inline(always)]
+pub(super) fn index(x: f64) -> u32 {
+    (x + WHOLE_F64).to_bits() as u32
+}

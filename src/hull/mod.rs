@@ -40,6 +40,7 @@ pub use response::{Push, Response};
 pub use search::NearestEdge;
 pub use view::{Verdict, View};
 
+use crate::silhouette::Border;
 use nalgebra::Point3;
 
 /// What a view that does not see a point says of it.
@@ -220,6 +221,15 @@ impl Hull {
             return Verdict::Outside;
         }
         view.verdict(p, edge, self.culls.rectangle)
+    }
+
+    /// Whether a point that some view does not see is outside, and nothing but background ends a silhouette: then the
+    /// silhouettes' tables tell all.
+    pub(crate) fn every_view_tells(&self) -> bool {
+        self.unseen() == Unseen::Outside
+            && self
+                .enabled_views()
+                .all(|view| view.seen().is_none() && view.silhouette().border() == Border::Background)
     }
 
     fn enabled_views(&self) -> impl Iterator<Item = &View> {

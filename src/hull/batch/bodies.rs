@@ -205,7 +205,7 @@ impl Verdicts {
     /// The longest exit of each body's points along its V: first that of the hindmost point. Of the others only those
     /// that are still inside so far along V may have a longer one, and of these the hindmost is asked next.
     fn measure(&mut self, hull: &FoldedHull, pool: &Pool) {
-        if hull.may_abstain() {
+        if !hull.hull.every_view_tells() {
             self.measure_one_by_one(hull, pool);
             return;
         }

@@ -1,7 +1,7 @@
 //! A hull folded for a call: its enabled views and its work volume, and which points of a body are inside.
 
+use super::super::Hull;
 use super::super::points::Points;
-use super::super::{Hull, Unseen};
 use super::fold::{Folded, Posed, Volume};
 use super::inside::{self, Found, Within};
 use crate::Result;
@@ -30,12 +30,6 @@ impl<'a> FoldedHull<'a> {
         [self.views, self.posed]
     }
 
-    /// Whether some view's silence matters: then the tables do not tell all.
-    pub(super) fn may_abstain(&self) -> bool {
-        let is_masked = |view: &Folded| self.hull.views()[view.index].seen().is_some();
-        self.hull.unseen() != Unseen::Outside || self.views.iter().any(is_masked)
-    }
-
     /// Finds the points inside, or, with [`Within::NearSubject`], of all but those surely outside by any
     /// edge model.
     ///
@@ -52,7 +46,7 @@ impl<'a> FoldedHull<'a> {
         if points.is_empty() || !self.may_touch(&posed, within) {
             return Ok(posed);
         }
-        if self.may_abstain() {
+        if !self.hull.every_view_tells() {
             let inside = |&place: &u32| {
                 let p = self.volume.in_world(posed.place(points.at(place as usize)));
                 within == Within::NearSubject || self.hull.inside(&p)
@@ -74,7 +68,7 @@ impl<'a> FoldedHull<'a> {
         if self.hull.aabb().is_empty() || !self.hull.may_touch(&middle, f64::from(posed.radius) + 1e-6) {
             return false;
         }
-        self.may_abstain() || {
+        !self.hull.every_view_tells() || {
             let touched = |view: &Folded| {
                 let tables = (&view.tables.tiles.lookup(), &view.distances());
                 view.sphere(tables, posed.middle(), posed.radius, within.more_pixels()).0

@@ -29,7 +29,7 @@ impl Responses {
     pub(super) fn fill(&mut self, hull: &FoldedHull, pool: &mut Pool) {
         self.normals.clear();
         self.normals.resize(pool.at.len(), Block::default());
-        if hull.may_abstain() {
+        if !hull.hull.every_view_tells() {
             self.fill_one_by_one(hull, pool);
             return;
         }

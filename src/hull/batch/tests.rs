@@ -174,6 +174,20 @@ fn deep_silhouettes_are_answered_exactly_beyond_a_byte() {
 }
 
 #[test]
+fn beyond_an_open_border_a_batch_answers_as_single_points_do() {
+    // A subject that the image's side cuts off: beyond it nothing is background, and nothing is seen.
+    let mask = GrayImage::from_fn(160, 120, |i, _| Luma([if i < 100 { 255 } else { 0 }]));
+    let view = |camera| View::new(Arc::new(camera), Arc::new(Silhouette::new(&mask, Border::Open)), None);
+    let wide = bounds().grown(1.5);
+    let hull = Hull::new(cameras().into_iter().map(view).collect(), wide, Unseen::Outside, 0.0);
+    let (mut workspace, mut random) = (Workspace::new(), Random(7));
+    let world: Vec<_> = (0..5_000).map(|_| random.point(&wide)).collect();
+    let inside = hull.inside_many(&Points::new(&world), &Isometry3::identity(), &mut workspace).unwrap();
+    let wrong = world.iter().enumerate().filter(|(k, p)| inside.contains(*k) != hull.inside(p)).count();
+    assert!(inside.count() > 20 && wrong <= 2, "{wrong} of {}", inside.count());
+}
+
+#[test]
 fn a_view_taken_out_is_not_asked() {
     let mut views = hull(Unseen::Outside, 1).views().to_vec();
     let blank = Silhouette::new(&GrayImage::new(160, 120), Border::Background);

@@ -19,8 +19,8 @@ mod walk;
 
 use super::points::LANES;
 use super::view::whole;
-use super::{EdgeModel, Hull, Unseen};
-use crate::silhouette::{Border, HALF_COVERAGE};
+use super::{EdgeModel, Hull};
+use crate::silhouette::HALF_COVERAGE;
 use crate::vectorised::vectorised;
 use exits::{Exits, Way};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -120,14 +120,6 @@ impl Hull {
         } else {
             silhouette.distance(i, j) == 0
         }
-    }
-
-    /// Whether a point that some view does not see is outside, and nothing but background ends a silhouette.
-    pub(crate) fn every_view_tells(&self) -> bool {
-        self.unseen() == Unseen::Outside
-            && self
-                .enabled_views()
-                .all(|view| view.seen().is_none() && view.silhouette().border() == Border::Background)
     }
 }
 

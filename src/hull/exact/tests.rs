@@ -1,9 +1,9 @@
 //! Many points at once against the single queries: the same bits.
 
 use super::super::tests::{POLICIES, Random, bounds, cameras, hull};
-use super::super::{Aabb, View};
+use super::super::{Aabb, Unseen, View};
 use super::*;
-use crate::silhouette::Silhouette;
+use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
 use nalgebra::{UnitQuaternion, point, vector};
 use std::sync::Arc;

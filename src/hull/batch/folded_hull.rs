@@ -12,6 +12,7 @@ use nalgebra::Isometry3;
 pub(super) struct FoldedHull<'a> {
     pub(super) hull: &'a Hull,
     pub(super) volume: Volume,
+    /// Folded once a body comes near.
     pub(super) views: Vec<Folded<'a>>,
     /// The views as the body asked last sees them.
     posed: Vec<Folded<'a>>,
@@ -19,11 +20,8 @@ pub(super) struct FoldedHull<'a> {
 
 impl<'a> FoldedHull<'a> {
     /// Folds `hull` in the memory of two lists.
-    pub(super) fn new(hull: &'a Hull, [mut views, posed]: [Vec<Folded<'a>>; 2]) -> Self {
-        let volume = Volume::of(hull);
-        let enabled = hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
-        views.extend(enabled.map(|(index, view)| Folded::new(view, index, &volume)));
-        Self { hull, volume, views, posed }
+    pub(super) fn new(hull: &'a Hull, [views, posed]: [Vec<Folded<'a>>; 2]) -> Self {
+        Self { hull, volume: Volume::of(hull), views, posed }
     }
 
     pub(super) fn into_lists(self) -> [Vec<Folded<'a>>; 2] {
@@ -43,8 +41,14 @@ impl<'a> FoldedHull<'a> {
         found: &mut Found,
     ) -> Result<Posed> {
         let posed = Posed::new(points, world_from_points, &self.volume)?;
-        if points.is_empty() || !self.may_touch(&posed, within) {
+        let middle = self.volume.in_world(posed.middle());
+        let is_near = self.hull.may_touch(&middle, f64::from(posed.radius) + 1e-6);
+        if points.is_empty() || self.hull.aabb().is_empty() || !is_near {
             return Ok(posed);
+        }
+        if self.views.is_empty() {
+            let enabled = self.hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
+            self.views.extend(enabled.map(|(index, view)| Folded::new(view, index, &self.volume)));
         }
         if !self.hull.every_view_tells() {
             let inside = |&place: &u32| {
@@ -52,6 +56,9 @@ impl<'a> FoldedHull<'a> {
                 within == Within::NearSubject || self.hull.inside(&p)
             };
             found.places.extend((0..points.len() as u32).filter(inside));
+            return Ok(posed);
+        }
+        if !self.may_be_seen(&posed, within) {
             return Ok(posed);
         }
         self.posed.clear();
@@ -62,18 +69,11 @@ impl<'a> FoldedHull<'a> {
         Ok(posed)
     }
 
-    /// Whether the sphere around a body's points may touch the hull: its box, and in every view its silhouette.
-    fn may_touch(&self, posed: &Posed, within: Within) -> bool {
-        let middle = self.volume.in_world(posed.middle());
-        if self.hull.aabb().is_empty() || !self.hull.may_touch(&middle, f64::from(posed.radius) + 1e-6) {
-            return false;
-        }
-        !self.hull.every_view_tells() || {
-            let touched = |view: &Folded| {
-                let tables = (&view.tables.tiles.lookup(), &view.distances());
-                view.sphere(tables, posed.middle(), posed.radius, within.more_pixels()).0
-            };
-            self.views.iter().all(touched)
-        }
+    /// Whether the sphere around a body's points may appear in every view's silhouette.
+    fn may_be_seen(&self, posed: &Posed, within: Within) -> bool {
+        self.views.iter().all(|view| {
+            let tables = (&view.tables.tiles.lookup(), &view.distances());
+            view.sphere(tables, posed.middle(), posed.radius, within.more_pixels()).0
+        })
     }
 }

@@ -188,7 +188,7 @@ impl Verdicts {
     fn weigh(&mut self, pool: &Pool, ways: &Responses, bodies: usize) {
         self.bodies.clear();
         self.bodies.resize(bodies, Verdict::default());
-        for (point, &(body, _)) in pool.points.iter().enumerate() {
+        for (point, &body) in pool.owners.iter().enumerate() {
             let Some(way) = ways.get(point) else { continue };
             let verdict = &mut self.bodies[body as usize];
             if verdict.colliding == 0 || way.depth > verdict.depth {
@@ -229,7 +229,7 @@ impl Verdicts {
         for &point in left.iter() {
             let (block, lane) = (point as usize / LANES, point as usize % LANES);
             let ([x, y, z], [dx, dy, dz]) = (pool.at[block].get(lane), directions[block].get(lane));
-            let hindmost = &mut bodies[pool.points[point as usize].0 as usize].hindmost;
+            let hindmost = &mut bodies[pool.owners[point as usize] as usize].hindmost;
             let along = x * dx + y * dy + z * dz;
             if along < hindmost.0 {
                 *hindmost = (along, point);
@@ -245,7 +245,7 @@ impl Verdicts {
         let Self { bodies, directions, exits, asked, .. } = self;
         exits.fill_some(&hull.views, pool, directions, asked);
         for &point in asked.iter() {
-            let longest = &mut bodies[pool.points[point as usize].0 as usize].longest;
+            let longest = &mut bodies[pool.owners[point as usize] as usize].longest;
             *longest = longest.max(exits.get(point as usize));
         }
     }
@@ -255,7 +255,7 @@ impl Verdicts {
     fn leave_behind(&mut self, hull: &FoldedHull, pool: &Pool) {
         let Self { bodies, directions, exits, left, .. } = self;
         left.retain(|&point| {
-            let (body, _) = pool.points[point as usize];
+            let body = pool.owners[point as usize];
             exits.get(point as usize) > bodies[body as usize].longest
         });
         let mut kept = 0;
@@ -266,7 +266,7 @@ impl Verdicts {
                 let point = left[start + k.min(count - 1)] as usize;
                 let ([x, y, z], way) =
                     (pool.at[point / LANES].get(point % LANES), directions[point / LANES].get(point % LANES));
-                let longest = bodies[pool.points[point].0 as usize].longest;
+                let longest = bodies[pool.owners[point] as usize].longest;
                 moved.set(k, [x + longest * way[0], y + longest * way[1], z + longest * way[2]]);
             }
             let inside = inside::of_block(&hull.views, &moved) & (u32::MAX >> (LANES - count));
@@ -283,7 +283,7 @@ impl Verdicts {
         self.directions.resize(pool.at.len(), Block::default());
         for (block, directions) in self.directions.iter_mut().enumerate() {
             for lane in 0..LANES {
-                let (body, _) = pool.points[(block * LANES + lane).min(pool.len() - 1)];
+                let body = pool.owners[(block * LANES + lane).min(pool.len() - 1)];
                 directions.set(lane, self.bodies[body as usize].direction.cast::<f32>().into());
             }
         }
@@ -291,7 +291,7 @@ impl Verdicts {
 
     /// What a view's silence means, the single queries weigh.
     fn measure_one_by_one(&mut self, hull: &FoldedHull, pool: &Pool) {
-        for (point, &(body, _)) in pool.points.iter().enumerate() {
+        for (point, &body) in pool.owners.iter().enumerate() {
             let p = hull.volume.in_world(pool.at[point / LANES].get(point % LANES));
             let verdict = &mut self.bodies[body as usize];
             let exit = hull.hull.exit(&p, &verdict.direction, EdgeModel::Pixel);

@@ -3,7 +3,7 @@
 use super::super::lanes::{bits_of, either};
 use super::super::points::{Block, LANES};
 use super::fold::Folded;
-use super::lookup::Bits;
+use super::inside::Within;
 use super::pool::Pool;
 use super::rings;
 use crate::vectorised::vectorised;
@@ -60,7 +60,7 @@ vectorised! {
 /// The background pixel nearest to each middle within its window, by rows outwards.
 #[inline(always)]
 fn nearest_in_sight(view: &Folded, middle: &Pixels, half: &Whole) -> Pixels {
-    let bits = Bits::of(&view.tables);
+    let bits = view.bits(Within::Subject);
     let (mut squared, mut nearest) = ([i32::MAX; LANES], *middle);
     for away in 0..=SIGHT {
         let mut left_to_see = 0;
@@ -91,7 +91,7 @@ fn nearest_in_sight(view: &Folded, middle: &Pixels, half: &Whole) -> Pixels {
 /// The directions in the image of the paper's normals: the sums over 5x5 windows, or what stands in for them.
 #[inline(always)]
 fn tangents(view: &Folded, middle: &Pixels, nearest: &Pixels) -> Pixels {
-    let bits = Bits::of(&view.tables);
+    let bits = view.bits(Within::Subject);
     let (mut sum, mut short) = (Pixels { column: [0; LANES], row: [0; LANES] }, [0_u32; LANES]);
     for k in 0..LANES {
         let (mut x, mut y, mut count) = (0, 0, 0);

@@ -12,7 +12,8 @@
 use super::super::lanes::{bits, whole};
 use super::super::points::{Block, LANES, Lane, Points};
 use super::super::{Hull, View};
-use super::lookup::Distances;
+use super::inside::Within;
+use super::lookup::{Bits, Distances};
 use crate::silhouette::{Lookup, Silhouette, Tables};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Point3, Translation3, Vector3};
@@ -168,6 +169,13 @@ impl<'a> Folded<'a> {
     pub(super) fn changes(&self, directions: &Block) -> Homogeneous {
         let [u, v, depth] = self.p.each_ref().map(|row| linear(row, directions));
         Homogeneous { u, v, depth }
+    }
+
+    /// The bits of what is within the silhouette.
+    #[inline(always)]
+    pub(super) fn bits(&self, within: Within) -> Bits<'a> {
+        let words = if within == Within::Subject { self.tables.subject } else { self.tables.near };
+        Bits::new(words, self.tables.words)
     }
 
     /// The table of distances.

@@ -3,7 +3,6 @@
 use super::super::lanes::{bits, either, ones, whole};
 use super::super::points::{Block, LANES, Points, Spheres};
 use super::fold::{Folded, NEAREST, Posed, Volume};
-use crate::silhouette::{LOW, Word};
 use crate::vectorised::vectorised;
 
 /// What counts as inside a silhouette.
@@ -114,23 +113,16 @@ fn spheres_seen(view: &Folded, spheres: &Spheres, within: Within) -> (u32, u32) 
 /// One loop over all that happens to a point, so that the compiler turns it into vector instructions as a whole.
 #[inline(always)]
 fn seen(view: &Folded, block: &Block, within: Within) -> u32 {
-    let tables = &view.tables;
-    let table = if within == Within::Subject { tables.subject } else { tables.near };
-    let (right, below) = (tables.width as f32 - 0.5, tables.height as f32 - 0.5);
-    let (words, [pu, pv, pd]) = (tables.words as u32, &view.p);
+    let (bits_within, [pu, pv, pd]) = (view.bits(within), &view.p);
+    let (right, below) = (view.tables.width as f32 - 0.5, view.tables.height as f32 - 0.5);
     let mut hit = [0; LANES];
-    let Some(last) = table.len().checked_sub(1) else { return 0 };
-    let last = last as u32 & LOW;
-    let table = &table[..=last as usize];
     for k in 0..LANES {
         let (x, y, z) = (block.x[k], block.y[k], block.z[k]);
         let depth = pd[0] * x + pd[1] * y + pd[2] * z + pd[3];
         let u = pu[0] * x + pu[1] * y + pu[2] * z + pu[3];
         let v = pv[0] * x + pv[1] * y + pv[2] * z + pv[3];
         let per_depth = either(depth > NEAREST, 1.0 / depth, 0.0);
-        let (column, row) = (whole(u * per_depth, right), whole(v * per_depth, below));
-        let place = (row * words + column / Word::BITS).min(last);
-        hit[k] = table[place as usize] >> (column % Word::BITS) & 1;
+        hit[k] = bits_within.at(whole(u * per_depth, right), whole(v * per_depth, below));
     }
     bits(&hit)
 }

@@ -1,6 +1,6 @@
 //! A silhouette's tables as many lanes look them up: without a branch, and with indices of which a vector holds many.
 
-use crate::silhouette::{LOW, Tables, Word};
+use crate::silhouette::{LOW, Word};
 
 /// Chebyshev distances to the background, up to 255.
 #[derive(Debug, Clone, Copy)]
@@ -11,7 +11,7 @@ pub(super) struct Distances<'a> {
     width: u32,
 }
 
-/// Subject pixels.
+/// Packed bits, such as those of the subject's pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bits<'a> {
     words: &'a [Word],
@@ -38,13 +38,20 @@ impl<'a> Distances<'a> {
 
 impl<'a> Bits<'a> {
     #[inline(always)]
-    pub(super) fn of(tables: &Tables<'a>) -> Self {
-        let words: &[Word] = if tables.subject.is_empty() { &[0] } else { tables.subject };
+    pub(super) fn new(words: &'a [Word], words_in_row: usize) -> Self {
+        let words: &[Word] = if words.is_empty() { &[0] } else { words };
         let last = (words.len() - 1) as u32 & LOW;
-        Self { words: &words[..=last as usize], last, stride: tables.words as u32 * Word::BITS }
+        Self { words: &words[..=last as usize], last, stride: words_in_row as u32 * Word::BITS }
     }
 
-    /// The subject bits of a row from `column` on, the first lowest. What lies beside the region are bits of the rows
+    /// The bit of a pixel of the region, 0 or 1.
+    #[inline(always)]
+    pub(super) fn at(&self, column: u32, row: u32) -> u32 {
+        let place = row * self.stride + column;
+        self.words[(place / Word::BITS).min(self.last) as usize] >> (place % Word::BITS) & 1
+    }
+
+    /// The bits of a row from `column` on, the first lowest. What lies beside the region are bits of the rows
     /// before and after it: of their margins first, which are background.
     #[inline(always)]
     pub(super) fn from(&self, column: i32, row: i32) -> Word {

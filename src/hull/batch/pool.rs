@@ -46,8 +46,8 @@ pub(super) struct Decision {
 /// Points inside.
 #[derive(Debug, Default)]
 pub(super) struct Pool {
-    /// Of each point, the body that it belongs to and its place in that body's blocks.
-    pub(super) points: Vec<(u32, u32)>,
+    /// The body that each point belongs to.
+    pub(super) owners: Vec<u32>,
     pub(super) at: Vec<Block>,
     /// Block by block, a view after the other.
     pub(super) sightings: Vec<Sighting>,
@@ -73,12 +73,12 @@ impl Decision {
 
 impl Pool {
     pub(super) fn clear(&mut self) {
-        self.points.clear();
+        self.owners.clear();
         self.at.clear();
     }
 
     pub(super) fn len(&self) -> usize {
-        self.points.len()
+        self.owners.len()
     }
 
     /// Adds the points at `places` of a body's blocks.
@@ -89,7 +89,7 @@ impl Pool {
                 self.at.push(Block::default());
             }
             self.at[block].set(lane, posed.place(points.at(place as usize)));
-            self.points.push((body as u32, place));
+            self.owners.push(body as u32);
         }
     }
 
@@ -116,11 +116,11 @@ impl Pool {
 
     /// Counts the points of each view and depth, and puts each to its like.
     fn sort(&mut self, views: usize) {
-        let Self { points, decisions, order, ends, starts, .. } = self;
+        let Self { owners, decisions, order, ends, starts, .. } = self;
         let class = |decision: &Decision, lane: usize| {
             decision.view[lane] as usize * (DEEPEST + 1) + decision.depth[lane] as usize
         };
-        let lanes = |block: usize| 0..LANES.min(points.len() - block * LANES);
+        let lanes = |block: usize| 0..LANES.min(owners.len() - block * LANES);
         starts.clear();
         starts.resize(views * (DEEPEST + 1), 0);
         for (block, decision) in decisions.iter().enumerate() {
@@ -130,7 +130,7 @@ impl Pool {
         for start in starts.iter_mut() {
             (*start, sum) = (sum, sum + *start);
         }
-        order.resize(points.len(), 0);
+        order.resize(owners.len(), 0);
         for (block, decision) in decisions.iter().enumerate() {
             for lane in lanes(block) {
                 let place = &mut starts[class(decision, lane)];

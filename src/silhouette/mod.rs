@@ -13,6 +13,7 @@ mod rect;
 mod region;
 mod scan;
 mod tiles;
+mod turned;
 mod undistort;
 
 pub(crate) use contact_edge::compute_edges;
@@ -28,6 +29,7 @@ use region::Region;
 pub(crate) use region::{LOW, Word};
 use scan::Columns;
 pub(crate) use tiles::{Lookup, Tiles};
+use turned::Turned;
 
 /// A pixel is subject from this byte upwards: covered by half or more.
 pub const SUBJECT: u8 = 128;
@@ -57,6 +59,10 @@ pub(crate) struct Tables<'a> {
     pub(crate) subject: &'a [Word],
     /// Subject pixels and those around each.
     pub(crate) near: &'a [Word],
+    /// Words in a column of bits.
+    pub(crate) words_in_column: usize,
+    /// Subject pixels by columns, column-major.
+    pub(crate) turned: &'a [Word],
     /// Chebyshev distances; 255 for all that are larger than 254.
     pub(crate) distance: &'a [u8],
     /// The same, four a word as they lie in memory.
@@ -75,6 +81,7 @@ pub struct Silhouette {
     rect: Rect,
     has_coverage: bool,
     region: Region,
+    turned: Turned,
     distances: DistanceTable,
     tiles: Tiles,
     edges: EdgeTable,
@@ -97,6 +104,7 @@ impl Silhouette {
             rect: Rect::EMPTY,
             has_coverage: false,
             region: Region::default(),
+            turned: Turned::default(),
             distances: DistanceTable::default(),
             tiles: Tiles::default(),
             edges: EdgeTable::default(),
@@ -110,6 +118,7 @@ impl Silhouette {
         self.image = Rect::of_image(mask.width(), mask.height());
         (self.border, self.rect, self.has_coverage) = (border, scan.rect, scan.has_coverage);
         self.region.fill(mask, &scan, border);
+        self.turned.fill(&self.region);
         self.tiles.fill(&self.region);
         self.distances.fill(&self.region, &self.tiles);
         self.edges.fill(&self.region);
@@ -118,6 +127,7 @@ impl Silhouette {
     /// Bytes of memory for what is prepared, beside the mask's own bytes.
     pub fn working_memory(&self) -> usize {
         self.region.working_memory()
+            + self.turned.working_memory()
             + self.distances.working_memory()
             + self.tiles.working_memory()
             + self.edges.working_memory()
@@ -196,6 +206,8 @@ impl Silhouette {
             words: self.region.words(),
             subject: self.region.subject(),
             near: self.region.near(),
+            words_in_column: self.turned.words(),
+            turned: self.turned.subject(),
             distance: self.distances.narrow(),
             distance_words: self.distances.narrow_words(),
             tiles: &self.tiles,

@@ -11,13 +11,6 @@ use crate::vectorised::vectorised;
 /// Whole numbers of as many points as are asked together.
 pub(super) type Whole = [i32; LANES];
 
-/// Up to this Chebyshev distance the nearest background pixel is in sight of a row's word: it lies at most 14 pixels
-/// away.
-const NEAR: i32 = 10;
-
-/// Pixels left of the middle one in a word around it.
-const SIGHT: i32 = 15;
-
 /// Half-width of the normal's window.
 const WINDOW: i32 = 2;
 
@@ -32,7 +25,6 @@ vectorised! {
     /// The unit normals, outwards, of the edges nearest to the points that `view`, at `place` among all, decides:
     /// written to `normals`, in the volume's frame. Zero where there is none.
     pub(super) fn normals(view: &Folded, place: usize, pool: &Pool, normals: &mut [Block]) {
-        let distances = view.distances();
         for points in pool.decided_by(place).chunks(LANES) {
             let (mut middle, mut first, mut half) = (Pixels::default(), [0; LANES], [0; LANES]);
             for k in 0..LANES {
@@ -44,48 +36,13 @@ vectorised! {
                 half[k] = bits_of(pool.decisions[block].half[lane]) as i32;
                 first[k] = bits_of(sighting.clear[lane]) as i32;
             }
-            let nearest = if first.iter().all(|&first| first <= NEAR) {
-                nearest_in_sight(view, &middle, &half)
-            } else {
-                rings::nearest(distances, &middle, &first, &half)
-            };
+            let nearest = rings::nearest(view, &middle, &first, &half);
             let normal = normals_at(view, &nearest, &tangents(view, &middle, &nearest));
             for (k, &point) in points.iter().enumerate() {
                 normals[point as usize / LANES].set(point as usize % LANES, normal.get(k));
             }
         }
     }
-}
-
-/// The background pixel nearest to each middle within its window, by rows outwards.
-#[inline(always)]
-fn nearest_in_sight(view: &Folded, middle: &Pixels, half: &Whole) -> Pixels {
-    let bits = view.bits(Within::Subject);
-    let (mut squared, mut nearest) = ([i32::MAX; LANES], *middle);
-    for away in 0..=SIGHT {
-        let mut left_to_see = 0;
-        for k in 0..LANES {
-            let half = half[k].min(SIGHT);
-            let within = u32::MAX >> (2 * (SIGHT - half) + 1) << (SIGHT - half);
-            for (dy, handicap) in [(-away, 0), (away, 1)] {
-                let background = !bits.from(middle.column[k] - SIGHT, middle.row[k] + dy) & within;
-                let left = (background << (SIGHT + 1)).leading_zeros() as i32;
-                let right = (background >> SIGHT).trailing_zeros() as i32;
-                // The left one wins among equals, and so does the upper one.
-                let dx = if left <= right { -left } else { right };
-                let rank = dx * dx + dy * dy;
-                let better = (background != 0) & (away <= half) & (rank + handicap <= squared[k]);
-                squared[k] = if better { rank } else { squared[k] };
-                nearest.column[k] = if better { middle.column[k] + dx } else { nearest.column[k] };
-                nearest.row[k] = if better { middle.row[k] + dy } else { nearest.row[k] };
-            }
-            left_to_see |= u32::from((away < half) & ((away + 1) * (away + 1) <= squared[k]));
-        }
-        if left_to_see == 0 {
-            break;
-        }
-    }
-    nearest
 }
 
 /// The directions in the image of the paper's normals: the sums over 5x5 windows, or what stands in for them.

@@ -1,27 +1,53 @@
-//! The background pixels nearest to points that lie deep, by rings of growing radius.
+//! The background pixels nearest to many points, by rings of growing radius.
 //!
 //! ```text
-//!     +---o-x---+   o the middle of a side, from which it is searched both ways, by as many pixels at a time as are
-//!     |    a    |     surely subject; what lies farther from it than the nearest pixel found so far is not looked at
+//!     +---o-x---+   o the middle of a side, from which it is searched both ways, a word of pixels at a time; what lies
+//!     |    a    |     farther from it than the nearest pixel found so far is not looked at
 //!     |         x   x background
 //!     +---------+
 //! ```
 
 use super::super::points::LANES;
 use super::edge::{Pixels, Whole};
-use super::lookup::Distances;
+use super::fold::Folded;
+use super::inside::Within;
+use super::lookup::{Bits, Distances};
 
-/// Outwards from the middle pixel, and along the side.
-type Side = ((i32, i32), (i32, i32));
-
-const SIDES: [Side; 4] = [((0, -1), (1, 0)), ((-1, 0), (0, 1)), ((1, 0), (0, 1)), ((0, 1), (1, 0))];
-
-/// No offset on a side, and no ring: farther than a window in a silhouette of 60,000 pixels reaches. Its square,
-/// twice, fits.
+/// No ring: farther than a window in a silhouette of 60,000 pixels reaches. Its square, twice, fits.
 const FAR: i32 = 30_000;
 
-/// What is found for as many points as are asked together.
-struct Found {
+/// Pixels on either side of the middle one in a word around it.
+const SIGHT: i32 = 15;
+
+/// The whole nearest ring of a point of up to this Chebyshev distance lies in sight of its sides' middles, and so does
+/// what is nearer than its corners: they are at most 14 pixels away.
+const NEAR: i32 = 10;
+
+/// Pixels of a word.
+const WORD: i32 = u32::BITS as i32;
+
+/// A side of a ring: whether it runs along a row, and whether outwards of the middle is up or left.
+#[derive(Clone, Copy)]
+struct Side {
+    is_row: bool,
+    sign: i32,
+}
+
+const SIDES: [Side; 4] = [
+    Side { is_row: true, sign: -1 },
+    Side { is_row: false, sign: -1 },
+    Side { is_row: false, sign: 1 },
+    Side { is_row: true, sign: 1 },
+];
+
+/// What is searched, and what is found for as many points as are asked together.
+struct Search<'a> {
+    rows: Bits<'a>,
+    columns: Bits<'a>,
+    distances: Distances<'a>,
+    middle: &'a Pixels,
+    /// Of the ring that is searched now.
+    radius: Whole,
     /// Squared distance of the nearest background so far, and where it is.
     squared: Whole,
     nearest: Pixels,
@@ -30,89 +56,120 @@ struct Found {
 /// The background pixel nearest to each middle (Euclidean, then row-major) within its window of half-width `half`,
 /// where `first` is the Chebyshev distance of the nearest ones.
 #[inline(always)]
-pub(super) fn nearest(distances: Distances, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
-    let mut found = Found { squared: [i32::MAX; LANES], nearest: *middle };
-    let mut radius = *first;
+pub(super) fn nearest(view: &Folded, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
+    let mut search = Search {
+        rows: view.bits(Within::Subject),
+        columns: view.columns(),
+        distances: view.distances(),
+        middle,
+        radius: *first,
+        squared: [i32::MAX; LANES],
+        nearest: *middle,
+    };
+    let are_near = first.iter().all(|&first| first <= NEAR);
     loop {
         for k in 0..LANES {
             // No ring beyond the window.
-            radius[k] = if radius[k] <= half[k] { radius[k] } else { FAR };
+            search.radius[k] = if search.radius[k] <= half[k] { search.radius[k] } else { FAR };
         }
-        if !found.is_open(&radius, &[0; LANES]) {
-            return found.nearest;
+        if !search.is_open(&[0; LANES]) {
+            return search.nearest;
         }
-        // Most sides are clear from their middle on, farther than anybody looks.
-        let mut clear = [[0; LANES]; SIDES.len()];
-        for (side, clear) in SIDES.into_iter().zip(&mut clear) {
-            *clear = found.look(distances, middle, &radius, side, &[0; LANES]);
-        }
-        for (side, clear) in SIDES.into_iter().zip(&clear) {
-            for way in [-1, 1] {
-                let mut offset = on(&[0; LANES], clear, way);
-                while found.is_open(&radius, &offset) {
-                    let clear = found.look(distances, middle, &radius, side, &offset);
-                    offset = on(&offset, &clear, way);
-                }
+        for side in SIDES {
+            if are_near {
+                search.look_around_middle(side);
+            } else {
+                search.look_along(side);
             }
         }
         for k in 0..LANES {
-            radius[k] += 1;
+            search.radius[k] += 1;
         }
     }
 }
 
-/// So many pixels on, unless it is none.
-#[inline(always)]
-fn on(offset: &Whole, clear: &Whole, way: i32) -> Whole {
-    let mut next = [0; LANES];
-    for k in 0..LANES {
-        next[k] = if clear[k] > 0 { offset[k] + clear[k] * way } else { FAR };
-    }
-    next
-}
-
-impl Found {
+impl Search<'_> {
     /// Whether background so far along a side of the ring is of interest to any point.
     #[inline(always)]
-    fn is_open(&self, radius: &Whole, offset: &Whole) -> bool {
+    fn is_open(&self, offset: &Whole) -> bool {
         let mut open = 0;
         for k in 0..LANES {
-            open |= u32::from(is_in_question(radius[k], offset[k], self.squared[k]));
+            open |= u32::from(is_in_question(self.radius[k], offset[k], self.squared[k]));
         }
         open != 0
     }
 
-    /// Looks at the pixels so far along a side, and says how far from there no background is: 0 where it is background
-    /// itself, or out of question.
+    /// Looks at what is in sight of a side's middle.
     #[inline(always)]
-    fn look(
-        &mut self,
-        distances: Distances,
-        middle: &Pixels,
-        radius: &Whole,
-        (out, along): Side,
-        offset: &Whole,
-    ) -> Whole {
+    fn look_around_middle(&mut self, side: Side) {
+        let mut offset = [0; LANES];
+        for k in 0..LANES {
+            let reach = self.radius[k].min(SIGHT);
+            let within = u32::MAX >> (2 * (SIGHT - reach) + 1) << (SIGHT - reach);
+            let background = !self.bits(side, k, -SIGHT) & within;
+            let before = (background << (WORD - 1 - SIGHT)).leading_zeros() as i32;
+            let behind = (background >> SIGHT).trailing_zeros() as i32;
+            // The one before wins among equals.
+            let nearer = if before <= behind { -before } else { behind };
+            offset[k] = if background != 0 { nearer } else { FAR };
+        }
+        self.take(side, &offset);
+    }
+
+    /// Looks at a whole side, as far as it matters.
+    #[inline(always)]
+    fn look_along(&mut self, side: Side) {
+        // Most sides are clear from their middle on, farther than anybody looks.
         let mut clear = [0; LANES];
         for k in 0..LANES {
-            let column = middle.column[k] + out.0 * radius[k] + along.0 * offset[k];
-            let row = middle.row[k] + out.1 * radius[k] + along.1 * offset[k];
-            clear[k] = distances.at(column as u32, row as u32) as i32;
+            let (column, row) = self.pixel(side, k, 0);
+            clear[k] = self.distances.at(column as u32, row as u32) as i32;
         }
+        for way in [-1, 1] {
+            let mut from = clear;
+            while self.is_open(&from) {
+                let mut offset = [0; LANES];
+                for k in 0..LANES {
+                    let start = if way < 0 { 1 - WORD - from[k] } else { from[k] };
+                    let background = !self.bits(side, k, start);
+                    let on = if way < 0 { background.leading_zeros() } else { background.trailing_zeros() };
+                    let found = way * (from[k] + on as i32);
+                    offset[k] = if background != 0 { found } else { FAR };
+                    from[k] += WORD;
+                }
+                self.take(side, &offset);
+            }
+        }
+    }
+
+    /// Takes up the background pixels so far along a side, where they are better.
+    #[inline(always)]
+    fn take(&mut self, side: Side, offset: &Whole) {
         for k in 0..LANES {
-            let column = middle.column[k] + out.0 * radius[k] + along.0 * offset[k];
-            let row = middle.row[k] + out.1 * radius[k] + along.1 * offset[k];
-            let rank = radius[k] * radius[k] + offset[k] * offset[k];
+            let (column, row) = self.pixel(side, k, offset[k]);
             let (best_column, best_row) = (self.nearest.column[k], self.nearest.row[k]);
+            let rank = self.radius[k] * self.radius[k] + offset[k] * offset[k];
             let upper = (row < best_row) | ((row == best_row) & (column < best_column));
-            let in_question = is_in_question(radius[k], offset[k], self.squared[k]);
-            let better = in_question & (clear[k] == 0) & ((rank < self.squared[k]) | upper);
+            let in_question = is_in_question(self.radius[k], offset[k], self.squared[k]);
+            let better = in_question & ((rank < self.squared[k]) | upper);
             self.squared[k] = if better { rank } else { self.squared[k] };
             self.nearest.column[k] = if better { column } else { best_column };
             self.nearest.row[k] = if better { row } else { best_row };
-            clear[k] = if in_question { clear[k] } else { 0 };
         }
-        clear
+    }
+
+    /// The subject's bits along a side from so far behind its middle on.
+    #[inline(always)]
+    fn bits(&self, side: Side, k: usize, offset: i32) -> u32 {
+        let (column, row) = self.pixel(side, k, offset);
+        if side.is_row { self.rows.from(column, row) } else { self.columns.from(row, column) }
+    }
+
+    /// The pixel so far along a side.
+    #[inline(always)]
+    fn pixel(&self, side: Side, k: usize, offset: i32) -> (i32, i32) {
+        let (column, row, out) = (self.middle.column[k], self.middle.row[k], side.sign * self.radius[k]);
+        if side.is_row { (column + offset, row + out) } else { (column + out, row + offset) }
     }
 }
 

@@ -27,6 +27,7 @@ pub struct Points {
 
 /// Points that are asked together, or directions. The last block of many is filled up with its last point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[repr(align(64))]
 pub(super) struct Block {
     pub(super) x: Lane,
     pub(super) y: Lane,
@@ -35,6 +36,7 @@ pub(super) struct Block {
 
 /// Spheres around as many blocks as are asked together, about the middle of all points; filled up as blocks are.
 #[derive(Debug, Clone, PartialEq)]
+#[repr(align(64))]
 pub(super) struct Spheres {
     pub(super) x: Lane,
     pub(super) y: Lane,

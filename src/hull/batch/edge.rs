@@ -1,12 +1,11 @@
 //! The edges nearest to many points, and their normals (paper, section 4.2).
 
-use super::super::lanes::{bits_of, either};
-use super::super::points::{Block, LANES};
+use super::super::lanes::{bits_of, either, whole};
+use super::super::points::{Block, LANES, Lane};
 use super::fold::Folded;
 use super::inside::Within;
-use super::pool::Pool;
+use super::pool::Sighting;
 use super::rings;
-use crate::vectorised::vectorised;
 
 /// Whole numbers of as many points as are asked together.
 pub(super) type Whole = [i32; LANES];
@@ -21,28 +20,19 @@ pub(super) struct Pixels {
     pub(super) row: Whole,
 }
 
-vectorised! {
-    /// The unit normals, outwards, of the edges nearest to the points that `view`, at `place` among all, decides:
-    /// written to `normals`, in the volume's frame. Zero where there is none.
-    pub(super) fn normals(view: &Folded, place: usize, pool: &Pool, normals: &mut [Block]) {
-        for points in pool.decided_by(place).chunks(LANES) {
-            let (mut middle, mut first, mut half) = (Pixels::default(), [0; LANES], [0; LANES]);
-            for k in 0..LANES {
-                let point = points[k.min(points.len() - 1)] as usize;
-                let (block, lane) = (point / LANES, point % LANES);
-                let sighting = pool.sighting(block, place);
-                middle.column[k] = bits_of(sighting.column[lane]) as i32;
-                middle.row[k] = bits_of(sighting.row[lane]) as i32;
-                half[k] = bits_of(pool.decisions[block].half[lane]) as i32;
-                first[k] = bits_of(sighting.clear[lane]) as i32;
-            }
-            let nearest = rings::nearest(view, &middle, &first, &half);
-            let normal = normals_at(view, &nearest, &tangents(view, &middle, &nearest));
-            for (k, &point) in points.iter().enumerate() {
-                normals[point as usize / LANES].set(point as usize % LANES, normal.get(k));
-            }
-        }
+/// The unit normals, outwards, of the edges nearest to points that the view decides, with windows of half-width
+/// `half`, in the volume's frame. Zero where there is none.
+#[inline(always)]
+pub(super) fn normals(view: &Folded, sighting: &Sighting, half: &Lane) -> Block {
+    let [right, below] = view.last_pixel();
+    let (mut middle, mut first, mut window) = (Pixels::default(), [0; LANES], [0; LANES]);
+    for k in 0..LANES {
+        middle.column[k] = whole(sighting.u[k], right) as i32;
+        middle.row[k] = whole(sighting.v[k], below) as i32;
+        (first[k], window[k]) = (bits_of(sighting.clear[k]) as i32, bits_of(half[k]) as i32);
     }
+    let nearest = rings::nearest(view, &middle, &first, &window);
+    normals_at(view, &nearest, &tangents(view, &middle, &nearest))
 }
 
 /// The directions in the image of the paper's normals: the sums over 5x5 windows, or what stands in for them.

@@ -1,7 +1,7 @@
 //! Where many points inside leave the hull.
 //!
 //! ```text
-//!   wall ─► the view that decided ─► which others stay clear ─► walks in those that may not
+//!   the view that decided ─► wall ─► which others stay clear ─► walks in those that may not
 //! ```
 
 use super::super::lanes::{bits, either, ones, whole};
@@ -37,14 +37,16 @@ impl Exits {
         self.metres.resize(pool.at.len(), [f32::INFINITY; LANES]);
     }
 
-    /// The exits of all points. The view that decided a point is likely to end its walk; few others are in doubt then.
-    pub(super) fn fill(&mut self, views: &[Folded], volume: &Volume, pool: &Pool, directions: &[Block]) {
-        self.start_at_walls(volume, pool, directions);
+    /// Block by block.
+    pub(super) fn metres(&mut self) -> &mut [Lane] {
+        &mut self.metres
+    }
+
+    /// Lowers the exits, which are those of the views that decided, to those of walls and other views. Few of these are
+    /// in doubt, since the view that decided is likely to end a walk.
+    pub(super) fn lower(&mut self, views: &[Folded], volume: &Volume, pool: &Pool, directions: &[Block]) {
         let Self { metres, doubtful } = self;
-        for (place, view) in views.iter().enumerate() {
-            let route = Route { view, place, pool, directions };
-            walk(&route, pool.decided_by(place), view.tables.distance_words, metres);
-        }
+        walls(volume, &pool.at, directions, metres);
         for (place, view) in views.iter().enumerate() {
             let route = Route { view, place, pool, directions };
             doubtful.clear();
@@ -105,7 +107,7 @@ vectorised! {
 #[inline(always)]
 fn stays_clear(view: &Folded, sighting: &Sighting, changes: &Homogeneous, exit: &Lane) -> u32 {
     let distances = view.distances();
-    let (right, below) = (view.tables.width as f32 - 0.5, view.tables.height as f32 - 0.5);
+    let [right, below] = view.last_pixel();
     let mut clear = [0_u32; LANES];
     for k in 0..LANES {
         let t = exit[k] * sighting.per_depth[k];

@@ -171,6 +171,12 @@ impl<'a> Folded<'a> {
         Homogeneous { u, v, depth }
     }
 
+    /// The middle of the region's last pixel: where positions in the region end.
+    #[inline(always)]
+    pub(super) fn last_pixel(&self) -> [f32; 2] {
+        [self.tables.width as f32 - 0.5, self.tables.height as f32 - 0.5]
+    }
+
     /// The bits of what is within the silhouette.
     #[inline(always)]
     pub(super) fn bits(&self, within: Within) -> Bits<'a> {
@@ -214,7 +220,7 @@ impl<'a> Folded<'a> {
         let (u, v) = (at(&self.p[0]) * per_depth, at(&self.p[1]) * per_depth);
         // A hundredth of a pixel and some for rounding.
         let reach = |axis: usize| self.slope[axis] * most + near + 0.02;
-        let (right, below) = (self.tables.width as f32 - 0.5, self.tables.height as f32 - 0.5);
+        let [right, below] = self.last_pixel();
         let from = [whole(u - reach(0), right), whole(v - reach(1), below)];
         let to = [whole(u + reach(0), right) + 1, whole(v + reach(1), below) + 1];
         let is_ahead = nearest > NEAREST;

@@ -114,7 +114,7 @@ fn spheres_seen(view: &Folded, spheres: &Spheres, within: Within) -> (u32, u32) 
 #[inline(always)]
 fn seen(view: &Folded, block: &Block, within: Within) -> u32 {
     let (bits_within, [pu, pv, pd]) = (view.bits(within), &view.p);
-    let (right, below) = (view.tables.width as f32 - 0.5, view.tables.height as f32 - 0.5);
+    let [right, below] = view.last_pixel();
     let mut hit = [0; LANES];
     for k in 0..LANES {
         let (x, y, z) = (block.x[k], block.y[k], block.z[k]);

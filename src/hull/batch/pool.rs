@@ -18,22 +18,21 @@ const DEEPEST: usize = 63;
 /// So many points keep the lanes full, and what is known of them in the cache.
 pub(super) const ENOUGH: usize = 2048;
 
-/// Where a view sees the points of a block.
+/// Where a view sees points. They lie at the start of cache lines, as all that vectors are loaded from here.
 #[derive(Debug, Clone, Copy, Default)]
+#[repr(align(64))]
 pub(super) struct Sighting {
     /// From the corner of the region, in pixels.
     pub(super) u: Lane,
     pub(super) v: Lane,
     pub(super) per_depth: Lane,
-    /// The pixel.
-    pub(super) column: Lane,
-    pub(super) row: Lane,
     /// Chebyshev distance to the background.
     pub(super) clear: Lane,
 }
 
 /// Which view decides the window search for each point of a block.
 #[derive(Debug, Clone, Copy, Default)]
+#[repr(align(64))]
 pub(super) struct Decision {
     /// Its place among the folded ones.
     pub(super) view: [u32; LANES],
@@ -154,10 +153,34 @@ impl Pool {
         self.decisions[point / LANES].view[point % LANES] as usize
     }
 
+    /// The half-widths of these points' windows, as [`Self::sightings_of`] has them.
+    #[inline(always)]
+    pub(super) fn halves_of(&self, points: &[u32]) -> Lane {
+        let mut halves = [0.0; LANES];
+        for k in 0..LANES {
+            let point = points[k.min(points.len() - 1)] as usize;
+            halves[k] = self.decisions[point / LANES].half[point % LANES];
+        }
+        halves
+    }
+
     /// How a view sees the points of a block.
     #[inline(always)]
     pub(super) fn sighting(&self, block: usize, view: usize) -> &Sighting {
         &self.sightings[block * self.ends.len() + view]
+    }
+
+    /// How it sees these points, at most as many as are asked together; lanes left over see the last one.
+    #[inline(always)]
+    pub(super) fn sightings_of(&self, points: &[u32], view: usize) -> Sighting {
+        let mut gathered = Sighting::default();
+        for k in 0..LANES {
+            let point = points[k.min(points.len() - 1)] as usize;
+            let (sighting, lane) = (self.sighting(point / LANES, view), point % LANES);
+            (gathered.u[k], gathered.v[k]) = (sighting.u[lane], sighting.v[lane]);
+            (gathered.per_depth[k], gathered.clear[k]) = (sighting.per_depth[lane], sighting.clear[lane]);
+        }
+        gathered
     }
 }
 
@@ -176,16 +199,16 @@ vectorised! {
 #[inline(always)]
 fn look(view: &Folded, at: &Block, sighting: &mut Sighting) {
     let Homogeneous { u, v, depth } = view.project(at);
-    let (right, below) = (view.tables.width as f32 - 0.5, view.tables.height as f32 - 0.5);
+    let [right, below] = view.last_pixel();
     let table = view.distances();
-    let mut pixels = [0; LANES];
+    let (mut columns, mut rows, mut pixels) = ([0; LANES], [0; LANES], [0; LANES]);
     for k in 0..LANES {
         // What is behind the camera comes to the rim, which is background.
         let per_depth = either(depth[k] > NEAREST, 1.0 / depth[k], 0.0);
         let (u, v) = (u[k] * per_depth, v[k] * per_depth);
         let (column, row) = (whole(u, right), whole(v, below));
         (sighting.u[k], sighting.v[k], sighting.per_depth[k]) = (u, v, per_depth);
-        (sighting.column[k], sighting.row[k]) = (column as f32, row as f32);
+        (columns[k], rows[k]) = (column, row);
         pixels[k] = table.at(column, row);
     }
     for k in 0..LANES {
@@ -193,8 +216,7 @@ fn look(view: &Folded, at: &Block, sighting: &mut Sighting) {
     }
     if pixels.iter().any(|&pixels| pixels == u32::from(u8::MAX)) {
         for k in 0..LANES {
-            let (column, row) = (sighting.column[k] as u32, sighting.row[k] as u32);
-            sighting.clear[k] = f32::from(view.exact_distance(column, row));
+            sighting.clear[k] = f32::from(view.exact_distance(columns[k], rows[k]));
         }
     }
 }

@@ -1,11 +1,14 @@
 //! The paper's responses of the points of a pool (section 4.2).
 
-use super::super::points::{Block, LANES};
+use super::super::points::{Block, LANES, Lane};
 use super::edge;
 use super::exit::Exits;
 use super::fold::Folded;
 use super::folded_hull::FoldedHull;
+use super::lookup::Distances;
 use super::pool::Pool;
+use super::walk::Walks;
+use crate::vectorised::vectorised;
 use nalgebra::Vector3;
 
 /// Responses, with the world's axes.
@@ -34,10 +37,11 @@ impl Responses {
             return;
         }
         pool.survey(&hull.views);
+        self.exits.start(pool);
         for (place, view) in hull.views.iter().enumerate() {
-            edge::normals(view, place, pool, &mut self.normals);
+            leave(view, place, pool, view.tables.distance_words, &mut self.normals, self.exits.metres());
         }
-        self.exits.fill(&hull.views, &hull.volume, pool, &self.normals);
+        self.exits.lower(&hull.views, &hull.volume, pool, &self.normals);
     }
 
     /// The way out of a point; `None` where no view has an edge.
@@ -61,5 +65,30 @@ impl Responses {
             self.normals[block].set(lane, response.normal.cast::<f32>().into());
             self.exits.set(point, response.depth as f32);
         }
+    }
+}
+
+vectorised! {
+    /// Finds the normals of the points that `view`, at `place` among all, decides, and walks along them until it sees
+    /// background; its distances come as a slice of their own, to which nothing here writes.
+    fn leave(
+        view: &Folded,
+        place: usize,
+        pool: &Pool,
+        distance_words: &[u32],
+        normals: &mut [Block],
+        metres: &mut [Lane],
+    ) {
+        let table = Distances::new(distance_words, view.tables.width);
+        let mut walks = Walks::new();
+        for points in pool.decided_by(place).chunks(LANES) {
+            let (sighting, half) = (pool.sightings_of(points, place), pool.halves_of(points));
+            let normal = edge::normals(view, &sighting, &half);
+            for (k, &point) in points.iter().enumerate() {
+                normals[point as usize / LANES].set(point as usize % LANES, normal.get(k));
+            }
+            walks.set_out(view, points, &sighting, &normal, &[f32::INFINITY; LANES], &table, metres);
+        }
+        walks.finish(&table, metres);
     }
 }

@@ -6,11 +6,11 @@
 //! The image of a line is straight. Where the depth is `d0 + t d`, the pixel at `t` metres lies `s` times the slope at
 //! the start away from the start, `s = t d0 / (d0 + t d)`: so walks go by `s`, and divide by nothing.
 
-use super::super::lanes::{bits, bits_of, either, ones};
+use super::super::lanes::{bits, bits_of, either, ones, whole};
 use super::super::points::{Block, LANES, Lane};
 use super::fold::Folded;
 use super::lookup::Distances;
-use super::pool::Pool;
+use super::pool::{Pool, Sighting};
 use crate::vectorised::vectorised;
 
 /// Steps after which is first asked who has arrived,
@@ -36,6 +36,7 @@ pub(super) struct Route<'a> {
 
 /// The lines that are walked together: in pixels `start + s slope`.
 #[derive(Debug, Clone, Copy, Default)]
+#[repr(align(64))]
 struct Lines {
     /// Which points walk them.
     points: [u32; LANES],
@@ -74,35 +75,80 @@ struct Plane {
     v: Lane,
 }
 
+/// The walks of many lines through one silhouette. Most have arrived after a few steps. The others go on with one
+/// another, each in a lane that is free.
+pub(super) struct Walks {
+    young: Lines,
+    old: Lines,
+    /// The lanes of `old` in which nobody walks.
+    free: u32,
+}
+
 vectorised! {
     /// Lowers the exits of `points`, in `metres`, to where they leave the view. Its distances come as a slice of their
     /// own: the compiler has to know that nothing here writes to them.
-    ///
-    /// Most have arrived after a few steps. The others go on with one another, each in a lane that is free.
     pub(super) fn walk(route: &Route, points: &[u32], distance_words: &[u32], metres: &mut [Lane]) {
         let table = Distances::new(distance_words, route.view.tables.width);
-        let (mut young, mut old, mut free) = (Lines::default(), Lines::default(), u32::MAX);
+        let mut walks = Walks::new();
         for points in points.chunks(LANES) {
-            young.load(route, points, metres);
-            let filled = u32::MAX >> (LANES - points.len());
-            let arrived = young.step(YOUNG, &table);
-            young.report(arrived & filled, metres);
-            let mut left = !arrived & filled;
-            while left != 0 {
-                if free == 0 {
-                    free = old.step(STEPS, &table);
-                    old.report(free, metres);
-                    continue;
-                }
-                old.take(free.trailing_zeros() as usize, &young, left.trailing_zeros() as usize);
-                (free, left) = (free & (free - 1), left & (left - 1));
+            let (mut direction, mut most) = (Block::default(), [0.0; LANES]);
+            for k in 0..LANES {
+                let point = points[k.min(points.len() - 1)] as usize;
+                direction.set(k, route.directions[point / LANES].get(point % LANES));
+                most[k] = metres[point / LANES][point % LANES];
             }
+            let start = route.pool.sightings_of(points, route.place);
+            walks.set_out(route.view, points, &start, &direction, &most, &table, metres);
         }
-        while free != u32::MAX {
+        walks.finish(&table, metres);
+    }
+}
+
+impl Walks {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        Self { young: Lines::default(), old: Lines::default(), free: u32::MAX }
+    }
+
+    /// More points, at most as many as are asked together, set out from where the view sees them; they walk until
+    /// their exits, in metres, are reached.
+    #[inline(always)]
+    pub(super) fn set_out(
+        &mut self,
+        view: &Folded,
+        points: &[u32],
+        start: &Sighting,
+        direction: &Block,
+        most: &Lane,
+        table: &Distances,
+        metres: &mut [Lane],
+    ) {
+        let Self { young, old, free } = self;
+        young.begin(view, points, start, direction, most);
+        let filled = u32::MAX >> (LANES - points.len());
+        let arrived = young.step(YOUNG, table);
+        young.report(arrived & filled, metres);
+        let mut left = !arrived & filled;
+        while left != 0 {
+            if *free == 0 {
+                *free = old.step(STEPS, table);
+                old.report(*free, metres);
+                continue;
+            }
+            old.take(free.trailing_zeros() as usize, young, left.trailing_zeros() as usize);
+            (*free, left) = (*free & (*free - 1), left & (left - 1));
+        }
+    }
+
+    /// All arrive.
+    #[inline(always)]
+    pub(super) fn finish(&mut self, table: &Distances, metres: &mut [Lane]) {
+        let Self { old, free, .. } = self;
+        while *free != u32::MAX {
             let few = free.count_zeros() <= FEW;
-            let arrived = !free & if few { old.finish(!free, &table) } else { old.step(STEPS, &table) };
+            let arrived = !*free & if few { old.finish(!*free, table) } else { old.step(STEPS, table) };
             old.report(arrived, metres);
-            free |= arrived;
+            *free |= arrived;
         }
     }
 }
@@ -110,26 +156,19 @@ vectorised! {
 impl Lines {
     /// Begins where the view sees the points; ends at their exits so far.
     #[inline(always)]
-    fn load(&mut self, route: &Route, points: &[u32], metres: &[Lane]) {
-        let (mut direction, mut per_depth, mut most) = (Block::default(), [0.0; LANES], [0.0; LANES]);
+    fn begin(&mut self, view: &Folded, points: &[u32], start: &Sighting, direction: &Block, most: &Lane) {
+        self.points[..points.len()].copy_from_slice(points);
+        let changes = view.changes(direction);
+        let [right, below] = view.last_pixel();
         for k in 0..LANES {
-            let point = points[k.min(points.len() - 1)];
-            let (block, lane) = (point as usize / LANES, point as usize % LANES);
-            let sighting = route.pool.sighting(block, route.place);
-            self.points[k] = point;
-            (self.start.u[k], self.start.v[k]) = (sighting.u[lane], sighting.v[lane]);
-            (self.pixel.u[k], self.pixel.v[k]) = (sighting.column[lane], sighting.row[lane]);
-            per_depth[k] = sighting.per_depth[lane];
-            direction.set(k, route.directions[block].get(lane));
-            most[k] = metres[block][lane];
-        }
-        let changes = route.view.changes(&direction);
-        for k in 0..LANES {
-            let deeper = changes.depth[k] * per_depth[k];
-            let slope_u = changes.u[k] * per_depth[k] - self.start.u[k] * deeper;
-            let slope_v = changes.v[k] * per_depth[k] - self.start.v[k] * deeper;
+            let (u, v) = (start.u[k], start.v[k]);
+            let deeper = changes.depth[k] * start.per_depth[k];
+            let slope_u = changes.u[k] * start.per_depth[k] - u * deeper;
+            let slope_v = changes.v[k] * start.per_depth[k] - v * deeper;
+            (self.start.u[k], self.start.v[k]) = (u, v);
             (self.slope.u[k], self.slope.v[k]) = (slope_u, slope_v);
             (self.per_slope.u[k], self.per_slope.v[k]) = (1.0 / slope_u, 1.0 / slope_v);
+            (self.pixel.u[k], self.pixel.v[k]) = (whole(u, right) as f32, whole(v, below) as f32);
             self.deeper[k] = deeper;
             self.s[k] = 0.0;
             // Where the depth comes to nothing the line has left the image.

@@ -57,8 +57,8 @@ vectorised! {
                     square[..count].copy_from_slice(&row[across..across + count]);
                 }
                 transpose(&mut squares);
-                for n in 0..count {
-                    let first = (across + n) * WORD * words_in_column + down;
+                for (n, square) in (across..across + count).enumerate() {
+                    let first = square * WORD * words_in_column + down;
                     for (k, column) in columns[first..].iter_mut().step_by(words_in_column).take(WORD).enumerate() {
                         *column = squares[k][n];
                     }

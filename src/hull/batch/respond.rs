@@ -7,7 +7,7 @@ use super::fold::Folded;
 use super::folded_hull::FoldedHull;
 use super::lookup::Distances;
 use super::pool::Pool;
-use super::walk::Walks;
+use super::walk::{Party, Walks};
 use crate::vectorised::vectorised;
 use nalgebra::Vector3;
 
@@ -87,7 +87,9 @@ vectorised! {
             for (k, &point) in points.iter().enumerate() {
                 normals[point as usize / LANES].set(point as usize % LANES, normal.get(k));
             }
-            walks.set_out(view, points, &sighting, &normal, &[f32::INFINITY; LANES], &table, metres);
+            let most = &[f32::INFINITY; LANES];
+            let party = Party { view, points, start: &sighting, direction: &normal, most };
+            walks.set_out(&party, &table, metres);
         }
         walks.finish(&table, metres);
     }

@@ -75,6 +75,16 @@ struct Plane {
     v: Lane,
 }
 
+/// Points that set out together, at most as many as are asked together; lanes left over are the last one's.
+pub(super) struct Party<'a> {
+    pub(super) view: &'a Folded<'a>,
+    pub(super) points: &'a [u32],
+    pub(super) start: &'a Sighting,
+    pub(super) direction: &'a Block,
+    /// Where they need not go on, in metres.
+    pub(super) most: &'a Lane,
+}
+
 /// The walks of many lines through one silhouette. Most have arrived after a few steps. The others go on with one
 /// another, each in a lane that is free.
 pub(super) struct Walks {
@@ -98,7 +108,9 @@ vectorised! {
                 most[k] = metres[point / LANES][point % LANES];
             }
             let start = route.pool.sightings_of(points, route.place);
-            walks.set_out(route.view, points, &start, &direction, &most, &table, metres);
+            let party =
+                Party { view: route.view, points, start: &start, direction: &direction, most: &most };
+            walks.set_out(&party, &table, metres);
         }
         walks.finish(&table, metres);
     }
@@ -110,22 +122,12 @@ impl Walks {
         Self { young: Lines::default(), old: Lines::default(), free: u32::MAX }
     }
 
-    /// More points, at most as many as are asked together, set out from where the view sees them; they walk until
-    /// their exits, in metres, are reached.
+    /// More points set out, and walk until their exits, in metres, are reached.
     #[inline(always)]
-    pub(super) fn set_out(
-        &mut self,
-        view: &Folded,
-        points: &[u32],
-        start: &Sighting,
-        direction: &Block,
-        most: &Lane,
-        table: &Distances,
-        metres: &mut [Lane],
-    ) {
+    pub(super) fn set_out(&mut self, party: &Party, table: &Distances, metres: &mut [Lane]) {
         let Self { young, old, free } = self;
-        young.begin(view, points, start, direction, most);
-        let filled = u32::MAX >> (LANES - points.len());
+        young.begin(party);
+        let filled = u32::MAX >> (LANES - party.points.len());
         let arrived = young.step(YOUNG, table);
         young.report(arrived & filled, metres);
         let mut left = !arrived & filled;
@@ -156,7 +158,8 @@ impl Walks {
 impl Lines {
     /// Begins where the view sees the points; ends at their exits so far.
     #[inline(always)]
-    fn begin(&mut self, view: &Folded, points: &[u32], start: &Sighting, direction: &Block, most: &Lane) {
+    fn begin(&mut self, party: &Party) {
+        let Party { view, points, start, direction, most } = party;
         self.points[..points.len()].copy_from_slice(points);
         let changes = view.changes(direction);
         let [right, below] = view.last_pixel();

@@ -6,7 +6,7 @@ use super::super::{EdgeModel, Hull};
 use super::folded_hull::FoldedHull;
 use super::inside::{self, Within};
 use super::pool::{ENOUGH, Pool};
-use super::respond::Responses;
+use super::respond::{Responses, WayOut};
 use super::{Workspace, exit::Exits};
 use crate::lock::lock;
 use crate::{Error, Result};
@@ -49,8 +49,6 @@ struct Verdict {
     depth: f32,
     /// The normal there, and then the unit direction of V.
     direction: Vector3<f64>,
-    /// How far along V the hindmost of the points to ask lies, and which it is.
-    hindmost: (f32, u32),
     longest: f32,
 }
 
@@ -162,6 +160,17 @@ impl Hull {
     }
 }
 
+impl Verdict {
+    /// Takes a colliding point's response into account.
+    fn add(&mut self, way: &WayOut) {
+        if self.colliding == 0 || way.depth > self.depth {
+            (self.depth, self.direction) = (way.depth, way.normal.cast::<f64>());
+        }
+        self.colliding += 1;
+        self.sum += (way.normal * way.depth).cast::<f64>();
+    }
+}
+
 impl Verdicts {
     /// Writes the vectors of the bodies whose points are in `pool`.
     fn fill(
@@ -188,17 +197,16 @@ impl Verdicts {
     fn weigh(&mut self, pool: &Pool, ways: &Responses, bodies: usize) {
         self.bodies.clear();
         self.bodies.resize(bodies, Verdict::default());
-        for (point, &body) in pool.owners.iter().enumerate() {
-            let Some(way) = ways.get(point) else { continue };
-            let verdict = &mut self.bodies[body as usize];
-            if verdict.colliding == 0 || way.depth > verdict.depth {
-                (verdict.depth, verdict.direction) = (way.depth, way.normal.cast::<f64>());
-            }
-            verdict.colliding += 1;
-            verdict.sum += (way.normal * way.depth).cast::<f64>();
-        }
-        for verdict in &mut self.bodies {
+        let mut points = 0..;
+        for of_one in pool.owners.chunk_by(|a, b| a == b) {
+            let mut verdict = Verdict::default();
+            points
+                .by_ref()
+                .take(of_one.len())
+                .filter_map(|point| ways.get(point))
+                .for_each(|way| verdict.add(&way));
             verdict.direction = verdict.sum.try_normalize(0.0).unwrap_or(verdict.direction);
+            self.bodies[of_one[0] as usize] = verdict;
         }
     }
 
@@ -224,20 +232,20 @@ impl Verdicts {
 
     /// Of the points left asks each body's that lies farthest back along its V.
     fn choose_hindmost(&mut self, pool: &Pool) {
-        let Self { bodies, directions, asked, left, .. } = self;
-        bodies.iter_mut().for_each(|body| body.hindmost = (f32::INFINITY, 0));
-        for &point in left.iter() {
-            let (block, lane) = (point as usize / LANES, point as usize % LANES);
-            let ([x, y, z], [dx, dy, dz]) = (pool.at[block].get(lane), directions[block].get(lane));
-            let hindmost = &mut bodies[pool.owners[point as usize] as usize].hindmost;
-            let along = x * dx + y * dy + z * dz;
-            if along < hindmost.0 {
-                *hindmost = (along, point);
-            }
-        }
+        let Self { directions, asked, left, .. } = self;
         asked.clear();
-        let hindmost = bodies.iter().map(|body| body.hindmost);
-        asked.extend(hindmost.filter(|(along, _)| along.is_finite()).map(|(_, point)| point));
+        for of_one in left.chunk_by(|&a, &b| pool.owners[a as usize] == pool.owners[b as usize]) {
+            let (mut least, mut hindmost) = (f32::INFINITY, of_one[0]);
+            for &point in of_one {
+                let (block, lane) = (point as usize / LANES, point as usize % LANES);
+                let ([x, y, z], [dx, dy, dz]) = (pool.at[block].get(lane), directions[block].get(lane));
+                let along = x * dx + y * dy + z * dz;
+                if along < least {
+                    (least, hindmost) = (along, point);
+                }
+            }
+            asked.push(hindmost);
+        }
     }
 
     /// Takes the exits of the points asked into account.

@@ -5,6 +5,9 @@ use nalgebra::{Point3, Vector3};
 /// Points asked together.
 pub(super) const LANES: usize = 32;
 
+/// Blocks whose spheres are asked together: a body of 400 samples has 13.
+pub(super) const GROUP: usize = 16;
+
 /// One number of each of as many points as are asked together.
 pub(super) type Lane = [f32; LANES];
 
@@ -38,10 +41,10 @@ pub(super) struct Block {
 #[derive(Debug, Clone, PartialEq)]
 #[repr(align(64))]
 pub(super) struct Spheres {
-    pub(super) x: Lane,
-    pub(super) y: Lane,
-    pub(super) z: Lane,
-    pub(super) radius: Lane,
+    pub(super) x: [f32; GROUP],
+    pub(super) y: [f32; GROUP],
+    pub(super) z: [f32; GROUP],
+    pub(super) radius: [f32; GROUP],
 }
 
 impl Points {
@@ -53,7 +56,7 @@ impl Points {
         split(points, &mut order);
         let sorted: Vec<_> = order.iter().map(|&k| points[k as usize]).collect();
         let blocks = sorted.chunks(LANES).map(|block| Block::new(block, &centre)).collect();
-        let spheres = sorted.chunks(LANES * LANES).map(|blocks| Spheres::new(blocks, &centre)).collect();
+        let spheres = sorted.chunks(LANES * GROUP).map(|blocks| Spheres::new(blocks, &centre)).collect();
         Self { centre, radius, count: points.len(), blocks, spheres, order }
     }
 
@@ -74,7 +77,7 @@ impl Points {
 
     /// The blocks, with a sphere around each.
     pub(super) fn blocks(&self) -> impl Iterator<Item = (&Spheres, &[Block])> {
-        self.spheres.iter().zip(self.blocks.chunks(LANES))
+        self.spheres.iter().zip(self.blocks.chunks(GROUP))
     }
 
     /// How many points of a block are points, not filling.
@@ -117,9 +120,9 @@ impl Block {
 
 impl Spheres {
     fn new(points: &[Point3<f64>], about: &Point3<f64>) -> Self {
-        let mut spheres = Self { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES], radius: [0.0; LANES] };
+        let mut spheres = Self { x: [0.0; GROUP], y: [0.0; GROUP], z: [0.0; GROUP], radius: [0.0; GROUP] };
         let last = points.len().div_ceil(LANES) - 1;
-        for k in 0..LANES {
+        for k in 0..GROUP {
             let (centre, radius) = sphere(points.chunks(LANES).nth(k.min(last)).unwrap_or(points));
             let middle = (centre - about).cast::<f32>();
             (spheres.x[k], spheres.y[k], spheres.z[k]) = (middle.x, middle.y, middle.z);

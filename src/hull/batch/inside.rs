@@ -1,7 +1,7 @@
 //! Which of many points are inside, as many at a time as a vector register holds.
 
 use super::super::lanes::{bits, either, ones, whole};
-use super::super::points::{Block, LANES, Points, Spheres};
+use super::super::points::{Block, GROUP, LANES, Points, Spheres};
 use super::fold::{Folded, NEAREST, Posed, Volume};
 use crate::vectorised::vectorised;
 
@@ -45,7 +45,7 @@ vectorised! {
         // The view that ruled the last ones out is likely to rule out their neighbours: it is asked first.
         let (mut sharp, mut sharpest) = (0, 0);
         for (group, (spheres, blocks)) in points.blocks().enumerate() {
-            let mut asked = u32::MAX >> (LANES - blocks.len());
+            let mut asked = u32::MAX >> (u32::BITS as usize - blocks.len());
             whole.clear();
             whole.resize(views.len(), 0);
             for n in 0..views.len() {
@@ -59,7 +59,7 @@ vectorised! {
                 }
             }
             for k in ones(asked) {
-                let (block, index) = (&blocks[k], group * LANES + k);
+                let (block, index) = (&blocks[k], group * GROUP + k);
                 let mut inside = u32::MAX >> (LANES - points.filled(index));
                 for n in 0..views.len() {
                     let view = (sharpest + n) % views.len();
@@ -99,8 +99,8 @@ vectorised! {
 fn spheres_seen(view: &Folded, spheres: &Spheres, within: Within) -> (u32, u32) {
     let tiles = view.tables.tiles.lookup();
     let distances = view.distances();
-    let (near, mut touched, mut inside) = (within.more_pixels(), [0; LANES], [0; LANES]);
-    for k in 0..LANES {
+    let (near, mut touched, mut inside) = (within.more_pixels(), [0; GROUP], [0; GROUP]);
+    for k in 0..GROUP {
         let centre = [spheres.x[k], spheres.y[k], spheres.z[k]];
         let (touches, is_inside) = view.sphere((&tiles, &distances), centre, spheres.radius[k], near);
         (touched[k], inside[k]) = (u32::from(touches), u32::from(is_inside));

@@ -30,9 +30,10 @@ pub(super) struct WayOut {
 impl Responses {
     /// Finds the ways out of all points of `pool`.
     pub(super) fn fill(&mut self, hull: &FoldedHull, pool: &mut Pool) {
-        self.normals.clear();
+        // Each point gets one.
         self.normals.resize(pool.at.len(), Block::default());
         if !hull.hull.every_view_tells() {
+            self.normals.fill(Block::default());
             self.fill_one_by_one(hull, pool);
             return;
         }
@@ -45,6 +46,7 @@ impl Responses {
     }
 
     /// The way out of a point; `None` where no view has an edge.
+    #[inline(always)]
     pub(super) fn get(&self, point: usize) -> Option<WayOut> {
         let normal = Vector3::from(self.normals[point / LANES].get(point % LANES));
         (normal != Vector3::zeros()).then(|| WayOut { normal, depth: self.exits.get(point) })

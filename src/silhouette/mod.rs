@@ -5,10 +5,12 @@
 //! inside the pixel. What lies beyond the image is decided by the [`Border`].
 
 mod contact_edge;
+mod derived;
 mod distance;
 mod edge;
 mod mask;
 mod nearest;
+mod neighbours;
 mod rect;
 mod region;
 mod scan;
@@ -16,13 +18,12 @@ mod tiles;
 mod undistort;
 
 pub(crate) use contact_edge::compute_edges;
+pub(crate) use derived::Derived;
 pub use edge::Edge;
 pub use mask::load_mask;
 pub use rect::Rect;
 pub use undistort::Undistortion;
 
-use distance::DistanceTable;
-use edge::EdgeTable;
 use image::GrayImage;
 use region::Region;
 pub(crate) use region::{LOW, Word};
@@ -75,9 +76,9 @@ pub struct Silhouette {
     rect: Rect,
     has_coverage: bool,
     region: Region,
-    distances: DistanceTable,
-    tiles: Tiles,
-    edges: EdgeTable,
+    derived: Derived,
+    /// Whether what is derived is at hand, and not lent to another silhouette.
+    is_whole: bool,
     columns: Columns,
 }
 
@@ -97,9 +98,8 @@ impl Silhouette {
             rect: Rect::EMPTY,
             has_coverage: false,
             region: Region::default(),
-            distances: DistanceTable::default(),
-            tiles: Tiles::default(),
-            edges: EdgeTable::default(),
+            derived: Derived::default(),
+            is_whole: true,
             columns: Columns::default(),
         }
     }
@@ -110,18 +110,30 @@ impl Silhouette {
         self.image = Rect::of_image(mask.width(), mask.height());
         (self.border, self.rect, self.has_coverage) = (border, scan.rect, scan.has_coverage);
         self.region.fill(mask, &scan, border);
-        self.tiles.fill(&self.region);
-        self.distances.fill(&self.region, &self.tiles);
-        self.edges.fill(&self.region);
+        self.derived.fill(&self.region);
+        self.is_whole = true;
+    }
+
+    /// Gives away the memory of what is derived. Nothing but [`Self::restore`] and [`Self::refill`] may be asked then.
+    pub(crate) fn lend(&mut self) -> Option<Derived> {
+        std::mem::take(&mut self.is_whole).then(|| std::mem::take(&mut self.derived))
+    }
+
+    /// Memory for what is derived of the next mask.
+    pub(crate) fn borrow(&mut self, memory: Derived) {
+        self.derived = memory;
+    }
+
+    /// Derives again what was lent.
+    pub(crate) fn restore(&mut self) {
+        if !std::mem::replace(&mut self.is_whole, true) {
+            self.derived.fill(&self.region);
+        }
     }
 
     /// Bytes of memory for what is prepared, beside the mask's own bytes.
     pub fn working_memory(&self) -> usize {
-        self.region.working_memory()
-            + self.distances.working_memory()
-            + self.tiles.working_memory()
-            + self.edges.working_memory()
-            + self.columns.working_memory()
+        self.region.working_memory() + self.derived.working_memory() + self.columns.working_memory()
     }
 
     /// The mask, as far as it is kept.
@@ -172,7 +184,7 @@ impl Silhouette {
     /// [`u16::MAX`] where there is none.
     pub fn distance(&self, i: i32, j: i32) -> u16 {
         if self.rect.contains(i, j) {
-            self.distances.at(self.region.rect().index(i, j))
+            self.derived.distances.at(self.region.rect().index(i, j))
         } else if self.border == Border::Open && !self.image.contains(i, j) {
             distance::NO_EDGE
         } else {
@@ -183,7 +195,7 @@ impl Silhouette {
     /// The distance at a place of the table.
     #[inline]
     pub(crate) fn distance_at(&self, place: usize) -> u16 {
-        self.distances.at(place)
+        self.derived.distances.at(place)
     }
 
     /// The tables themselves, for queries of many points.
@@ -195,10 +207,10 @@ impl Silhouette {
             height: rect.height(),
             words: self.region.words(),
             subject: self.region.subject(),
-            near: self.region.near(),
-            distance: self.distances.narrow(),
-            distance_words: self.distances.narrow_words(),
-            tiles: &self.tiles,
+            near: self.derived.neighbours.near(),
+            distance: self.derived.distances.narrow(),
+            distance_words: self.derived.distances.narrow_words(),
+            tiles: &self.derived.tiles,
         }
     }
 
@@ -232,7 +244,7 @@ impl Silhouette {
             (0..region::WORD as i32).filter(move |bit| word >> bit & 1 == 1).map(move |bit| (x + bit, y))
         };
         // The table holds pixels beside an open border too, which is no edge.
-        self.region.edges().iter().enumerate().flat_map(word).filter(move |&pixel| beside(pixel))
+        self.derived.neighbours.edges().iter().enumerate().flat_map(word).filter(move |&pixel| beside(pixel))
     }
 }
 

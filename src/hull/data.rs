@@ -246,10 +246,9 @@ impl State {
         Ok(hull)
     }
 
-    /// A frame that history has dropped and that nobody else holds, or a new one.
+    /// A frame that has been taken back, or a new one.
     fn free_frame(&mut self) -> Arc<Hull> {
-        self.reclaim();
-        let free = self.retired.iter().position(|frame| Arc::strong_count(frame) == 1);
+        let free = self.retired.iter().position(|frame| frame.views().is_empty());
         let free = free.map(|k| self.retired.swap_remove(k));
         free.unwrap_or_else(|| Arc::new(Hull::new(Vec::new(), Aabb::EMPTY, self.unseen, 0.0)))
     }
@@ -260,11 +259,10 @@ impl State {
         for frame in self.retired.iter_mut().filter_map(Arc::get_mut) {
             frame.forget_views().zip(&mut self.views).for_each(|(silhouette, slot)| slot.reclaim(silhouette));
         }
-        let past = self.frames.len().saturating_sub(1);
-        if !self.looks_back {
-            for frame in self.frames.iter_mut().take(past).filter_map(Arc::get_mut) {
-                frame.silhouettes().zip(&mut self.views).for_each(|(silhouette, slot)| slot.thin(silhouette));
-            }
+        // Those before have lent theirs already, but for what somebody held for long.
+        let past = self.frames.iter_mut().rev().skip(1).take(2);
+        for frame in past.filter(|_| !self.looks_back).filter_map(Arc::get_mut) {
+            frame.silhouettes().zip(&mut self.views).for_each(|(silhouette, slot)| slot.thin(silhouette));
         }
     }
 }

@@ -21,7 +21,7 @@ impl Derived {
         self.neighbours.fill(region);
         self.tiles.fill(region);
         self.distances.fill(region, &self.tiles);
-        self.edges.fill(&self.neighbours, region.words());
+        self.edges.fill(&self.neighbours);
     }
 
     /// Bytes of memory behind the tables.

@@ -22,21 +22,24 @@ pub struct Edge {
 /// The contact edges of a silhouette's edge pixels, row-major, each once somebody asked for it.
 #[derive(Debug, Default)]
 pub(super) struct EdgeTable {
-    /// Edge pixels before each row.
-    before_row: Vec<u32>,
+    /// Edge pixels before each block of words.
+    before: Vec<u32>,
     state: Vec<AtomicU8>,
     /// Point and normal, as bits.
     edges: Vec<[AtomicU64; 4]>,
 }
+
+/// Words of bits whose edge pixels are counted together.
+const BLOCK: usize = 16;
 
 const UNKNOWN: u8 = 0;
 const NONE: u8 = 1;
 const KNOWN: u8 = 2;
 
 impl EdgeTable {
-    /// Makes room for the edge pixels, none of them known; rows have so many `words`.
-    pub(super) fn fill(&mut self, neighbours: &Neighbours, words: usize) {
-        let count = ranks(neighbours.edges(), words, &mut self.before_row);
+    /// Makes room for the edge pixels, none of them known.
+    pub(super) fn fill(&mut self, neighbours: &Neighbours) {
+        let count = ranks(neighbours.edges(), &mut self.before);
         if self.edges.len() < count {
             self.state.resize_with(count, AtomicU8::default);
             self.edges.resize_with(count, Default::default);
@@ -89,27 +92,31 @@ impl EdgeTable {
             return None;
         }
         let (x, y) = ((i - rect.x0) as usize, (j - rect.y0) as usize);
-        let row = &silhouette.derived.neighbours.edges()[y * words..(y + 1) * words];
-        let (word, bit) = (row[x / WORD], x % WORD);
-        let before: u32 = row[..x / WORD].iter().map(|word| word.count_ones()).sum();
-        let rank = before + (word & ((1 << bit) - 1)).count_ones();
-        (word >> bit & 1 == 1).then(|| (self.before_row[y] + rank) as usize)
+        let (place, bit) = (y * words + x / WORD, x % WORD);
+        let edges = silhouette.derived.neighbours.edges();
+        let word = edges[place];
+        if word >> bit & 1 == 0 {
+            return None;
+        }
+        let block = place / BLOCK;
+        let before: u32 = edges[block * BLOCK..place].iter().map(|word| word.count_ones()).sum();
+        Some((self.before[block] + before + (word & ((1 << bit) - 1)).count_ones()) as usize)
     }
 
     /// Bytes of memory behind the table.
     pub(super) fn working_memory(&self) -> usize {
-        4 * self.before_row.capacity() + self.state.capacity() + 32 * self.edges.capacity()
+        4 * self.before.capacity() + self.state.capacity() + 32 * self.edges.capacity()
     }
 }
 
 vectorised! {
-    /// How many bits are set before each row of `words`, and in all.
-    fn ranks(bits: &[Word], words: usize, before_row: &mut Vec<u32>) -> usize {
-        before_row.clear();
+    /// How many bits are set before each block of words, and in all.
+    fn ranks(bits: &[Word], before: &mut Vec<u32>) -> usize {
+        before.resize(bits.len().div_ceil(BLOCK), 0);
         let mut count = 0;
-        for row in bits.chunks_exact(words.max(1)) {
-            before_row.push(count);
-            count += row.iter().map(|word| word.count_ones()).sum::<u32>();
+        for (words, before) in bits.chunks(BLOCK).zip(before) {
+            *before = count;
+            count += words.iter().map(|word| word.count_ones()).sum::<u32>();
         }
         count as usize
     }

@@ -13,7 +13,7 @@ const SIDE: usize = 8;
 const TILES: usize = WORD / SIDE;
 
 /// Words done at once.
-const BLOCK: usize = 8;
+const BLOCK: usize = 32;
 
 /// Tiles with subject above and left of each corner of the tiles, row-major.
 #[derive(Debug, Default)]

@@ -31,6 +31,8 @@ struct State {
     unseen: Unseen,
     /// Published frames, the latest last.
     frames: VecDeque<Arc<Hull>>,
+    /// Whether somebody looks back at past frames.
+    looks_back: bool,
     /// Frames that history has dropped: their memory is for the next ones, once nobody else holds them.
     retired: Vec<Arc<Hull>>,
     published: u64,
@@ -43,6 +45,7 @@ impl Default for State {
             bounds: None,
             unseen: Unseen::Outside,
             frames: VecDeque::new(),
+            looks_back: false,
             retired: Vec::new(),
             published: 0,
         }
@@ -171,6 +174,7 @@ impl HullData {
             let past = state.frames.pop_front();
             state.retired.extend(past);
         }
+        state.reclaim();
         state.published += 1;
         Ok(hull)
     }
@@ -182,8 +186,13 @@ impl HullData {
     }
 
     /// The frames of the last tenth of a second and one before, the latest last.
+    ///
+    /// The first call derives their tables again, which are not kept where nobody looks back.
     pub fn history(&self) -> Vec<Arc<Hull>> {
-        self.lock().frames.iter().cloned().collect()
+        let mut state = self.lock();
+        state.looks_back = true;
+        state.frames.iter_mut().filter_map(Arc::get_mut).for_each(Hull::restore);
+        state.frames.iter().cloned().collect()
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -237,17 +246,24 @@ impl State {
         Ok(hull)
     }
 
-    /// A frame that nobody holds any more. All of these let go of their silhouettes.
+    /// A frame that has been taken back, or a new one.
     fn free_frame(&mut self) -> Arc<Hull> {
-        let mut free = None;
-        for (k, frame) in self.retired.iter_mut().enumerate() {
-            if let Some(hull) = Arc::get_mut(frame) {
-                hull.forget_views();
-                free = Some(k);
-            }
-        }
+        let free = self.retired.iter().position(|frame| frame.views().is_empty());
         let free = free.map(|k| self.retired.swap_remove(k));
         free.unwrap_or_else(|| Arc::new(Hull::new(Vec::new(), Aabb::EMPTY, self.unseen, 0.0)))
+    }
+
+    /// Takes back what nobody holds any more: of frames that history has dropped the silhouettes, of other past ones
+    /// what is derived of these.
+    fn reclaim(&mut self) {
+        for frame in self.retired.iter_mut().filter_map(Arc::get_mut) {
+            frame.forget_views().zip(&mut self.views).for_each(|(silhouette, slot)| slot.reclaim(silhouette));
+        }
+        // Those before have lent theirs already, but for what somebody held for long.
+        let past = self.frames.iter_mut().rev().skip(1).take(2);
+        for frame in past.filter(|_| !self.looks_back).filter_map(Arc::get_mut) {
+            frame.silhouettes().zip(&mut self.views).for_each(|(silhouette, slot)| slot.thin(silhouette));
+        }
     }
 }
 
@@ -262,3 +278,6 @@ fn border_of(unseen: Unseen) -> Border {
 fn no_such_view(view: usize, count: usize) -> Error {
     Error::argument(format!("expected a view index below {count}, found {view}; use what add_view returned"))
 }
+
+#[cfg(test)]
+mod tests;

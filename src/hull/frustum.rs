@@ -37,9 +37,15 @@ pub(super) fn clipped_box(bounds: &Aabb, camera: &Camera, planes: &[Vector3<f64>
     let centre = camera.centre();
     let near = (camera.forward() * -1.0, centre + camera.forward() * MIN_DEPTH);
     let cuts = || planes.iter().map(|&outward| (outward, centre)).chain([near]);
+    let corners = bounds.corners();
+    let (mut polygon, mut cut) = (&mut Polygon::default(), &mut Polygon::default());
     let mut aabb = Aabb::EMPTY;
-    for face in faces(bounds) {
-        let polygon = cuts().fold(face, |polygon, (outward, on)| polygon.clipped(&outward, &on));
+    for ring in FACES {
+        polygon.set(ring.map(|corner| corners[corner]));
+        for (outward, on) in cuts() {
+            polygon.clip(&outward, &on, cut);
+            std::mem::swap(&mut polygon, &mut cut);
+        }
         aabb = aabb.union(&Aabb::of_points(polygon.corners()));
     }
     if bounds.contains(&centre) {
@@ -53,11 +59,15 @@ pub(super) fn clipped_box(bounds: &Aabb, camera: &Camera, planes: &[Vector3<f64>
     }
 }
 
+/// The faces of a box as rings of its corners.
+const FACES: [[usize; 4]; 6] =
+    [[0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6], [0, 1, 3, 2], [4, 5, 7, 6]];
+
 /// The most corners of a quadrilateral cut by five planes: each cut adds one.
 const MOST_CORNERS: usize = 9;
 
 /// A convex polygon.
-#[derive(Clone, Copy)]
+#[derive(Default)]
 struct Polygon {
     corners: [Point3<f64>; MOST_CORNERS],
     count: usize,
@@ -68,6 +78,11 @@ impl Polygon {
         &self.corners[..self.count]
     }
 
+    fn set(&mut self, corners: [Point3<f64>; 4]) {
+        self.corners[..4].copy_from_slice(&corners);
+        self.count = 4;
+    }
+
     fn push(&mut self, corner: Point3<f64>) {
         // Rounding cannot add corners to a convex polygon by more than a rim: what is left out then lies on it.
         if let Some(place) = self.corners.get_mut(self.count) {
@@ -76,31 +91,21 @@ impl Polygon {
         }
     }
 
-    /// The part behind the plane through `on` with normal `outward`.
-    fn clipped(&self, outward: &Vector3<f64>, on: &Point3<f64>) -> Self {
+    /// The part behind the plane through `on` with normal `outward`, written to `kept`.
+    fn clip(&self, outward: &Vector3<f64>, on: &Point3<f64>, kept: &mut Self) {
+        kept.count = 0;
         let height = |p: &Point3<f64>| outward.dot(&(p - on));
-        let mut kept = Self { corners: [Point3::origin(); MOST_CORNERS], count: 0 };
-        for (k, here) in self.corners().iter().enumerate() {
-            let next = &self.corners()[(k + 1) % self.count];
-            let (h0, h1) = (height(here), height(next));
-            if h0 <= 0.0 {
-                kept.push(*here);
-            }
+        let Some(mut here) = self.corners().last() else { return };
+        let mut h0 = height(here);
+        for next in self.corners() {
+            let h1 = height(next);
             if (h0 < 0.0 && h1 > 0.0) || (h0 > 0.0 && h1 < 0.0) {
                 kept.push(here + (next - here) * (h0 / (h0 - h1)));
             }
+            if h1 <= 0.0 {
+                kept.push(*next);
+            }
+            (here, h0) = (next, h1);
         }
-        kept
     }
-}
-
-/// The six faces of a box as quadrilaterals.
-fn faces(aabb: &Aabb) -> [Polygon; 6] {
-    let corners = aabb.corners();
-    let quad = |ring: [usize; 4]| {
-        let mut face = Polygon { corners: [Point3::origin(); MOST_CORNERS], count: 0 };
-        ring.into_iter().for_each(|corner| face.push(corners[corner]));
-        face
-    };
-    [[0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6], [0, 1, 3, 2], [4, 5, 7, 6]].map(quad)
 }

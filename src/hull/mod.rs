@@ -40,8 +40,9 @@ pub use response::{Push, Response};
 pub use search::NearestEdge;
 pub use view::{Verdict, View};
 
-use crate::silhouette::Border;
+use crate::silhouette::{Border, Silhouette};
 use nalgebra::Point3;
+use std::sync::Arc;
 
 /// What a view that does not see a point says of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,8 +129,18 @@ impl Hull {
     }
 
     /// Lets go of the views, for a frame that nobody asks any more; the memory of their list stays.
-    fn forget_views(&mut self) {
-        self.views.clear();
+    fn forget_views(&mut self) -> impl Iterator<Item = Arc<Silhouette>> {
+        self.views.drain(..).map(View::into_silhouette)
+    }
+
+    /// Its views' silhouettes.
+    fn silhouettes(&mut self) -> impl Iterator<Item = &mut Arc<Silhouette>> {
+        self.views.iter_mut().map(View::silhouette_mut)
+    }
+
+    /// Makes the silhouettes whole again.
+    fn restore(&mut self) {
+        self.silhouettes().filter_map(Arc::get_mut).for_each(Silhouette::restore);
     }
 
     /// The memory of the list of views.

@@ -2,12 +2,12 @@
 
 use super::{Aabb, View};
 use crate::camera::Camera;
-use crate::silhouette::{Border, SUBJECT, Silhouette, Undistortion};
+use crate::silhouette::{Border, Derived, SUBJECT, Silhouette, Undistortion};
 use crate::{Error, Result};
 use image::GrayImage;
 use std::sync::Arc;
 
-/// Silhouettes that nobody holds and that are kept for the next masks.
+/// As many silhouettes that nobody asks, and sets of tables, are kept for the next masks.
 const MOST_FREE: usize = 3;
 
 /// A view's camera and latest silhouette.
@@ -18,8 +18,10 @@ pub(super) struct Slot {
     pub(super) enabled: bool,
     /// Whether the camera sees some of the work volume given beside.
     sees: Option<(Aabb, bool)>,
-    /// Every silhouette made lately: those that nobody holds any more give their memory to the next ones.
-    made: Vec<Arc<Silhouette>>,
+    /// Silhouettes that nobody holds any more, without what was derived of them: memory for the next ones.
+    free: Vec<Arc<Silhouette>>,
+    /// What was derived of silhouettes that nobody asks: memory as well, and most of it.
+    spare: Vec<Derived>,
     /// Memory for a mask on its way through the lens.
     flat: Option<GrayImage>,
 }
@@ -58,7 +60,15 @@ impl Slot {
         let pinhole =
             undistortion.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
         let lens = Arc::new(Lens { camera, pinhole, undistortion, seen: seen.map(Arc::new) });
-        Ok(Self { lens, silhouette: None, enabled: true, sees: None, made: Vec::new(), flat: None })
+        Ok(Self {
+            lens,
+            silhouette: None,
+            enabled: true,
+            sees: None,
+            free: Vec::new(),
+            spare: Vec::new(),
+            flat: None,
+        })
     }
 
     pub(super) fn name(&self) -> &str {
@@ -71,23 +81,35 @@ impl Slot {
 
     /// What the next mask's preparation needs, in memory that is free.
     pub(super) fn begin(&mut self) -> Preparation {
-        let free = self.made.iter().position(|made| Arc::strong_count(made) == 1);
-        let silhouette = free.map(|k| self.made.swap_remove(k));
-        let silhouette = silhouette.unwrap_or_else(|| Arc::new(Silhouette::blank(Border::Background)));
+        let blank = || Arc::new(Silhouette::blank(Border::Background));
+        let mut silhouette = self.free.pop().unwrap_or_else(blank);
+        if let (Some(silhouette), Some(memory)) = (Arc::get_mut(&mut silhouette), self.spare.pop()) {
+            silhouette.borrow(memory);
+        }
         Preparation { lens: self.lens.clone(), silhouette, flat: self.flat.take() }
     }
 
     /// Takes a prepared silhouette into force, from the next frame on.
     pub(super) fn finish(&mut self, preparation: Preparation) {
-        self.silhouette = Some(preparation.silhouette.clone());
-        self.made.push(preparation.silhouette);
         self.flat = self.flat.take().or(preparation.flat);
-        // History holds now more of them and now fewer: some stay at hand.
-        let is_free = |made: &Arc<Silhouette>| Arc::strong_count(made) == 1;
-        while self.made.iter().filter(|made| is_free(made)).count() > MOST_FREE {
-            let Some(k) = self.made.iter().position(is_free) else { break };
-            self.made.swap_remove(k);
+        if let Some(last) = self.silhouette.replace(preparation.silhouette) {
+            self.reclaim(last);
         }
+    }
+
+    /// Takes back a silhouette that is no longer needed here; elsewhere somebody may still hold it.
+    pub(super) fn reclaim(&mut self, mut silhouette: Arc<Silhouette>) {
+        self.thin(&mut silhouette);
+        if Arc::get_mut(&mut silhouette).is_some() && self.free.len() < MOST_FREE {
+            self.free.push(silhouette);
+        }
+    }
+
+    /// Takes from a silhouette that nobody else holds what is derived of it.
+    pub(super) fn thin(&mut self, silhouette: &mut Arc<Silhouette>) {
+        let derived = Arc::get_mut(silhouette).and_then(Silhouette::lend);
+        let room = MOST_FREE - self.spare.len().min(MOST_FREE);
+        self.spare.extend(derived.into_iter().take(room));
     }
 
     /// Prepares the latest silhouette anew for another border: what the view does not see is then something else.
@@ -100,7 +122,6 @@ impl Slot {
                 pixels.filter(|(_, seen)| **seen < SUBJECT).for_each(|(pixel, _)| *pixel = unseen);
             }
             self.silhouette = Some(Arc::new(Silhouette::new(&mask, border)));
-            self.made.clear();
         }
     }
 

@@ -107,6 +107,14 @@ impl View {
         &self.silhouette
     }
 
+    pub(super) fn silhouette_mut(&mut self) -> &mut Arc<Silhouette> {
+        &mut self.silhouette
+    }
+
+    pub(super) fn into_silhouette(self) -> Arc<Silhouette> {
+        self.silhouette
+    }
+
     /// Whether it takes part.
     pub fn is_enabled(&self) -> bool {
         self.enabled

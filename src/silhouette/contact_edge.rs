@@ -50,7 +50,7 @@ pub(crate) fn compute_edges(asked: &[Asked]) {
     for asked in asked.chunks(ABREAST) {
         let sums = sums_around(asked);
         for (slot, &(silhouette, pixel)) in asked.iter().enumerate() {
-            silhouette.edges.get(&silhouette.region, pixel, || edge(silhouette, pixel, &sums, slot));
+            silhouette.derived.edges.get(silhouette, pixel, || edge(silhouette, pixel, &sums, slot));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Normals at the edge of a silhouette: the paper's, and the one that contacts use.
 
-use super::region::{Region, WORD, Word};
+use super::neighbours::Neighbours;
+use super::region::{WORD, Word};
 use super::{Silhouette, contact_edge};
 use crate::vectorised::vectorised;
 use nalgebra::{Point2, Vector2};
@@ -21,21 +22,24 @@ pub struct Edge {
 /// The contact edges of a silhouette's edge pixels, row-major, each once somebody asked for it.
 #[derive(Debug, Default)]
 pub(super) struct EdgeTable {
-    /// Edge pixels before each row.
-    before_row: Vec<u32>,
+    /// Edge pixels before each block of words.
+    before: Vec<u32>,
     state: Vec<AtomicU8>,
     /// Point and normal, as bits.
     edges: Vec<[AtomicU64; 4]>,
 }
+
+/// Words of bits whose edge pixels are counted together.
+const BLOCK: usize = 16;
 
 const UNKNOWN: u8 = 0;
 const NONE: u8 = 1;
 const KNOWN: u8 = 2;
 
 impl EdgeTable {
-    /// Makes room for the region's edge pixels, none of them known.
-    pub(super) fn fill(&mut self, region: &Region) {
-        let count = ranks(region.edges(), region.words(), &mut self.before_row);
+    /// Makes room for the edge pixels, none of them known.
+    pub(super) fn fill(&mut self, neighbours: &Neighbours) {
+        let count = ranks(neighbours.edges(), &mut self.before);
         if self.edges.len() < count {
             self.state.resize_with(count, AtomicU8::default);
             self.edges.resize_with(count, Default::default);
@@ -45,8 +49,8 @@ impl EdgeTable {
 
     /// Whether the edge at `(i, j)` is known, or never will be since it is no edge pixel.
     #[inline(always)]
-    pub(super) fn knows(&self, region: &Region, (i, j): (i32, i32)) -> bool {
-        let index = self.index(region, i, j);
+    fn knows(&self, silhouette: &Silhouette, pixel: (i32, i32)) -> bool {
+        let index = self.index(silhouette, pixel);
         index.is_none_or(|index| self.state[index].load(Ordering::Acquire) != UNKNOWN)
     }
 
@@ -54,11 +58,11 @@ impl EdgeTable {
     #[inline(always)]
     pub(super) fn get(
         &self,
-        region: &Region,
-        (i, j): (i32, i32),
+        silhouette: &Silhouette,
+        pixel: (i32, i32),
         edge: impl FnOnce() -> Option<Edge>,
     ) -> Option<Edge> {
-        let Some(index) = self.index(region, i, j) else { return edge() };
+        let Some(index) = self.index(silhouette, pixel) else { return edge() };
         let (state, place) = (&self.state[index], &self.edges[index]);
         match state.load(Ordering::Acquire) {
             UNKNOWN => {
@@ -82,33 +86,37 @@ impl EdgeTable {
 
     /// Rank of an edge pixel among all.
     #[inline(always)]
-    fn index(&self, region: &Region, i: i32, j: i32) -> Option<usize> {
-        let (rect, words) = (region.rect(), region.words());
+    fn index(&self, silhouette: &Silhouette, (i, j): (i32, i32)) -> Option<usize> {
+        let (rect, words) = (silhouette.region.rect(), silhouette.region.words());
         if !rect.contains(i, j) {
             return None;
         }
         let (x, y) = ((i - rect.x0) as usize, (j - rect.y0) as usize);
-        let row = &region.edges()[y * words..(y + 1) * words];
-        let (word, bit) = (row[x / WORD], x % WORD);
-        let before: u32 = row[..x / WORD].iter().map(|word| word.count_ones()).sum();
-        let rank = before + (word & ((1 << bit) - 1)).count_ones();
-        (word >> bit & 1 == 1).then(|| (self.before_row[y] + rank) as usize)
+        let (place, bit) = (y * words + x / WORD, x % WORD);
+        let edges = silhouette.derived.neighbours.edges();
+        let word = edges[place];
+        if word >> bit & 1 == 0 {
+            return None;
+        }
+        let block = place / BLOCK;
+        let before: u32 = edges[block * BLOCK..place].iter().map(|word| word.count_ones()).sum();
+        Some((self.before[block] + before + (word & ((1 << bit) - 1)).count_ones()) as usize)
     }
 
     /// Bytes of memory behind the table.
     pub(super) fn working_memory(&self) -> usize {
-        4 * self.before_row.capacity() + self.state.capacity() + 32 * self.edges.capacity()
+        4 * self.before.capacity() + self.state.capacity() + 32 * self.edges.capacity()
     }
 }
 
 vectorised! {
-    /// How many bits are set before each row of `words`, and in all.
-    fn ranks(bits: &[Word], words: usize, before_row: &mut Vec<u32>) -> usize {
-        before_row.clear();
+    /// How many bits are set before each block of words, and in all.
+    fn ranks(bits: &[Word], before: &mut Vec<u32>) -> usize {
+        before.resize(bits.len().div_ceil(BLOCK), 0);
         let mut count = 0;
-        for row in bits.chunks_exact(words.max(1)) {
-            before_row.push(count);
-            count += row.iter().map(|word| word.count_ones()).sum::<u32>();
+        for (words, before) in bits.chunks(BLOCK).zip(before) {
+            *before = count;
+            count += words.iter().map(|word| word.count_ones()).sum::<u32>();
         }
         count as usize
     }
@@ -118,13 +126,13 @@ impl Silhouette {
     /// The contact normal and edge point at background pixel `(i, j)`, computed once a pixel.
     #[inline(always)]
     pub fn edge(&self, i: i32, j: i32) -> Option<Edge> {
-        self.edges.get(&self.region, (i, j), || contact_edge::at(self, (i, j)))
+        self.derived.edges.get(self, (i, j), || contact_edge::at(self, (i, j)))
     }
 
     /// Whether [`Self::edge`] need not compute anything at `(i, j)`.
     #[inline(always)]
     pub(crate) fn knows_edge(&self, pixel: (i32, i32)) -> bool {
-        self.edges.knows(&self.region, pixel)
+        self.derived.edges.knows(self, pixel)
     }
 
     /// The paper's normal (section 4.2) at background pixel `(i, j)`: the mean vector from there to the background

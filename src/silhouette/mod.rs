@@ -5,10 +5,12 @@
 //! inside the pixel. What lies beyond the image is decided by the [`Border`].
 
 mod contact_edge;
+mod derived;
 mod distance;
 mod edge;
 mod mask;
 mod nearest;
+mod neighbours;
 mod rect;
 mod region;
 mod scan;
@@ -17,19 +19,17 @@ mod turned;
 mod undistort;
 
 pub(crate) use contact_edge::compute_edges;
+pub(crate) use derived::Derived;
 pub use edge::Edge;
 pub use mask::load_mask;
 pub use rect::Rect;
 pub use undistort::Undistortion;
 
-use distance::DistanceTable;
-use edge::EdgeTable;
 use image::GrayImage;
 use region::Region;
 pub(crate) use region::{LOW, Word};
 use scan::Columns;
 pub(crate) use tiles::{Lookup, Tiles};
-use turned::Turned;
 
 /// A pixel is subject from this byte upwards: covered by half or more.
 pub const SUBJECT: u8 = 128;
@@ -81,10 +81,9 @@ pub struct Silhouette {
     rect: Rect,
     has_coverage: bool,
     region: Region,
-    turned: Turned,
-    distances: DistanceTable,
-    tiles: Tiles,
-    edges: EdgeTable,
+    derived: Derived,
+    /// Whether what is derived is at hand, and not lent to another silhouette.
+    is_whole: bool,
     columns: Columns,
 }
 
@@ -104,10 +103,8 @@ impl Silhouette {
             rect: Rect::EMPTY,
             has_coverage: false,
             region: Region::default(),
-            turned: Turned::default(),
-            distances: DistanceTable::default(),
-            tiles: Tiles::default(),
-            edges: EdgeTable::default(),
+            derived: Derived::default(),
+            is_whole: true,
             columns: Columns::default(),
         }
     }
@@ -118,20 +115,30 @@ impl Silhouette {
         self.image = Rect::of_image(mask.width(), mask.height());
         (self.border, self.rect, self.has_coverage) = (border, scan.rect, scan.has_coverage);
         self.region.fill(mask, &scan, border);
-        self.turned.fill(&self.region);
-        self.tiles.fill(&self.region);
-        self.distances.fill(&self.region, &self.tiles);
-        self.edges.fill(&self.region);
+        self.derived.fill(&self.region);
+        self.is_whole = true;
+    }
+
+    /// Gives away the memory of what is derived. Nothing but [`Self::restore`] and [`Self::refill`] may be asked then.
+    pub(crate) fn lend(&mut self) -> Option<Derived> {
+        std::mem::take(&mut self.is_whole).then(|| std::mem::take(&mut self.derived))
+    }
+
+    /// Memory for what is derived of the next mask.
+    pub(crate) fn borrow(&mut self, memory: Derived) {
+        self.derived = memory;
+    }
+
+    /// Derives again what was lent.
+    pub(crate) fn restore(&mut self) {
+        if !std::mem::replace(&mut self.is_whole, true) {
+            self.derived.fill(&self.region);
+        }
     }
 
     /// Bytes of memory for what is prepared, beside the mask's own bytes.
     pub fn working_memory(&self) -> usize {
-        self.region.working_memory()
-            + self.turned.working_memory()
-            + self.distances.working_memory()
-            + self.tiles.working_memory()
-            + self.edges.working_memory()
-            + self.columns.working_memory()
+        self.region.working_memory() + self.derived.working_memory() + self.columns.working_memory()
     }
 
     /// The mask, as far as it is kept.
@@ -182,7 +189,7 @@ impl Silhouette {
     /// [`u16::MAX`] where there is none.
     pub fn distance(&self, i: i32, j: i32) -> u16 {
         if self.rect.contains(i, j) {
-            self.distances.at(self.region.rect().index(i, j))
+            self.derived.distances.at(self.region.rect().index(i, j))
         } else if self.border == Border::Open && !self.image.contains(i, j) {
             distance::NO_EDGE
         } else {
@@ -193,7 +200,7 @@ impl Silhouette {
     /// The distance at a place of the table.
     #[inline]
     pub(crate) fn distance_at(&self, place: usize) -> u16 {
-        self.distances.at(place)
+        self.derived.distances.at(place)
     }
 
     /// The tables themselves, for queries of many points.
@@ -205,12 +212,12 @@ impl Silhouette {
             height: rect.height(),
             words: self.region.words(),
             subject: self.region.subject(),
-            near: self.region.near(),
-            words_in_column: self.turned.words(),
-            turned: self.turned.subject(),
-            distance: self.distances.narrow(),
-            distance_words: self.distances.narrow_words(),
-            tiles: &self.tiles,
+            near: self.derived.neighbours.near(),
+            words_in_column: self.derived.turned.words(),
+            turned: self.derived.turned.subject(),
+            distance: self.derived.distances.narrow(),
+            distance_words: self.derived.distances.narrow_words(),
+            tiles: &self.derived.tiles,
         }
     }
 
@@ -244,7 +251,7 @@ impl Silhouette {
             (0..region::WORD as i32).filter(move |bit| word >> bit & 1 == 1).map(move |bit| (x + bit, y))
         };
         // The table holds pixels beside an open border too, which is no edge.
-        self.region.edges().iter().enumerate().flat_map(word).filter(move |&pixel| beside(pixel))
+        self.derived.neighbours.edges().iter().enumerate().flat_map(word).filter(move |&pixel| beside(pixel))
     }
 }
 

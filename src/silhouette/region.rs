@@ -36,10 +36,6 @@ pub(super) struct Region {
     /// Subject pixels, the first pixel of a row in its first word's lowest bit; background before the first row and
     /// behind the last.
     subject: Vec<Word>,
-    /// Subject pixels and the eight around each.
-    near: Vec<Word>,
-    /// Background pixels with a subject pixel beside, above or below.
-    edges: Vec<Word>,
     /// The mask's bytes, beyond the image those of the border; none where each is 0 or 255, as the bits tell.
     bytes: Vec<u8>,
     /// Whether it reaches beyond an open border.
@@ -74,8 +70,6 @@ impl Region {
         self.rect = Some(rect);
         let (pad, count) = (self.pad(), self.words() * rect.height());
         self.subject.resize(count + 2 * pad, 0);
-        self.near.resize(count, 0);
-        self.edges.resize(count, 0);
         self.bytes.clear();
         let image = Rect::of_image(mask.width(), mask.height());
         self.is_open = border == Border::Open && rect.intersection(&image) != rect;
@@ -92,9 +86,6 @@ impl Region {
         self.subject[..pad].fill(0);
         pack(&source, &mut self.subject[pad..], &mut self.row);
         self.subject[pad + count..].fill(0);
-        let words = self.words();
-        let around = &self.subject[pad - words - 1..=pad + count + words];
-        neighbours(around, words, &mut self.near, &mut self.edges);
     }
 
     /// The pixels kept; empty where there is no subject.
@@ -150,12 +141,10 @@ impl Region {
         self.subject.get(pad..self.subject.len() - pad).unwrap_or(&[])
     }
 
-    pub(super) fn near(&self) -> &[Word] {
-        &self.near
-    }
-
-    pub(super) fn edges(&self) -> &[Word] {
-        &self.edges
+    /// The same with a row and a word of background before and behind; not for an empty region.
+    pub(super) fn subject_and_around(&self) -> &[Word] {
+        let beside = self.pad() - self.words() - 1;
+        &self.subject[beside..self.subject.len() - beside]
     }
 
     /// Rows of subject bits from pixel `(i, j)` on, of which the caller reads none that leaves the region.
@@ -173,7 +162,7 @@ impl Region {
 
     /// Bytes of memory behind the tables, the mask's own bytes not counted.
     pub(super) fn working_memory(&self) -> usize {
-        4 * (self.subject.capacity() + self.near.capacity() + self.edges.capacity()) + self.row.capacity()
+        4 * self.subject.capacity() + self.row.capacity()
     }
 }
 
@@ -262,28 +251,4 @@ fn pack_block(bytes: &[u8; BLOCK]) -> [Word; BLOCK / WORD] {
         packed[k] = (fours | fours >> 28) as u8;
     }
     bytemuck::cast::<_, [Word; BLOCK / WORD]>(packed).map(Word::from_le)
-}
-
-vectorised! {
-    /// From the subject's bits those near it, and the background pixels at its edge.
-    ///
-    /// Bits are carried over the ends of rows too. There the margin is background, or lies beyond an open border, where
-    /// nobody minds a pixel too many.
-    fn neighbours(subject: &[Word], words: usize, near: &mut [Word], edges: &mut [Word]) {
-        let count = near.len();
-        let [above, here, below] = [0, words, 2 * words].map(|start| &subject[start..start + count + 2]);
-        let (near, edges) = (&mut near[..count], &mut edges[..count]);
-        for k in 0..count {
-            let column = |k: usize| above[k] | here[k] | below[k];
-            near[k] = column(k + 1) | spread(column(k), column(k + 1), column(k + 2));
-            let beside = spread(here[k], here[k + 1], here[k + 2]);
-            edges[k] = !here[k + 1] & (above[k + 1] | below[k + 1] | beside);
-        }
-    }
-}
-
-/// The pixels left and right of those in `here`, with the words before and after.
-#[inline(always)]
-fn spread(before: Word, here: Word, after: Word) -> Word {
-    here << 1 | before >> (WORD - 1) | here >> 1 | after << (WORD - 1)
 }

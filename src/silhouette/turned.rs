@@ -99,7 +99,7 @@ mod tests {
         let mask =
             GrayImage::from_fn(403, 171, |i, j| Luma([if (i * 7 + j * j) % 11 < 6 { 255 } else { 0 }]));
         let silhouette = Silhouette::new(&mask, Border::Background);
-        let (rect, turned) = (silhouette.region.rect(), &silhouette.turned);
+        let (rect, turned) = (silhouette.region.rect(), &silhouette.derived.turned);
         for (x, column) in turned.subject().chunks_exact(turned.words()).enumerate() {
             for (y, i) in (0..turned.words() * 32).zip(0..) {
                 let is_subject = column[y / 32] >> (y % 32) & 1 == 1;

@@ -39,17 +39,14 @@ const BELL: [[f64; SIDE]; SIDE] = {
     weights
 };
 
-/// A background pixel of a silhouette.
-type Asked<'a> = (&'a Silhouette, (i32, i32));
-
 /// The weights' sums of windows side by side: times the offset's x, times its y, and alone.
 type Sums = [[f64; ABREAST]; 3];
 
-/// Lets the silhouettes know their edges at the pixels asked.
-pub(crate) fn compute_edges(asked: &[Asked]) {
-    for asked in asked.chunks(ABREAST) {
-        let sums = sums_around(asked);
-        for (slot, &(silhouette, pixel)) in asked.iter().enumerate() {
+/// Finds the edges at some background pixels of a silhouette, which remembers them.
+pub(crate) fn compute_edges(silhouette: &Silhouette, pixels: &[(i32, i32)]) {
+    for pixels in pixels.chunks(ABREAST) {
+        let sums = sums_around(silhouette, pixels);
+        for (slot, &pixel) in pixels.iter().enumerate() {
             silhouette.edges.get(&silhouette.region, pixel, || edge(silhouette, pixel, &sums, slot));
         }
     }
@@ -57,7 +54,7 @@ pub(crate) fn compute_edges(asked: &[Asked]) {
 
 /// The edge at one pixel.
 pub(super) fn at(silhouette: &Silhouette, pixel: (i32, i32)) -> Option<Edge> {
-    edge(silhouette, pixel, &sums_around(&[(silhouette, pixel)]), 0)
+    edge(silhouette, pixel, &sums_around(silhouette, &[pixel]), 0)
 }
 
 fn edge(silhouette: &Silhouette, (i, j): (i32, i32), [x, y, total]: &Sums, slot: usize) -> Option<Edge> {
@@ -67,12 +64,12 @@ fn edge(silhouette: &Silhouette, (i, j): (i32, i32), [x, y, total]: &Sums, slot:
     Some(Edge { point, normal })
 }
 
-fn sums_around(asked: &[Asked]) -> Sums {
-    if asked.iter().any(|(silhouette, _)| silhouette.has_coverage) {
-        return sums_of_bytes(asked);
+fn sums_around(silhouette: &Silhouette, pixels: &[(i32, i32)]) -> Sums {
+    if silhouette.has_coverage {
+        return sums_of_bytes(silhouette, pixels);
     }
     let mut background = [[0; ABREAST]; SIDE];
-    for (slot, &(silhouette, (i, j))) in asked.iter().enumerate() {
+    for (slot, &(i, j)) in pixels.iter().enumerate() {
         for (row, dy) in background.iter_mut().zip(-WINDOW..) {
             row[slot] = u64::from(silhouette.background_around(i, j + dy));
         }
@@ -99,9 +96,9 @@ vectorised! {
 }
 
 /// The sums of windows with coverage.
-fn sums_of_bytes(asked: &[Asked]) -> Sums {
+fn sums_of_bytes(silhouette: &Silhouette, pixels: &[(i32, i32)]) -> Sums {
     let [mut x, mut y, mut total] = [[0.0; ABREAST]; 3];
-    for (slot, &(silhouette, (i, j))) in asked.iter().enumerate() {
+    for (slot, &(i, j)) in pixels.iter().enumerate() {
         for (dy, bells) in (-WINDOW..).zip(&BELL) {
             for ((dx, bell), value) in (-WINDOW..).zip(bells).zip(silhouette.values_around(i, j + dy)) {
                 // Most pixels weigh nothing, and adding nothing changes no bit.

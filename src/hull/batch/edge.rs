@@ -4,12 +4,14 @@ use super::super::lanes::{bits_of, either};
 use super::super::points::{Block, LANES};
 use super::fold::Folded;
 use super::inside::Within;
+use super::lookup::{Bits, Distances};
 use super::pool::Pool;
 use super::rings;
+use crate::silhouette::Tables;
 use crate::vectorised::vectorised;
 
 /// Whole numbers of as many points as are asked together.
-pub(super) type Whole = [i32; LANES];
+pub(in crate::hull) type Whole = [i32; LANES];
 
 /// Up to this Chebyshev distance the nearest background pixel is in sight of a row's word: it lies at most 14 pixels
 /// away.
@@ -21,18 +23,17 @@ const SIGHT: i32 = 15;
 /// Half-width of the normal's window.
 const WINDOW: i32 = 2;
 
-/// Pixels of one view.
+/// Pixels of one view, from the corner of its silhouette's region.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Pixels {
-    pub(super) column: Whole,
-    pub(super) row: Whole,
+pub(in crate::hull) struct Pixels {
+    pub(in crate::hull) column: Whole,
+    pub(in crate::hull) row: Whole,
 }
 
 vectorised! {
     /// The unit normals, outwards, of the edges nearest to the points that `view`, at `place` among all, decides:
     /// written to `normals`, in the volume's frame. Zero where there is none.
     pub(super) fn normals(view: &Folded, place: usize, pool: &Pool, normals: &mut [Block]) {
-        let distances = view.distances();
         for points in pool.decided_by(place).chunks(LANES) {
             let (mut middle, mut first, mut half) = (Pixels::default(), [0; LANES], [0; LANES]);
             for k in 0..LANES {
@@ -44,11 +45,7 @@ vectorised! {
                 half[k] = bits_of(pool.decisions[block].half[lane]) as i32;
                 first[k] = bits_of(sighting.clear[lane]) as i32;
             }
-            let nearest = if first.iter().all(|&first| first <= NEAR) {
-                nearest_in_sight(view, &middle, &half)
-            } else {
-                rings::nearest(distances, &middle, &first, &half)
-            };
+            let nearest = nearest(&view.tables, &middle, &first, &half);
             let normal = normals_at(view, &nearest, &tangents(view, &middle, &nearest));
             for (k, &point) in points.iter().enumerate() {
                 normals[point as usize / LANES].set(point as usize % LANES, normal.get(k));
@@ -57,10 +54,20 @@ vectorised! {
     }
 }
 
-/// The background pixel nearest to each middle within its window, by rows outwards.
+/// The background pixel nearest to each middle (Euclidean, then row-major) within its window of half-width `half`,
+/// where `first` is the Chebyshev distance of the nearest ones.
 #[inline(always)]
-fn nearest_in_sight(view: &Folded, middle: &Pixels, half: &Whole) -> Pixels {
-    let bits = view.bits(Within::Subject);
+pub(in crate::hull) fn nearest(tables: &Tables, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
+    if first.iter().all(|&first| first <= NEAR) {
+        nearest_in_sight(Bits::new(tables.subject, tables.words), middle, half)
+    } else {
+        rings::nearest(Distances::new(tables.distance_words, tables.width), middle, first, half)
+    }
+}
+
+/// The same for pixels near background, by rows outwards.
+#[inline(always)]
+fn nearest_in_sight(bits: Bits, middle: &Pixels, half: &Whole) -> Pixels {
     let (mut squared, mut nearest) = ([i32::MAX; LANES], *middle);
     for away in 0..=SIGHT {
         let mut left_to_see = 0;

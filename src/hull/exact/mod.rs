@@ -23,7 +23,8 @@ use super::{EdgeModel, Hull};
 use crate::silhouette::HALF_COVERAGE;
 use crate::vectorised::vectorised;
 use exits::{Exits, Way};
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
+use nearest::Decided;
 use sight::{Block, Field};
 
 /// So few exits are sooner found one by one.
@@ -46,38 +47,38 @@ pub(crate) struct Start {
 pub(crate) struct Memory {
     fields: Vec<Field<'static>>,
     block: Block,
+    decided: Decided,
     exits: Exits,
 }
 
 impl Hull {
-    /// Writes to `ways` the directions of [`Self::push`] for those of `points`, in the pose `hull_from_points`, that are
-    /// inside by the coverage edge: with their places, in their order, of the first `most` of them.
+    /// Writes to `ways` the directions of [`Self::push`] for those of `points` that are inside by the coverage edge, with
+    /// their places, in their order.
     pub(crate) fn ways_out_of(
         &self,
         points: &[Point3<f64>],
-        hull_from_points: &Isometry3<f64>,
-        most: usize,
         memory: &mut Memory,
         ways: &mut Vec<(usize, Start)>,
     ) {
         ways.clear();
         if !self.every_view_tells() {
-            let points = points.iter().map(|p| hull_from_points * p).enumerate();
-            let way = |(place, point)| {
+            let way = |(place, &point): (usize, &Point3<f64>)| {
                 let (view, direction) = self.way_out(&point)?;
                 Some((place, Start { point, direction, view }))
             };
-            ways.extend(points.filter_map(way).take(most));
+            ways.extend(points.iter().enumerate().filter_map(way));
             return;
         }
         memory.with_queries(self, EdgeModel::Coverage, |queries| {
             for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
-                if ways.len() < most {
-                    add_ways(queries, chunk, hull_from_points, first, ways);
-                }
+                find_inside(queries, chunk, first, ways);
             }
+            let Queries { fields, decided, .. } = queries;
+            for (place, field) in fields.iter().enumerate() {
+                nearest::find_directions(field, decided.by(place), ways);
+            }
+            decided.clear();
         });
-        ways.truncate(most);
     }
 
     /// Writes to `exits` [`Self::exit_within`] of each of `starts`, all of them inside.
@@ -124,24 +125,16 @@ impl Hull {
 }
 
 vectorised! {
-    /// Adds the ways out of a block of points, the first of which has the place `first`.
-    fn add_ways(
-        queries: &mut Queries,
-        points: &[Point3<f64>],
-        hull_from_points: &Isometry3<f64>,
-        first: usize,
-        ways: &mut Vec<(usize, Start)>,
-    ) {
-        let Queries { hull, fields, block, .. } = queries;
+    /// Adds those of a block of points that are inside to `ways`, and to the points that a view decides; the first of the
+    /// block has the place `first`.
+    fn find_inside(queries: &mut Queries, points: &[Point3<f64>], first: usize, ways: &mut Vec<(usize, Start)>) {
+        let Queries { hull, fields, block, decided, .. } = queries;
         block.place(points.len(), |k| points[k]);
-        block.transform(hull_from_points);
-        let mut inside = 0;
-        for k in 0..points.len() {
-            inside |= u32::from(hull.in_boxes(&block.point(k))) << k;
-        }
+        let inside = block.within(hull.bounds(), u32::MAX >> (LANES - points.len()));
+        let inside = if hull.culls.frustum_box { block.within(hull.aabb(), inside) } else { inside };
         let inside = block.sight_inside(fields, inside);
         if inside != 0 {
-            nearest::add_ways(hull, fields, block, inside, first, ways);
+            decided.add(fields, block, inside, first, ways);
         }
     }
 }
@@ -149,7 +142,7 @@ vectorised! {
 vectorised! {
     /// Adds the exits of a block of points.
     fn add_exits(queries: &mut Queries, starts: &[Start], most: f64, found: &mut Vec<f64>) {
-        let Queries { hull, fields, block, exits } = queries;
+        let Queries { hull, fields, block, exits, .. } = queries;
         block.place(starts.len(), |k| starts[k].point);
         block.sight(fields);
         let mut way = Way::default();
@@ -169,6 +162,7 @@ struct Queries<'a> {
     hull: &'a Hull,
     fields: &'a [Field<'a>],
     block: &'a mut Block,
+    decided: &'a mut Decided,
     exits: &'a mut Exits,
 }
 
@@ -178,7 +172,8 @@ impl Memory {
         let mut fields: Vec<Field> = std::mem::take(&mut self.fields);
         let enabled = hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
         fields.extend(enabled.map(|(index, view)| Field::new(index, view, edge)));
-        ask(&mut Queries { hull, fields: &fields, block: &mut self.block, exits: &mut self.exits });
+        let Self { block, decided, exits, .. } = self;
+        ask(&mut Queries { hull, fields: &fields, block, decided, exits });
         fields.clear();
         // Collected in place: nothing is left to convert but the lifetime.
         self.fields = fields.into_iter().map(|_| unreachable!("it was cleared")).collect();

@@ -3,23 +3,25 @@
 use super::super::lanes::{bits, either, floor, index, ones};
 use super::super::points::LANES;
 use super::super::view::Footprint;
-use super::super::{EdgeModel, View};
+use super::super::{Aabb, EdgeModel, View};
 use super::Wide;
 use crate::camera::MIN_DEPTH;
 use crate::silhouette::HALF_COVERAGE;
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Point3;
 
 /// What of a view every point needs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Field<'a> {
     pub(super) view: &'a View,
     pub(super) index: usize,
-    p: [[f64; 4]; 3],
+    pub(super) p: [[f64; 4]; 3],
     /// Width and height of the image.
     size: [f64; 2],
     /// The columns and rows of the silhouette's rectangle: the first, and the one behind the last.
     low: [f64; 2],
     high: [f64; 2],
+    /// Column and row of the first pixel of the silhouette's region.
+    pub(super) corner: (i32, i32),
     /// Chebyshev distances, a row's pixels, and the place that pixel (0, 0) would have.
     distance: &'a [u8],
     pub(super) stride: f64,
@@ -66,6 +68,7 @@ impl<'a> Field<'a> {
             size: [f64::from(image.x1), f64::from(image.y1)],
             low: [f64::from(rect.x0), f64::from(rect.y0)],
             high: [f64::from(rect.x1), f64::from(rect.y1)],
+            corner: tables.corner,
             distance: tables.distance,
             stride,
             origin: -(stride * f64::from(tables.corner.1) + f64::from(tables.corner.0)),
@@ -180,20 +183,17 @@ impl Block {
         }
     }
 
-    /// The points in another frame, by the sums that nalgebra has for one.
+    /// Which of the points `asked` lie in a box, faces included.
     #[inline(always)]
-    pub(super) fn transform(&mut self, pose: &Isometry3<f64>) {
-        let (q, shift) = (pose.rotation.coords, pose.translation.vector);
-        let [x, y, z] = &mut self.point;
-        for k in 0..LANES {
-            let (px, py, pz) = (x[k], y[k], z[k]);
-            let (tx, ty, tz) = (q.y * pz - q.z * py, q.z * px - q.x * pz, q.x * py - q.y * px);
-            let (tx, ty, tz) = (tx * 2.0, ty * 2.0, tz * 2.0);
-            let (cx, cy, cz) = (q.y * tz - q.z * ty, q.z * tx - q.x * tz, q.x * ty - q.y * tx);
-            x[k] = tx * q.w + cx + px + shift.x;
-            y[k] = ty * q.w + cy + py + shift.y;
-            z[k] = tz * q.w + cz + pz + shift.z;
+    pub(super) fn within(&self, aabb: &Aabb, asked: u32) -> u32 {
+        let mut within = [1; LANES];
+        for axis in 0..3 {
+            let (min, max, at) = (aabb.min[axis], aabb.max[axis], &self.point[axis]);
+            for k in 0..LANES {
+                within[k] &= u32::from((at[k] >= min) & (at[k] <= max));
+            }
         }
+        bits(&within) & asked
     }
 
     /// Takes up where all views see the points.

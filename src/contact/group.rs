@@ -97,10 +97,12 @@ impl Groups {
         samples: impl Iterator<Item = &'a Colliding>,
         direction: &Vector3<f64>,
     ) {
-        let (mut longest, mut likely) = (f64::NEG_INFINITY, 0);
+        // The one that lies farthest back.
+        let (mut hindmost, mut likely) = (f64::INFINITY, 0);
         for (k, sample) in samples.enumerate() {
-            if sample.depth > longest {
-                (longest, likely) = (sample.depth, k);
+            let along = sample.point.coords.dot(direction);
+            if along < hindmost {
+                (hindmost, likely) = (along, k);
             }
             self.add(Start { point: sample.point, direction: *direction, view: sample.view }, None);
         }

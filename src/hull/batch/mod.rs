@@ -20,7 +20,7 @@ mod exit;
 mod fold;
 mod folded_hull;
 mod inside;
-mod lookup;
+pub(super) mod lookup;
 mod pool;
 mod respond;
 mod rings;

@@ -19,10 +19,10 @@ mod walk;
 
 use super::points::LANES;
 use super::view::whole;
-use super::{EdgeModel, Hull};
+use super::{EdgeModel, Hull, View};
 use crate::silhouette::HALF_COVERAGE;
 use crate::vectorised::vectorised;
-use exits::{Exits, Way};
+use exits::Exits;
 use nalgebra::{Point3, Vector3};
 use nearest::Decided;
 use sight::{Block, Field};
@@ -97,30 +97,36 @@ impl Hull {
             return;
         }
         memory.with_queries(self, edge, |queries| {
-            for chunk in starts.chunks(LANES) {
-                add_exits(queries, chunk, most, exits);
-            }
+            queries.exits.find(self, queries.fields, starts, most, exits);
         });
     }
 
-    /// Whether the exit of `start` surely lies before `t` metres: the view that is likely to decide
-    /// sees background there. One look, where an exit is a walk in every view. Only where [`Self::every_view_tells`].
+    /// Whether the exit of `start` surely lies before `t` metres: some view sees background there, the one that is likely
+    /// to decide first. A look a view, where an exit is a walk. Only where [`Self::every_view_tells`].
     pub(crate) fn surely_leaves_before(&self, start: &Start, edge: EdgeModel, t: f64) -> bool {
-        /// Far more than rounding, in pixels.
-        const RIM: f64 = 1e-6;
-        let view = &self.views()[start.view];
-        let silhouette = view.silhouette();
-        let Some(at) = view.project(&(start.point + start.direction * t)) else { return false };
-        let (i, j) = whole(at.u, at.v);
-        let (x, y) = (at.u - f64::from(i), at.v - f64::from(j));
-        let within = |x: f64| x > RIM && x < 1.0 - RIM;
-        if !view.sees(i, j) || !within(x) || !within(y) {
-            false
-        } else if edge == EdgeModel::Coverage && silhouette.has_coverage() {
-            silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * RIM
-        } else {
-            silhouette.distance(i, j) == 0
-        }
+        let end = start.point + start.direction * t;
+        let others =
+            self.views().iter().enumerate().filter(|(k, view)| *k != start.view && view.is_enabled());
+        surely_outside(&self.views()[start.view], &end, edge)
+            || others.into_iter().any(|(_, view)| surely_outside(view, &end, edge))
+    }
+}
+
+/// Whether a view sees background at `p`, however its place is rounded.
+fn surely_outside(view: &View, p: &Point3<f64>, edge: EdgeModel) -> bool {
+    /// Far more than rounding, in pixels.
+    const RIM: f64 = 1e-6;
+    let silhouette = view.silhouette();
+    let Some(at) = view.project(p) else { return false };
+    let (i, j) = whole(at.u, at.v);
+    let (x, y) = (at.u - f64::from(i), at.v - f64::from(j));
+    let within = |x: f64| x > RIM && x < 1.0 - RIM;
+    if !view.sees(i, j) || !within(x) || !within(y) {
+        false
+    } else if edge == EdgeModel::Coverage && silhouette.has_coverage() {
+        silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * RIM
+    } else {
+        silhouette.distance(i, j) == 0
     }
 }
 
@@ -136,24 +142,6 @@ vectorised! {
         if inside != 0 {
             decided.add(fields, block, inside, first, ways);
         }
-    }
-}
-
-vectorised! {
-    /// Adds the exits of a block of points.
-    fn add_exits(queries: &mut Queries, starts: &[Start], most: f64, found: &mut Vec<f64>) {
-        let Queries { hull, fields, block, exits, .. } = queries;
-        block.place(starts.len(), |k| starts[k].point);
-        block.sight(fields);
-        let mut way = Way::default();
-        for (k, start) in starts.iter().enumerate() {
-            for axis in 0..3 {
-                way.direction[axis][k] = start.direction[axis];
-            }
-            way.field[k] = fields.iter().position(|field| field.index == start.view).unwrap_or(0);
-        }
-        exits.find(hull, fields, block, &way, most, u32::MAX >> (LANES - starts.len()));
-        found.extend_from_slice(&exits.exit[..starts.len()]);
     }
 }
 

@@ -16,7 +16,7 @@ const WINDOW: i32 = 6;
 const SIDE: usize = 2 * WINDOW as usize + 1;
 
 /// Windows summed side by side.
-const ABREAST: usize = 8;
+const ABREAST: usize = 16;
 
 /// Squared distance, in pixels, at which the contact normal's weights `(1 - r^2 / REACH_SQUARED)^3` end: a round bell
 /// of standard deviation 2.2, wide enough to see past the stairs of a binary edge, narrow enough to follow a finger.
@@ -69,9 +69,9 @@ fn sums_around(silhouette: &Silhouette, pixels: &[(i32, i32)]) -> Sums {
         return sums_of_bytes(silhouette, pixels);
     }
     let mut background = [[0; ABREAST]; SIDE];
-    for (slot, &(i, j)) in pixels.iter().enumerate() {
-        for (row, dy) in background.iter_mut().zip(-WINDOW..) {
-            row[slot] = u64::from(silhouette.background_around(i, j + dy));
+    for (slot, &pixel) in pixels.iter().enumerate() {
+        for (row, bits) in background.iter_mut().zip(silhouette.background_around(pixel)) {
+            row[slot] = bits;
         }
     }
     sums_of_bits(&background)
@@ -128,16 +128,20 @@ const WHOLE_WEIGHTS: [[[f64; 3]; SIDE]; SIDE] = {
 };
 
 impl Silhouette {
-    /// Which pixels of row `j` in a window around column `i` are background, the first in the lowest bit.
+    /// Which pixels of the rows of a window are background, the first of a row in the lowest bit.
     #[inline(always)]
-    fn background_around(&self, i: i32, j: i32) -> u32 {
+    fn background_around(&self, (i, j): (i32, i32)) -> [u64; SIDE] {
         const ALL: u32 = (1 << SIDE) - 1;
-        let rect = self.region.rect();
-        if rect.contains(i - WINDOW, j) && rect.contains(i + WINDOW, j) {
-            !self.region.rows_from(i - WINDOW, j).row(0) & ALL
+        let (rect, corner) = (self.region.rect(), (i - WINDOW, j - WINDOW));
+        if rect.contains(corner.0, corner.1) && rect.contains(i + WINDOW, j + WINDOW) {
+            let rows = self.region.rows_from(corner.0, corner.1);
+            std::array::from_fn(|down| u64::from(!rows.row(down as i32) & ALL))
         } else {
-            (0..SIDE as u32)
-                .fold(0, |bits, k| bits | u32::from(!self.is_subject(i - WINDOW + k as i32, j)) << k)
+            let is_background =
+                |k: usize, down: usize| !self.is_subject(corner.0 + k as i32, corner.1 + down as i32);
+            std::array::from_fn(|down| {
+                (0..SIDE).fold(0, |bits, k| bits | u64::from(is_background(k, down)) << k)
+            })
         }
     }
 

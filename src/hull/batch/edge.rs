@@ -15,7 +15,7 @@ pub(in crate::hull) type Whole = [i32; LANES];
 
 /// Up to this Chebyshev distance the nearest background pixel is in sight of a row's word: it lies at most 14 pixels
 /// away.
-const NEAR: i32 = 10;
+pub(in crate::hull) const NEAR: i32 = 10;
 
 /// Pixels left of the middle one in a word around it.
 const SIGHT: i32 = 15;

@@ -73,11 +73,7 @@ impl Hull {
             for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
                 find_inside(queries, chunk, first, ways);
             }
-            let Queries { fields, decided, .. } = queries;
-            for (place, field) in fields.iter().enumerate() {
-                nearest::find_directions(field, decided.by(place), ways);
-            }
-            decided.clear();
+            queries.decided.find_directions(queries.fields, ways);
         });
     }
 

@@ -1,7 +1,7 @@
 //! The silhouette edges nearest to many points, and the ways out that they give: points that one view decides lie
 //! together, so that its silhouette is asked for as many of them at a time as there are lanes.
 
-use super::super::batch::edge::{Pixels, nearest};
+use super::super::batch::edge::{NEAR, Pixels, nearest};
 use super::super::lanes::{either, floor, ones};
 use super::super::points::LANES;
 use super::super::response::towards;
@@ -15,18 +15,19 @@ use nalgebra::{Point2, Vector3};
 /// Points inside, by the view that decides the window search.
 #[derive(Debug, Default)]
 pub(super) struct Decided {
-    /// A list for each view.
-    points: Vec<Vec<Point>>,
+    /// A list for each view, of those near its background, and one of the others.
+    points: Vec<[Vec<Point>; 2]>,
+    /// Of one view: the background pixels nearest to the points of both lists, and those whose edges are new.
+    nearest: [Vec<(i32, i32)>; 2],
+    new_edges: Vec<(i32, i32)>,
 }
 
 /// A point as the view sees it that decides.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
+struct Point {
     /// The place of its way out.
     way: u32,
-    /// Its pixel, from the corner of the silhouette's region.
-    column: i32,
-    row: i32,
+    pixel: (i32, i32),
     /// Chebyshev distance to the background, and the half-width of the window in which that is searched.
     first: i32,
     half: i32,
@@ -61,17 +62,15 @@ impl Decided {
         ways: &mut Vec<(usize, Start)>,
     ) {
         let decision = decide(fields, block);
-        self.points.resize_with(self.points.len().max(fields.len()), Vec::new);
+        self.points.resize_with(self.points.len().max(fields.len()), Default::default);
         for k in ones(inside) {
             let place = decision.field[k] as usize;
             let (field, sighting) = (&fields[place], &block.sightings[place]);
-            let (x, y) = field.corner;
             let first_background = sighting.clear[k] as i32;
             let half = window_half_width(decision.iteration[k] as i64, decision.growth[k]);
-            self.points[place].push(Point {
+            self.points[place][usize::from(first_background > NEAR)].push(Point {
                 way: ways.len() as u32,
-                column: sighting.column[k] as i32 - x,
-                row: sighting.row[k] as i32 - y,
+                pixel: (sighting.column[k] as i32, sighting.row[k] as i32),
                 first: first_background,
                 half: half.max(first_background),
             });
@@ -80,29 +79,63 @@ impl Decided {
         }
     }
 
-    /// The points that a view decides.
-    pub(super) fn by(&self, place: usize) -> &[Point] {
-        self.points.get(place).map_or(&[], Vec::as_slice)
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.points.iter_mut().for_each(Vec::clear);
+    /// Writes the directions of the ways out of all points taken up, and forgets them.
+    pub(super) fn find_directions(&mut self, fields: &[Field], ways: &mut [(usize, Start)]) {
+        let Self { points, nearest, new_edges, .. } = self;
+        for (field, lists) in fields.iter().zip(points) {
+            let silhouette = field.view.silhouette();
+            new_edges.clear();
+            for (points, nearest) in lists.iter().zip(nearest.iter_mut()) {
+                nearest.clear();
+                find_nearest(field, points, nearest);
+                let is_new = |&&pixel: &&(i32, i32)| silhouette.known_edge(pixel).is_none();
+                new_edges.extend(nearest.iter().filter(is_new));
+            }
+            new_edges.sort_unstable();
+            new_edges.dedup();
+            silhouette::compute_edges(silhouette, new_edges);
+            for (points, nearest) in lists.iter_mut().zip(nearest.iter()) {
+                find_directions(field, points, nearest, ways);
+                points.clear();
+            }
+        }
     }
 }
 
 vectorised! {
-    /// Writes the directions of the ways out of `points`, all of which the view decides.
-    pub(super) fn find_directions(field: &Field, points: &[Point], ways: &mut [(usize, Start)]) {
-        let tables = field.view.silhouette().tables();
+    /// Adds the background pixels nearest to `points`, all of which the view decides, to `found`.
+    fn find_nearest(field: &Field, points: &[Point], found: &mut Vec<(i32, i32)>) {
+        let (tables, (x, y)) = (field.view.silhouette().tables(), field.corner);
         for points in points.chunks(LANES) {
             let (mut middle, mut first, mut half) = (Pixels::default(), [0; LANES], [0; LANES]);
             for k in 0..LANES {
                 let point = points[k.min(points.len() - 1)];
-                (middle.column[k], middle.row[k]) = (point.column, point.row);
+                (middle.column[k], middle.row[k]) = (point.pixel.0 - x, point.pixel.1 - y);
                 (first[k], half[k]) = (point.first, point.half);
             }
             let nearest = nearest(&tables, &middle, &first, &half);
-            let [x, y, z] = field.backproject(&edges(field, &middle, &nearest, points.len()));
+            found.extend((0..points.len()).map(|k| (nearest.column[k] + x, nearest.row[k] + y)));
+        }
+    }
+}
+
+vectorised! {
+    /// Writes the directions of the ways out of `points`, given by the edges at the pixels `nearest` to them.
+    fn find_directions(
+        field: &Field,
+        points: &[Point],
+        nearest: &[(i32, i32)],
+        ways: &mut [(usize, Start)],
+    ) {
+        for (points, nearest) in points.chunks(LANES).zip(nearest.chunks(LANES)) {
+            let mut lines =
+                Lines { u: [0.0; LANES], v: [0.0; LANES], normal_u: [0.0; LANES], normal_v: [1.0; LANES] };
+            for (k, (point, nearest)) in points.iter().zip(nearest).enumerate() {
+                let Edge { point, normal } = edge(field, point, nearest);
+                (lines.u[k], lines.v[k]) = (point.x, point.y);
+                (lines.normal_u[k], lines.normal_v[k]) = (normal.x, normal.y);
+            }
+            let [x, y, z] = field.backproject(&lines);
             for (k, point) in points.iter().enumerate() {
                 ways[point.way as usize].1.direction = Vector3::new(x[k], y[k], z[k]);
             }
@@ -110,33 +143,13 @@ vectorised! {
     }
 }
 
-/// The edges at the first `count` of the pixels `nearest`, or what stands in for them: a line across the way there.
+/// The edge at the pixel nearest to a point, or what stands in for it: a line across the way there.
 #[inline(always)]
-fn edges(field: &Field, middle: &Pixels, nearest: &Pixels, count: usize) -> Lines {
-    let (silhouette, (x, y)) = (field.view.silhouette(), field.corner);
-    let pixel = |k: usize| (nearest.column[k] + x, nearest.row[k] + y);
-    let (mut known, mut new, mut news) = ([None; LANES], [(0, 0); LANES], 0);
-    for k in 0..count {
-        known[k] = silhouette.known_edge(pixel(k));
-        if known[k].is_none() && !new[..news].contains(&pixel(k)) {
-            new[news] = pixel(k);
-            news += 1;
-        }
-    }
-    silhouette::compute_edges(silhouette, &new[..news]);
-    let mut lines =
-        Lines { u: [0.0; LANES], v: [0.0; LANES], normal_u: [0.0; LANES], normal_v: [1.0; LANES] };
-    for k in 0..count {
-        let (i, j) = pixel(k);
-        let edge = known[k].unwrap_or_else(|| silhouette.edge(i, j));
-        let Edge { point, normal } = edge.unwrap_or_else(|| Edge {
-            point: Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5),
-            normal: towards(nearest.column[k] - middle.column[k], nearest.row[k] - middle.row[k]),
-        });
-        (lines.u[k], lines.v[k]) = (point.x, point.y);
-        (lines.normal_u[k], lines.normal_v[k]) = (normal.x, normal.y);
-    }
-    lines
+fn edge(field: &Field, point: &Point, &(i, j): &(i32, i32)) -> Edge {
+    field.view.silhouette().edge(i, j).unwrap_or_else(|| Edge {
+        point: Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5),
+        normal: towards(i - point.pixel.0, j - point.pixel.1),
+    })
 }
 
 impl Field<'_> {

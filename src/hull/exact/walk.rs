@@ -225,10 +225,11 @@ impl Lines {
                 // Up to its limit a line lies in the work volume, so that it comes near the camera only there.
                 let z = z0 + z1 * either(t < self.limit[k], t, self.limit[k]);
                 let is_going = (self.clear[k] > 0.0) & (self.t[k] < self.limit[k]) & (z > 2.0 * MIN_DEPTH);
-                let (u, v) = ((x0 + x1 * t) / z, (y0 + y1 * t) / z);
-                let i =
-                    either(first, either(rightwards, column, column - 1.0), within(u - shift, left, right));
-                let j = either(first, within(v - shift, above, below), either(downwards, row, row - 1.0));
+                // The side fixes one coordinate; the other is where the line is.
+                let beside = either(first, y0 + y1 * t, x0 + x1 * t) / z - shift;
+                let cell = within(beside, either(first, above, left), either(first, below, right));
+                let i = either(first, either(rightwards, column, column - 1.0), cell);
+                let j = either(first, cell, either(downwards, row, row - 1.0));
                 self.column[k] = either(is_going, i, self.column[k]);
                 self.row[k] = either(is_going, j, self.row[k]);
                 self.t[k] = either(is_going, t, self.t[k]);

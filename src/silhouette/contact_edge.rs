@@ -84,10 +84,11 @@ vectorised! {
         for (row, weights) in background.iter().zip(&WHOLE_WEIGHTS) {
             for (place, &[dx, dy, weight]) in weights.iter().enumerate() {
                 for k in 0..ABREAST {
+                    // Adding nothing changes no bit, and leaves the sums in registers.
                     let is_background = row[k] >> place & 1 == 1;
-                    x[k] = if is_background { x[k] + dx } else { x[k] };
-                    y[k] = if is_background { y[k] + dy } else { y[k] };
-                    total[k] = if is_background { total[k] + weight } else { total[k] };
+                    x[k] += if is_background { dx } else { 0.0 };
+                    y[k] += if is_background { dy } else { 0.0 };
+                    total[k] += if is_background { weight } else { 0.0 };
                 }
             }
         }

@@ -128,8 +128,8 @@ impl Groups {
         self.close(0);
     }
 
-    /// Finds how deep each group's deepest point is, and the first that counts as deepest, where at most `most` will be
-    /// kept.
+    /// Finds how deep each group's deepest point is, and the first that counts as deepest, where at most `most` will
+    /// be kept.
     pub(super) fn find_deepest(&mut self, hull: &Hull, most: usize, memory: &mut Memory) {
         let tells = hull.every_view_tells();
         for Group { points, likely, .. } in &self.groups {
@@ -160,8 +160,8 @@ impl Groups {
         }
     }
 
-    /// Goes on in each group to the first point that counts as deepest; asks for those of which only the depth can tell,
-    /// and says whether there are any.
+    /// Goes on in each group to the first point that counts as deepest; asks for those of which only the depth can
+    /// tell, and says whether there are any.
     fn ask_for_first(&mut self, hull: &Hull) -> bool {
         for group in &mut self.groups {
             while group.first + 1 < group.points.end {

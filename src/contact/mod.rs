@@ -1,4 +1,4 @@
-//! Contacts between a hull and one rigid body: pure geometry, in the hull's frame.
+//! Contacts between a hull and rigid bodies: pure geometry, in the hull's frame.
 //!
 //! ```text
 //!       +-----------+   body             each colliding sample has a way out of the hull, w

@@ -27,8 +27,8 @@ struct Turn {
 }
 
 impl Choice {
-    /// Adds to `kept` the places of at most `most` points of a body's groups: these take turns, the deepest first; within
-    /// one its first, then always the one farthest from those kept. Ties go to the first.
+    /// Adds to `kept` the places of at most `most` points of a body's groups: these take turns, the deepest first;
+    /// within one its first, then always the one farthest from those kept. Ties go to the first.
     pub(super) fn spread(&mut self, groups: &Groups, body: Range<usize>, most: usize, kept: &mut Vec<usize>) {
         let Self { turns, to_kept } = self;
         turns.clear();

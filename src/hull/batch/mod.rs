@@ -55,8 +55,8 @@ impl Hull {
         found.map(|_| workspace.mark(points))
     }
 
-    /// Tells `take` of each of `bodies`, by its place, which points may be inside by any edge model: all but those surely outside;
-    /// none in a pose that is not finite.
+    /// Tells `take` of each of `bodies`, by its place, which points may be inside by any edge model: all but those
+    /// surely outside; none in a pose that is not finite.
     pub(crate) fn candidates<'b>(
         &self,
         bodies: impl Iterator<Item = Body<'b>>,

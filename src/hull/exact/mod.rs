@@ -52,8 +52,8 @@ pub(crate) struct Memory {
 }
 
 impl Hull {
-    /// Writes to `ways` the directions of [`Self::push`] for those of `points` that are inside by the coverage edge, with
-    /// their places, in their order.
+    /// Writes to `ways` the directions of [`Self::push`] for those of `points` that are inside by the coverage edge,
+    /// with their places, in their order.
     pub(crate) fn ways_out_of(
         &self,
         points: &[Point3<f64>],
@@ -97,8 +97,9 @@ impl Hull {
         });
     }
 
-    /// Whether the exit of `start` surely lies before `t` metres: some view sees background there, the one that is likely
-    /// to decide first. A look a view, where an exit is a walk. Only where [`Self::every_view_tells`].
+    /// Whether the exit of `start` surely lies before `t` metres: some view sees background there; the one that is
+    /// likely to decide is asked first. A look a view, where an exit is a walk. Only where
+    /// [`Self::every_view_tells`].
     pub(crate) fn surely_leaves_before(&self, start: &Start, edge: EdgeModel, t: f64) -> bool {
         let end = start.point + start.direction * t;
         let others =
@@ -127,8 +128,8 @@ fn surely_outside(view: &View, p: &Point3<f64>, edge: EdgeModel) -> bool {
 }
 
 vectorised! {
-    /// Adds those of a block of points that are inside to `ways`, and to the points that a view decides; the first of the
-    /// block has the place `first`.
+    /// Adds those of a block of points that are inside to `ways`, and to the points that a view decides; the first of
+    /// the block has the place `first`.
     fn find_inside(queries: &mut Queries, points: &[Point3<f64>], first: usize, ways: &mut Vec<(usize, Start)>) {
         let Queries { hull, fields, block, decided, .. } = queries;
         block.place(points.len(), |k| points[k]);

@@ -1,5 +1,6 @@
-//! The silhouette edges nearest to many points, and the ways out that they give: points that one view decides lie
-//! together, so that its silhouette is asked for as many of them at a time as there are lanes.
+//! The silhouette edges nearest to many points, and the ways out that they give.
+//!
+//! Points that one view decides are put together, so that its silhouette is asked for many of them at a time.
 
 use super::super::batch::edge::{NEAR, Pixels, nearest};
 use super::super::lanes::{either, floor, ones};
@@ -41,8 +42,7 @@ struct Decision {
 }
 
 /// Lines in the image: a point of each and its unit normal.
-#[derive(Clone, Copy)]
-struct Lines {
+struct Tangents {
     u: Wide,
     v: Wide,
     normal_u: Wide,
@@ -81,7 +81,7 @@ impl Decided {
 
     /// Writes the directions of the ways out of all points taken up, and forgets them.
     pub(super) fn find_directions(&mut self, fields: &[Field], ways: &mut [(usize, Start)]) {
-        let Self { points, nearest, new_edges, .. } = self;
+        let Self { points, nearest, new_edges } = self;
         for (field, lists) in fields.iter().zip(points) {
             let silhouette = field.view.silhouette();
             new_edges.clear();
@@ -128,8 +128,8 @@ vectorised! {
         ways: &mut [(usize, Start)],
     ) {
         for (points, nearest) in points.chunks(LANES).zip(nearest.chunks(LANES)) {
-            let mut lines =
-                Lines { u: [0.0; LANES], v: [0.0; LANES], normal_u: [0.0; LANES], normal_v: [1.0; LANES] };
+            let (zero, one) = ([0.0; LANES], [1.0; LANES]);
+            let mut lines = Tangents { u: zero, v: zero, normal_u: zero, normal_v: one };
             for (k, (point, nearest)) in points.iter().zip(nearest).enumerate() {
                 let Edge { point, normal } = edge(field, point, nearest);
                 (lines.u[k], lines.v[k]) = (point.x, point.y);
@@ -156,7 +156,7 @@ impl Field<'_> {
     /// The unit normals in the world of the planes through the camera's centre and lines in the image: the sums of
     /// [`View::backproject_normal`](super::super::View::backproject_normal).
     #[inline(always)]
-    fn backproject(&self, lines: &Lines) -> [Wide; 3] {
+    fn backproject(&self, lines: &Tangents) -> [Wide; 3] {
         let ([p0, p1, p2], mut normal) = (&self.p, [[0.0; LANES]; 3]);
         for k in 0..LANES {
             let across = |axis: usize| {

@@ -92,8 +92,8 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// The half-widths and a half of the largest squares around cells on which the view sees subject alone; 0 where there
-    /// is none. Cells are pixels, or the squares between the centres of four.
+    /// The half-widths and a half of the largest squares around cells on which the view sees subject alone; 0 where
+    /// there is none. Cells are pixels, or the squares between the centres of four.
     #[inline(always)]
     pub(super) fn find_clear(&self, column: &Wide, row: &Wide, clear: &mut Wide) {
         self.find_distances(column, row, 0.0, clear);

@@ -143,8 +143,8 @@ impl Lines {
         field.find_distances(&self.column, &self.row, 0.0, &mut self.clear);
     }
 
-    /// Which lines the view surely sees inside up to their limits: those ends lie in the square of subject pixels around
-    /// the start, and so does all between, since a line's image is straight.
+    /// Which lines the view surely sees inside up to their limits: those ends lie in the square of subject pixels
+    /// around the start, and so does all between, since a line's image is straight.
     #[inline(always)]
     pub(super) fn stay_inside(&self, field: &Field) -> u32 {
         // Beyond the pixels' centres there may be an edge by coverage; the rest is far more than rounding.

@@ -74,6 +74,6 @@ fn body_vectors_of_60_boxes(bencher: Bencher, min_feature: f64) {
 fn contacts_of_60_boxes(bencher: Bencher, min_feature: f64) {
     let frame = person();
     let boxes = Boxes::new(&Bodies::scattered(60, min_feature));
-    let mut counts = Vec::new();
-    bencher.bench_local(|| frame.contacts(&boxes, &mut counts));
+    let mut contacts = Vec::new();
+    bencher.bench_local(|| frame.contacts(&boxes, &mut contacts));
 }

@@ -11,7 +11,7 @@ pub fn measure(survey: &mut Survey) {
     let scene = Scene::new(Who::Person, 7, VGA);
     let bodies = Bodies::scattered(60, SAMPLES_400);
     let rig = Rig::new(&scene);
-    let (mut vectors, mut counts) = (Vec::new(), Vec::new());
+    let (mut vectors, mut contacts) = (Vec::new(), Vec::new());
     let (boxes, mut workspace) = (Boxes::new(&bodies), Workspace::new());
     let race = Race::new()
         .with("paper", || {
@@ -19,8 +19,8 @@ pub fn measure(survey: &mut Survey) {
             vectors.len()
         })
         .with("clustered", || {
-            rig.publish(&scene.masks).contacts(&boxes, &mut counts);
-            counts.len()
+            rig.publish(&scene.masks).contacts(&boxes, &mut contacts);
+            contacts.len()
         });
     let times = survey.race(race);
     let what = "default contacts over the paper's body vectors, the same frame";

@@ -3,7 +3,7 @@
 use crate::scene::{Bodies, Scene};
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Vector3};
-use ode_visual_hull::contact::{self, Settings};
+use ode_visual_hull::contact::{self, Contacts, Settings};
 use ode_visual_hull::hull::{Aabb, BodyResponse, Hull, HullData, Inside, Points, Workspace};
 use ode_visual_hull::sample::Samples;
 use std::cell::Cell;
@@ -104,16 +104,15 @@ impl Frame {
         self.0.respond_bodies(&bodies, workspaces, vectors).expect("finite poses");
     }
 
-    /// The library's contacts as a simulation gets them by default; how many each body has, written to `counts`.
-    pub fn contacts(&self, boxes: &Boxes, counts: &mut Vec<usize>) {
-        let settings = Settings::default();
-        counts.clear();
-        counts.extend(
-            boxes
-                .poses
-                .iter()
-                .map(|pose| contact::collide(&self.0, &boxes.samples, pose, &settings, None).contacts.len()),
-        );
+    /// The library's contacts as a simulation gets them by default, written to `contacts`, body by body.
+    pub fn contacts(&self, boxes: &Boxes, contacts: &mut Vec<Contacts>) {
+        let body = |pose: &Isometry3<f64>| contact::Body {
+            samples: &boxes.samples,
+            hull_from_body: *pose,
+            last_escape: None,
+        };
+        let bodies: Vec<_> = boxes.poses.iter().map(body).collect();
+        contact::collide_many(&self.0, &bodies, &Settings::default(), contacts);
     }
 
     /// How many pixels `p` is inside: the smallest Chebyshev distance to the background over the views, 0 outside.

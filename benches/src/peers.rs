@@ -67,10 +67,10 @@ fn race<'a>(scene: &'a Scene, bodies: &'a Bodies, cell: f64) -> Race<'a> {
 }
 
 fn with_ours<'a>(race: Race<'a>, scene: &'a Scene, bodies: &'a Bodies) -> Race<'a> {
-    let (rig, boxes, mut counts) = (Rig::new(scene), Boxes::new(bodies), Vec::new());
+    let (rig, boxes, mut contacts) = (Rig::new(scene), Boxes::new(bodies), Vec::new());
     let race = race.with("contacts", move || {
-        rig.publish(&scene.masks).contacts(&boxes, &mut counts);
-        counts.len()
+        rig.publish(&scene.masks).contacts(&boxes, &mut contacts);
+        contacts.len()
     });
     let (rig, boxes, mut vectors) = (Rig::new(scene), Boxes::new(bodies), Vec::new());
     let mut workspace = Workspace::new();

@@ -108,8 +108,9 @@ fn the_literal_program_and_the_library_give_the_same_body_vectors() {
 fn each_peer_finds_contacts_for_the_bodies_that_we_find_in_contact() {
     let (_, frame) = person();
     let bodies = Bodies::scattered(600, SAMPLES_400);
-    let mut ours = Vec::new();
-    frame.contacts(&Boxes::new(&bodies), &mut ours);
+    let mut contacts = Vec::new();
+    frame.contacts(&Boxes::new(&bodies), &mut contacts);
+    let ours: Vec<_> = contacts.iter().map(|contacts| contacts.contacts.len()).collect();
     let mut vectors = Vec::new();
     frame.body_vectors(&Boxes::new(&bodies), &mut vectors, &mut Workspace::new());
     for cell in [0.01, 0.02] {

@@ -68,10 +68,6 @@ impl Clusters {
         self.clusters.is_empty()
     }
 
-    pub(super) fn len(&self) -> usize {
-        self.clusters.len()
-    }
-
     /// The clusters' directions.
     pub(super) fn directions(&self) -> impl Iterator<Item = Vector3<f64>> {
         self.clusters.iter().map(|cluster| cluster.direction)

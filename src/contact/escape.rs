@@ -2,8 +2,7 @@
 //! way out leads, the body follows with more of itself inside.
 
 use super::Colliding;
-use super::group::Exits;
-use crate::hull::{EdgeModel, Hull};
+use crate::hull::{EdgeModel, Hull, Memory, Start};
 use nalgebra::Vector3;
 
 /// The last step's way out counts as this much shorter, so that the body does not dither between two.
@@ -18,15 +17,17 @@ pub(super) fn direction(
     hull: &Hull,
     colliding: &[Colliding],
     last: Option<Vector3<f64>>,
-    exits: &mut Exits,
+    memory: &mut Memory,
 ) -> Vector3<f64> {
     let stride = colliding.len().div_ceil(MOST_ASKED);
     let mean: Vector3<f64> = colliding.iter().map(|sample| sample.direction * sample.depth).sum();
     let fresh = cube_directions().chain(mean.try_normalize(1e-9));
     let candidates =
         fresh.map(|direction| (direction, 1.0)).chain(last.map(|direction| (direction, LOYALTY)));
-    exits.begin_at(colliding.iter().step_by(stride).map(|sample| (sample, sample.direction)));
-    let mut search = Search { hull, exits, witness: 0 };
+    let asked = colliding.iter().step_by(stride);
+    let start = |&Colliding { point, direction, view, .. }: &Colliding| Start { point, direction, view };
+    let mut search =
+        Search { hull, starts: asked.map(start).collect(), exits: Vec::new(), memory, witness: 0 };
     let mut best: Option<(Vector3<f64>, f64)> = None;
     for (direction, factor) in candidates {
         let least = best.map_or(f64::INFINITY, |(_, least)| least);
@@ -40,7 +41,9 @@ pub(super) fn direction(
 /// The longest exits of the samples asked.
 struct Search<'a> {
     hull: &'a Hull,
-    exits: &'a mut Exits,
+    starts: Vec<Start>,
+    exits: Vec<f64>,
+    memory: &'a mut Memory,
     /// The sample that ruled the last direction out: it is likely to rule out the next one too.
     witness: usize,
 }
@@ -48,16 +51,17 @@ struct Search<'a> {
 impl Search<'_> {
     /// `factor` times the longest exit along `direction`; `None` where it is not below `least`.
     fn rated(&mut self, direction: &Vector3<f64>, factor: f64, least: f64) -> Option<f64> {
+        let Self { hull, starts, exits, memory, witness } = self;
         // Beyond this a walk need not go on: a little more than what rules the direction out.
         let enough = least / factor * (1.0 + 1e-12);
         let rules_out = |exit: f64| factor * exit >= least;
-        let witness = &self.exits.starts()[self.witness].point;
-        if rules_out(self.hull.exit_within(witness, direction, EdgeModel::Pixel, enough)) {
+        if rules_out(hull.exit_within(&starts[*witness].point, direction, EdgeModel::Pixel, enough)) {
             return None;
         }
-        let exits = self.exits.along(self.hull, direction, EdgeModel::Pixel, enough);
-        let (witness, longest) = exits.iter().enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
-        self.witness = witness;
+        starts.iter_mut().for_each(|start| start.direction = *direction);
+        hull.exits_within(starts, EdgeModel::Pixel, enough, memory, exits);
+        let (place, longest) = exits.iter().enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        *witness = place;
         (!rules_out(*longest)).then_some(factor * longest)
     }
 }

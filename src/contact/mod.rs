@@ -1,4 +1,4 @@
-//! Contacts between a hull and one rigid body: pure geometry, in the hull's frame.
+//! Contacts between a hull and rigid bodies: pure geometry, in the hull's frame.
 //!
 //! ```text
 //!       +-----------+   body             each colliding sample has a way out of the hull, w
@@ -75,6 +75,25 @@ pub struct Contacts {
     pub escape: Option<Vector3<f64>>,
 }
 
+impl Contacts {
+    /// None, in the same memory.
+    fn clear(&mut self) {
+        self.contacts.clear();
+        self.escape = None;
+    }
+}
+
+/// A body to collide.
+#[derive(Debug, Clone, Copy)]
+pub struct Body<'a> {
+    /// Its surface, in its own frame.
+    pub samples: &'a Samples,
+    /// Its pose. In one that is not finite it touches nothing.
+    pub hull_from_body: Isometry3<f64>,
+    /// The [`Contacts::escape`] of the step before.
+    pub last_escape: Option<Vector3<f64>>,
+}
+
 /// A body sample inside the hull, in the hull's frame.
 #[derive(Debug, Clone, Copy)]
 struct Colliding {
@@ -91,6 +110,8 @@ struct Colliding {
 
 /// The contacts of `body` in pose `hull_from_body` with `hull`. `last_escape` is the [`Contacts::escape`] of the step
 /// before.
+///
+/// Many bodies are sooner collided together, by [`collide_many`].
 pub fn collide(
     hull: &Hull,
     body: &Samples,
@@ -98,51 +119,38 @@ pub fn collide(
     settings: &Settings,
     last_escape: Option<Vector3<f64>>,
 ) -> Contacts {
-    let mut contacts = Contacts::default();
-    collide_into(&mut contacts, hull, body, hull_from_body, settings, last_escape);
+    let mut contacts = [Contacts::default()];
+    let body = Body { samples: body, hull_from_body: *hull_from_body, last_escape };
+    collide_into(&mut contacts, hull, &[body], settings);
+    let [contacts] = contacts;
     contacts
 }
 
-/// The same, written to `contacts`.
-pub(crate) fn collide_into(
-    contacts: &mut Contacts,
-    hull: &Hull,
-    body: &Samples,
-    hull_from_body: &Isometry3<f64>,
-    settings: &Settings,
-    last_escape: Option<Vector3<f64>>,
-) {
-    contacts.contacts.clear();
-    contacts.escape = None;
+/// The contacts of each of `bodies` with `hull`, in their order, written to `contacts`, whose memory is used again.
+///
+/// What is asked of the hull is asked for all bodies side by side. No body's contacts depend on another's: they have
+/// the bits that [`collide`] gives.
+pub fn collide_many(hull: &Hull, bodies: &[Body], settings: &Settings, contacts: &mut Vec<Contacts>) {
+    contacts.resize_with(bodies.len(), Contacts::default);
+    collide_into(contacts, hull, bodies, settings);
+}
+
+/// The same, a place in `contacts` for each of `bodies`.
+pub(crate) fn collide_into(contacts: &mut [Contacts], hull: &Hull, bodies: &[Body], settings: &Settings) {
+    contacts.iter_mut().for_each(Contacts::clear);
+    let Settings { mode, max_depth, max_contacts } = *settings;
+    if max_contacts == 0 {
+        return;
+    }
     Room::with(|room| {
-        room.take_inside(hull, body, hull_from_body, usize::MAX);
-        if room.colliding.is_empty() || settings.max_contacts == 0 {
-            return;
+        room.take_inside(hull, bodies);
+        match mode {
+            Mode::Clustered => room.group_by_clusters(hull, bodies, max_depth),
+            Mode::Paper => room.group_by_paper(hull, bodies),
+            Mode::Point => room.group_by_body(hull, max_depth),
+            Mode::Single => return room.contacts_of_deepest(hull, settings, contacts),
         }
-        let most = settings.max_contacts;
-        match settings.mode {
-            Mode::Clustered => {
-                contacts.escape = room.cluster(hull, last_escape);
-                let kept = room.contacts_of_clusters(hull, body, hull_from_body, settings);
-                if contacts.escape.is_some() {
-                    contacts.contacts.extend_from_slice(kept);
-                } else {
-                    contacts.contacts.extend(tilt::without_waiting(kept));
-                }
-            }
-            Mode::Paper => {
-                let vector = body_response(hull, body, hull_from_body).vector;
-                contacts.contacts.extend_from_slice(room.contacts_of_paper(hull, &vector, most));
-            }
-            Mode::Point => {
-                room.find_depths(hull, |_| true);
-                contacts.contacts.extend_from_slice(room.contacts_of_points(settings.max_depth, most));
-            }
-            Mode::Single => {
-                room.find_depths(hull, |_| true);
-                contacts.contacts.push(own_contact(deepest(&room.colliding), settings.max_depth));
-            }
-        }
+        room.contacts_of_groups(hull, settings, contacts);
     });
 }
 
@@ -167,12 +175,11 @@ pub(crate) fn collide_any_into(
     hull_from_body: &Isometry3<f64>,
     settings: &Settings,
 ) {
-    contacts.contacts.clear();
-    contacts.escape = None;
+    contacts.clear();
+    let body = Body { samples: body, hull_from_body: *hull_from_body, last_escape: None };
     Room::with(|room| {
-        room.take_inside(hull, body, hull_from_body, settings.max_contacts);
-        room.find_depths(hull, |_| true);
-        contacts.contacts.extend(room.colliding.iter().map(|sample| own_contact(sample, settings.max_depth)));
+        room.take_inside(hull, &[body]);
+        room.contacts_of_first(hull, settings, contacts);
     });
 }
 
@@ -192,11 +199,6 @@ pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64
 
 fn own_contact(sample: &Colliding, max_depth: f64) -> Contact {
     Contact { point: sample.point, direction: sample.direction, depth: sample.depth.min(max_depth) }
-}
-
-/// The first among the deepest.
-fn deepest(colliding: &[Colliding]) -> &Colliding {
-    colliding.iter().rev().max_by(|a, b| a.depth.total_cmp(&b.depth)).unwrap_or(&colliding[0])
 }
 
 #[cfg(test)]

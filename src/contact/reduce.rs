@@ -1,9 +1,9 @@
-//! The few contacts to keep where there are more than the solver wants.
+//! The few contacts to keep of a body where there are more than the solver wants.
 
-use nalgebra::Point3;
+use super::group::{Group, Groups};
 use std::ops::Range;
 
-/// A contact at least this deep, as a part of its cluster's deepest, counts as deepest: the first of them starts the
+/// A contact at least this deep, as a part of its group's deepest, counts as deepest: the first of them starts the
 /// choice, so that noise in the depths of a body at rest does not change it from step to step.
 pub(super) const AS_DEEP: f64 = 0.8;
 
@@ -11,95 +11,68 @@ pub(super) const AS_DEEP: f64 = 0.8;
 /// pose to pose.
 const FARTHER: f64 = 1.0 + 1e-6;
 
-/// Points of several clusters, in each in the order of their samples.
+/// A choice among a body's points.
 #[derive(Debug, Default)]
 pub(super) struct Choice {
-    points: Vec<Point3<f64>>,
-    clusters: Vec<Turn>,
+    turns: Vec<Turn>,
     /// Squared distance of each point to the nearest one kept; below zero once kept itself.
     to_kept: Vec<f64>,
 }
 
-/// A cluster that takes its turn.
+/// A group that takes its turn.
 #[derive(Debug)]
 struct Turn {
-    cluster: usize,
-    points: Range<usize>,
-    deepest: f64,
+    group: Group,
     next: Option<usize>,
 }
 
-/// A point that is kept: its cluster, and its place among that one's.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Kept {
-    pub(super) cluster: usize,
-    pub(super) place: usize,
-}
-
 impl Choice {
-    pub(super) fn clear(&mut self) {
-        self.points.clear();
-        self.clusters.clear();
-    }
-
-    /// Adds the next cluster: its points, its depth, and the first of them that counts as deepest.
-    pub(super) fn add(&mut self, points: impl Iterator<Item = Point3<f64>>, deepest: f64, first: usize) {
-        let start = self.points.len();
-        self.points.extend(points);
-        let (cluster, points) = (self.clusters.len(), start..self.points.len());
-        self.clusters.push(Turn { cluster, points, deepest, next: Some(start + first) });
-    }
-
-    /// Writes to `kept` at most `most` points: clusters take turns, the deepest first; within one its first, then
-    /// always the one farthest from those kept. Ties go to the first.
-    pub(super) fn spread(&mut self, most: usize, kept: &mut Vec<Kept>) {
-        kept.clear();
-        let Self { points, clusters, to_kept } = self;
+    /// Adds to `kept` the places of at most `most` points of a body's groups: these take turns, the deepest first;
+    /// within one its first, then always the one farthest from those kept. Ties go to the first.
+    pub(super) fn spread(&mut self, groups: &Groups, body: Range<usize>, most: usize, kept: &mut Vec<usize>) {
+        let Self { turns, to_kept } = self;
+        turns.clear();
+        turns.extend(
+            groups.of(body).iter().map(|group| Turn { group: group.clone(), next: Some(group.first) }),
+        );
+        let (Some(first), Some(last)) = (turns.first(), turns.last()) else { return };
+        let points = first.group.points.start..last.group.points.end;
         // Equally deep ones stay in their order.
-        clusters.sort_unstable_by(|a, b| b.deepest.total_cmp(&a.deepest).then(a.cluster.cmp(&b.cluster)));
+        turns.sort_unstable_by(|Turn { group: a, .. }, Turn { group: b, .. }| {
+            b.deepest.total_cmp(&a.deepest).then(a.points.start.cmp(&b.points.start))
+        });
         if points.len() <= most {
-            for Turn { cluster, points, .. } in clusters {
-                kept.extend((0..points.len()).map(|place| Kept { cluster: *cluster, place }));
-            }
+            kept.extend(turns.iter().flat_map(|turn| turn.group.points.clone()));
             return;
         }
         to_kept.clear();
         to_kept.resize(points.len(), f64::INFINITY);
-        while kept.len() < most {
-            for turn in clusters.iter_mut() {
-                if kept.len() < most {
-                    kept.extend(turn.take(points, to_kept));
+        let enough = kept.len() + most;
+        while kept.len() < enough {
+            for turn in turns.iter_mut() {
+                if kept.len() < enough {
+                    kept.extend(turn.take(groups, points.start, to_kept));
                 }
             }
         }
     }
 }
 
-/// The depth of a cluster, and which of its contacts is the first that counts as deepest.
-pub(super) fn deepest(depths: impl Iterator<Item = f64> + Clone) -> (f64, usize) {
-    let deepest = depths.clone().fold(0.0, f64::max);
-    (deepest, depths.into_iter().position(|depth| counts_as(deepest, depth)).unwrap_or(0))
-}
-
-/// Whether a contact counts as deepest.
-pub(super) fn counts_as(deepest: f64, depth: f64) -> bool {
-    depth >= AS_DEEP * deepest
-}
-
 impl Turn {
-    /// The point to keep next.
-    fn take(&mut self, points: &[Point3<f64>], to_kept: &mut [f64]) -> Option<Kept> {
+    /// The point to keep next; `to_kept` begins with that at place `start`.
+    fn take(&mut self, groups: &Groups, start: usize, to_kept: &mut [f64]) -> Option<usize> {
         let chosen = self.next?;
-        to_kept[chosen] = -1.0;
-        let mut farthest: Option<usize> = None;
-        for k in self.points.clone() {
-            to_kept[k] = to_kept[k].min((points[k] - points[chosen]).norm_squared());
-            let is_farther = |other: usize| to_kept[k] > FARTHER * to_kept[other];
-            if to_kept[k] >= 0.0 && k != chosen && farthest.is_none_or(is_farther) {
-                farthest = Some(k);
+        to_kept[chosen - start] = -1.0;
+        let mut farthest: Option<(usize, f64)> = None;
+        for place in self.group.points.clone() {
+            let away = &mut to_kept[place - start];
+            *away = away.min((groups.point(place) - groups.point(chosen)).norm_squared());
+            let is_farther = |(_, other)| *away > FARTHER * other;
+            if *away >= 0.0 && place != chosen && farthest.is_none_or(is_farther) {
+                farthest = Some((place, *away));
             }
         }
-        self.next = farthest;
-        Some(Kept { cluster: self.cluster, place: chosen - self.points.start })
+        self.next = farthest.map(|(place, _)| place);
+        Some(chosen)
     }
 }

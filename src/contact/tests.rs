@@ -200,19 +200,61 @@ fn the_body_response_moves_the_body_out() {
     }
 }
 
-#[test]
-fn every_shape_on_the_table_is_pushed_up() {
+fn shapes() -> [BodyShape; 5] {
     let corners = [-0.1, 0.1].into_iter().flat_map(|x| [-0.1, 0.1].map(|y| (x, y)));
     let vertices = corners.flat_map(|(x, y)| [-0.1, 0.1].map(|z| point![x, y, z])).collect();
-    let shapes = [
+    [
         BodyShape::Sphere { radius: 0.1 },
         BodyShape::Box { lengths: vector![0.2, 0.2, 0.2] },
         BodyShape::Capsule { radius: 0.05, length: 0.1 },
         BodyShape::Cylinder { radius: 0.05, length: 0.2 },
         BodyShape::Convex { vertices },
-    ];
+    ]
+}
+
+#[test]
+fn bodies_get_the_same_contacts_side_by_side_as_alone() {
     let hull = table();
-    for shape in shapes {
+    let plate = sample::box_(vector![0.8, 0.8, 0.2], 0.05).unwrap();
+    let all: Vec<_> = shapes().iter().map(|shape| shape.sample(0.03).unwrap()).chain([plate]).collect();
+    let escapes = [None, Some(Vector3::x()), None];
+    let body = |k: usize| {
+        let (x, y) = (0.1 * (k % 7) as f64 - 0.3, 0.07 * (k % 9) as f64 - 0.3);
+        let turned = UnitQuaternion::from_euler_angles(0.2 * k as f64, 0.1 * k as f64, 0.0);
+        let hull_from_body = at(x, y, 0.05 * (k % 8) as f64) * turned;
+        Body { samples: &all[k % all.len()], hull_from_body, last_escape: escapes[k % 3] }
+    };
+    let lost = Body { hull_from_body: at(f64::NAN, 0.0, 0.0), ..body(0) };
+    let bodies: Vec<_> = (0..40).map(body).chain([lost]).chain((40..80).map(body)).collect();
+    // Whatever was in it before.
+    let mut found = vec![Contacts { contacts: Vec::new(), escape: Some(Vector3::y()) }; 100];
+    for (mode, max_contacts) in
+        [(Mode::Clustered, 8), (Mode::Clustered, 3), (Mode::Paper, 8), (Mode::Point, 8), (Mode::Single, 8)]
+    {
+        let settings = Settings { mode, max_contacts, ..Settings::default() };
+        collide_many(&hull, &bodies, &settings, &mut found);
+        assert_eq!(found.len(), bodies.len());
+        let mut escapes = 0;
+        for (k, (found, Body { samples, hull_from_body, last_escape })) in
+            found.iter().zip(&bodies).enumerate()
+        {
+            assert_eq!(
+                *found,
+                collide(&hull, samples, hull_from_body, &settings, *last_escape),
+                "{k}, {mode:?}"
+            );
+            escapes += usize::from(found.escape.is_some());
+        }
+        assert!(found.iter().filter(|found| !found.contacts.is_empty()).count() > 40);
+        assert!((escapes > 0) == (mode == Mode::Clustered), "{escapes}");
+        assert!(found[40].contacts.is_empty());
+    }
+}
+
+#[test]
+fn every_shape_on_the_table_is_pushed_up() {
+    let hull = table();
+    for shape in shapes() {
         let samples = shape.sample(0.03).unwrap();
         for mode in [Mode::Clustered, Mode::Paper, Mode::Point, Mode::Single] {
             let settings = Settings { mode, ..Settings::default() };

@@ -64,6 +64,11 @@ impl<'a> March<'a> {
         edge: EdgeModel,
     ) -> Self {
         let line = ImageLine::new(view.homogeneous(origin), view.homogeneous_direction(direction));
+        Self::from_start(view, line, edge)
+    }
+
+    /// The walk along a line whose image is known.
+    pub(super) fn from_start(view: &'a View, line: ImageLine, edge: EdgeModel) -> Self {
         let mut march = Self::before_start(view, line, edge);
         march.take_up(0.0);
         march

@@ -81,7 +81,6 @@ impl Hull {
         Some((index, self.contact_normal(&nearest)))
     }
 
-    #[inline(always)]
     pub(super) fn contact_normal(&self, nearest: &NearestEdge) -> Vector3<f64> {
         let (i, j) = nearest.b;
         match nearest.view.silhouette().edge(i, j) {
@@ -97,6 +96,11 @@ impl Hull {
 /// The image direction from a's pixel to b's, where the mean over a window has none.
 fn towards_b(nearest: &NearestEdge) -> Vector2<f64> {
     let (i, j) = super::view::whole(nearest.a.u, nearest.a.v);
-    let offset = Vector2::new(f64::from(nearest.b.0 - i), f64::from(nearest.b.1 - j));
+    towards(nearest.b.0 - i, nearest.b.1 - j)
+}
+
+/// The unit direction of an offset in the image; upwards where there is none.
+pub(super) fn towards(across: i32, down: i32) -> Vector2<f64> {
+    let offset = Vector2::new(f64::from(across), f64::from(down));
     offset.try_normalize(0.0).unwrap_or_else(|| -Vector2::y())
 }

@@ -3,7 +3,7 @@
 use super::hull_geom::{Collidable, HullGeom};
 use super::{body_samples, convert, hull_class, hull_geom};
 use crate::camera::Ray;
-use crate::contact::{self, Contact, Contacts, Settings};
+use crate::contact::{self, Body, Contact, Contacts, Settings};
 use crate::hull::Hull;
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{
@@ -63,7 +63,8 @@ pub(super) unsafe fn collide_body(
         contact::collide_any_into(&mut found, frame, &samples, &hull_from_other, &settings);
     } else {
         let last_escape = collidable.last_escape;
-        contact::collide_into(&mut found, frame, &samples, &hull_from_other, &settings, last_escape);
+        let body = Body { samples: &samples, hull_from_body: hull_from_other, last_escape };
+        contact::collide_into(std::slice::from_mut(&mut found), frame, &[body], &settings);
         // SAFETY: the caller vouches for the geoms.
         unsafe { wake(geom, other, &collidable, &found, &hull_from_other) };
     }

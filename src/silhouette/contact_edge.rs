@@ -16,7 +16,7 @@ const WINDOW: i32 = 6;
 const SIDE: usize = 2 * WINDOW as usize + 1;
 
 /// Windows summed side by side.
-const ABREAST: usize = 8;
+const ABREAST: usize = 16;
 
 /// Squared distance, in pixels, at which the contact normal's weights `(1 - r^2 / REACH_SQUARED)^3` end: a round bell
 /// of standard deviation 2.2, wide enough to see past the stairs of a binary edge, narrow enough to follow a finger.
@@ -39,17 +39,14 @@ const BELL: [[f64; SIDE]; SIDE] = {
     weights
 };
 
-/// A background pixel of a silhouette.
-type Asked<'a> = (&'a Silhouette, (i32, i32));
-
 /// The weights' sums of windows side by side: times the offset's x, times its y, and alone.
 type Sums = [[f64; ABREAST]; 3];
 
-/// Lets the silhouettes know their edges at the pixels asked.
-pub(crate) fn compute_edges(asked: &[Asked]) {
-    for asked in asked.chunks(ABREAST) {
-        let sums = sums_around(asked);
-        for (slot, &(silhouette, pixel)) in asked.iter().enumerate() {
+/// Finds the edges at some background pixels of a silhouette, which remembers them.
+pub(crate) fn compute_edges(silhouette: &Silhouette, pixels: &[(i32, i32)]) {
+    for pixels in pixels.chunks(ABREAST) {
+        let sums = sums_around(silhouette, pixels);
+        for (slot, &pixel) in pixels.iter().enumerate() {
             silhouette.derived.edges.get(silhouette, pixel, || edge(silhouette, pixel, &sums, slot));
         }
     }
@@ -57,7 +54,7 @@ pub(crate) fn compute_edges(asked: &[Asked]) {
 
 /// The edge at one pixel.
 pub(super) fn at(silhouette: &Silhouette, pixel: (i32, i32)) -> Option<Edge> {
-    edge(silhouette, pixel, &sums_around(&[(silhouette, pixel)]), 0)
+    edge(silhouette, pixel, &sums_around(silhouette, &[pixel]), 0)
 }
 
 fn edge(silhouette: &Silhouette, (i, j): (i32, i32), [x, y, total]: &Sums, slot: usize) -> Option<Edge> {
@@ -67,14 +64,14 @@ fn edge(silhouette: &Silhouette, (i, j): (i32, i32), [x, y, total]: &Sums, slot:
     Some(Edge { point, normal })
 }
 
-fn sums_around(asked: &[Asked]) -> Sums {
-    if asked.iter().any(|(silhouette, _)| silhouette.has_coverage) {
-        return sums_of_bytes(asked);
+fn sums_around(silhouette: &Silhouette, pixels: &[(i32, i32)]) -> Sums {
+    if silhouette.has_coverage {
+        return sums_of_bytes(silhouette, pixels);
     }
     let mut background = [[0; ABREAST]; SIDE];
-    for (slot, &(silhouette, (i, j))) in asked.iter().enumerate() {
-        for (row, dy) in background.iter_mut().zip(-WINDOW..) {
-            row[slot] = u64::from(silhouette.background_around(i, j + dy));
+    for (slot, &pixel) in pixels.iter().enumerate() {
+        for (row, bits) in background.iter_mut().zip(silhouette.background_around(pixel)) {
+            row[slot] = bits;
         }
     }
     sums_of_bits(&background)
@@ -87,10 +84,11 @@ vectorised! {
         for (row, weights) in background.iter().zip(&WHOLE_WEIGHTS) {
             for (place, &[dx, dy, weight]) in weights.iter().enumerate() {
                 for k in 0..ABREAST {
+                    // Adding nothing changes no bit, and leaves the sums in registers.
                     let is_background = row[k] >> place & 1 == 1;
-                    x[k] = if is_background { x[k] + dx } else { x[k] };
-                    y[k] = if is_background { y[k] + dy } else { y[k] };
-                    total[k] = if is_background { total[k] + weight } else { total[k] };
+                    x[k] += if is_background { dx } else { 0.0 };
+                    y[k] += if is_background { dy } else { 0.0 };
+                    total[k] += if is_background { weight } else { 0.0 };
                 }
             }
         }
@@ -99,9 +97,9 @@ vectorised! {
 }
 
 /// The sums of windows with coverage.
-fn sums_of_bytes(asked: &[Asked]) -> Sums {
+fn sums_of_bytes(silhouette: &Silhouette, pixels: &[(i32, i32)]) -> Sums {
     let [mut x, mut y, mut total] = [[0.0; ABREAST]; 3];
-    for (slot, &(silhouette, (i, j))) in asked.iter().enumerate() {
+    for (slot, &(i, j)) in pixels.iter().enumerate() {
         for (dy, bells) in (-WINDOW..).zip(&BELL) {
             for ((dx, bell), value) in (-WINDOW..).zip(bells).zip(silhouette.values_around(i, j + dy)) {
                 // Most pixels weigh nothing, and adding nothing changes no bit.
@@ -131,16 +129,20 @@ const WHOLE_WEIGHTS: [[[f64; 3]; SIDE]; SIDE] = {
 };
 
 impl Silhouette {
-    /// Which pixels of row `j` in a window around column `i` are background, the first in the lowest bit.
+    /// Which pixels of the rows of a window are background, the first of a row in the lowest bit.
     #[inline(always)]
-    fn background_around(&self, i: i32, j: i32) -> u32 {
+    fn background_around(&self, (i, j): (i32, i32)) -> [u64; SIDE] {
         const ALL: u32 = (1 << SIDE) - 1;
-        let rect = self.region.rect();
-        if rect.contains(i - WINDOW, j) && rect.contains(i + WINDOW, j) {
-            !self.region.rows_from(i - WINDOW, j).row(0) & ALL
+        let (rect, corner) = (self.region.rect(), (i - WINDOW, j - WINDOW));
+        if rect.contains(corner.0, corner.1) && rect.contains(i + WINDOW, j + WINDOW) {
+            let rows = self.region.rows_from(corner.0, corner.1);
+            std::array::from_fn(|down| u64::from(!rows.row(down as i32) & ALL))
         } else {
-            (0..SIDE as u32)
-                .fold(0, |bits, k| bits | u32::from(!self.is_subject(i - WINDOW + k as i32, j)) << k)
+            let is_background =
+                |k: usize, down: usize| !self.is_subject(corner.0 + k as i32, corner.1 + down as i32);
+            std::array::from_fn(|down| {
+                (0..SIDE).fold(0, |bits, k| bits | u64::from(is_background(k, down)) << k)
+            })
         }
     }
 

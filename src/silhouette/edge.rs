@@ -47,13 +47,6 @@ impl EdgeTable {
         self.state[..count].iter_mut().for_each(|state| *state.get_mut() = UNKNOWN);
     }
 
-    /// Whether the edge at `(i, j)` is known, or never will be since it is no edge pixel.
-    #[inline(always)]
-    fn knows(&self, silhouette: &Silhouette, pixel: (i32, i32)) -> bool {
-        let index = self.index(silhouette, pixel);
-        index.is_none_or(|index| self.state[index].load(Ordering::Acquire) != UNKNOWN)
-    }
-
     /// The edge at `(i, j)`, computed by `edge` where it is not known yet.
     #[inline(always)]
     pub(super) fn get(
@@ -63,23 +56,29 @@ impl EdgeTable {
         edge: impl FnOnce() -> Option<Edge>,
     ) -> Option<Edge> {
         let Some(index) = self.index(silhouette, pixel) else { return edge() };
-        let (state, place) = (&self.state[index], &self.edges[index]);
-        match state.load(Ordering::Acquire) {
-            UNKNOWN => {
-                // Two threads may both get here. They store the same bits, before either says that they are known.
-                let found = edge();
-                if let Some(Edge { point, normal }) = found {
-                    for (place, number) in place.iter().zip([point.x, point.y, normal.x, normal.y]) {
-                        place.store(number.to_bits(), Ordering::Relaxed);
-                    }
+        self.known(index).unwrap_or_else(|| {
+            // Two threads may both get here. They store the same bits, before either says that they are known.
+            let found = edge();
+            if let Some(Edge { point, normal }) = found {
+                for (place, number) in self.edges[index].iter().zip([point.x, point.y, normal.x, normal.y]) {
+                    place.store(number.to_bits(), Ordering::Relaxed);
                 }
-                state.store(if found.is_some() { KNOWN } else { NONE }, Ordering::Release);
-                found
             }
-            NONE => None,
+            self.state[index].store(if found.is_some() { KNOWN } else { NONE }, Ordering::Release);
+            found
+        })
+    }
+
+    /// The edge of this rank, if it is known whether there is one.
+    #[inline(always)]
+    fn known(&self, index: usize) -> Option<Option<Edge>> {
+        match self.state[index].load(Ordering::Acquire) {
+            UNKNOWN => None,
+            NONE => Some(None),
             _ => {
-                let [x, y, nx, ny] = [0, 1, 2, 3].map(|k| f64::from_bits(place[k].load(Ordering::Relaxed)));
-                Some(Edge { point: Point2::new(x, y), normal: Vector2::new(nx, ny) })
+                let number = |k: usize| f64::from_bits(self.edges[index][k].load(Ordering::Relaxed));
+                let (point, normal) = (Point2::new(number(0), number(1)), Vector2::new(number(2), number(3)));
+                Some(Some(Edge { point, normal }))
             }
         }
     }
@@ -129,10 +128,11 @@ impl Silhouette {
         self.derived.edges.get(self, (i, j), || contact_edge::at(self, (i, j)))
     }
 
-    /// Whether [`Self::edge`] need not compute anything at `(i, j)`.
+    /// The same, `None` where that would have to be computed yet.
     #[inline(always)]
-    pub(crate) fn knows_edge(&self, pixel: (i32, i32)) -> bool {
-        self.derived.edges.knows(self, pixel)
+    pub(crate) fn known_edge(&self, pixel: (i32, i32)) -> Option<Option<Edge>> {
+        let edges = &self.derived.edges;
+        edges.known(edges.index(self, pixel)?)
     }
 
     /// The paper's normal (section 4.2) at background pixel `(i, j)`: the mean vector from there to the background

@@ -5,20 +5,10 @@ use super::super::points::{Block, LANES, Lane};
 use super::fold::Folded;
 use super::inside::Within;
 use super::pool::Sighting;
-use super::rings;
-
-/// Whole numbers of as many points as are asked together.
-pub(super) type Whole = [i32; LANES];
+use super::rings::{Pixels, nearest};
 
 /// Half-width of the normal's window.
 const WINDOW: i32 = 2;
-
-/// Pixels of one view.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Pixels {
-    pub(super) column: Whole,
-    pub(super) row: Whole,
-}
 
 /// The unit normals, outwards, of the edges nearest to points that the view decides, with windows of half-width
 /// `half`, in the volume's frame. Zero where there is none.
@@ -31,7 +21,7 @@ pub(super) fn normals(view: &Folded, sighting: &Sighting, half: &Lane) -> Block 
         middle.row[k] = whole(sighting.v[k], below) as i32;
         (first[k], window[k]) = (bits_of(sighting.clear[k]) as i32, bits_of(half[k]) as i32);
     }
-    let nearest = rings::nearest(view, &middle, &first, &window);
+    let nearest = nearest(&view.tables, &middle, &first, &window);
     normals_at(view, &nearest, &tangents(view, &middle, &nearest))
 }
 

@@ -184,12 +184,6 @@ impl<'a> Folded<'a> {
         Bits::new(words, self.tables.words)
     }
 
-    /// The bits of subject pixels by columns: rows and columns change places.
-    #[inline(always)]
-    pub(super) fn columns(&self) -> Bits<'a> {
-        Bits::new(self.tables.turned, self.tables.words_in_column)
-    }
-
     /// The table of distances.
     #[inline(always)]
     pub(super) fn distances(&self) -> Distances<'a> {

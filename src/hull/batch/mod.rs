@@ -20,10 +20,10 @@ mod exit;
 mod fold;
 mod folded_hull;
 mod inside;
-mod lookup;
+pub(super) mod lookup;
 mod pool;
 mod respond;
-mod rings;
+pub(super) mod rings;
 mod walk;
 mod workspace;
 
@@ -48,31 +48,30 @@ impl Hull {
         world_from_points: &Isometry3<f64>,
         workspace: &'w mut Workspace,
     ) -> Result<Inside<'w>> {
-        self.find(points, world_from_points, Within::Subject, workspace)
-    }
-
-    /// The points that may be inside by any edge model: all but those surely outside.
-    pub(crate) fn candidates<'w>(
-        &self,
-        points: &Points,
-        world_from_points: &Isometry3<f64>,
-        workspace: &'w mut Workspace,
-    ) -> Result<Inside<'w>> {
-        self.find(points, world_from_points, Within::NearSubject, workspace)
-    }
-
-    fn find<'w>(
-        &self,
-        points: &Points,
-        world_from_points: &Isometry3<f64>,
-        within: Within,
-        workspace: &'w mut Workspace,
-    ) -> Result<Inside<'w>> {
         let mut folded = workspace.fold(self);
         workspace.found.places.clear();
-        let found = folded.find(points, world_from_points, within, &mut workspace.found);
+        let found = folded.find(points, world_from_points, Within::Subject, &mut workspace.found);
         workspace.take_back(folded);
         found.map(|_| workspace.mark(points))
+    }
+
+    /// Tells `take` of each of `bodies`, by its place, which points may be inside by any edge model: all but those
+    /// surely outside; none in a pose that is not finite.
+    pub(crate) fn candidates<'b>(
+        &self,
+        bodies: impl Iterator<Item = Body<'b>>,
+        workspace: &mut Workspace,
+        mut take: impl FnMut(usize, Inside),
+    ) {
+        let mut folded = workspace.fold(self);
+        for (place, (points, world_from_points)) in bodies.enumerate() {
+            workspace.found.places.clear();
+            let found = folded.find(points, &world_from_points, Within::NearSubject, &mut workspace.found);
+            if found.is_ok() && !workspace.found.places.is_empty() {
+                take(place, workspace.mark(points));
+            }
+        }
+        workspace.take_back(folded);
     }
 
     /// The paper's response of each point inside, in the order in which the points lie in memory.

@@ -8,10 +8,18 @@
 //! ```
 
 use super::super::points::LANES;
-use super::edge::{Pixels, Whole};
-use super::fold::Folded;
-use super::inside::Within;
 use super::lookup::{Bits, Distances};
+use crate::silhouette::Tables;
+
+/// Whole numbers of as many points as are asked together.
+type Whole = [i32; LANES];
+
+/// Pixels of one view, from the corner of its silhouette's region.
+#[derive(Debug, Clone, Copy, Default)]
+pub(in crate::hull) struct Pixels {
+    pub(in crate::hull) column: Whole,
+    pub(in crate::hull) row: Whole,
+}
 
 /// No ring: farther than a window in a silhouette of 60,000 pixels reaches. Its square, twice, fits.
 const FAR: i32 = 30_000;
@@ -21,7 +29,7 @@ const SIGHT: i32 = 15;
 
 /// The whole nearest ring of a point of up to this Chebyshev distance lies in sight of its sides' middles, and so does
 /// what is nearer than its corners: they are at most 14 pixels away.
-const NEAR: i32 = 10;
+pub(in crate::hull) const NEAR: i32 = 10;
 
 /// Pixels of a word.
 const WORD: i32 = u32::BITS as i32;
@@ -56,11 +64,11 @@ struct Search<'a> {
 /// The background pixel nearest to each middle (Euclidean, then row-major) within its window of half-width `half`,
 /// where `first` is the Chebyshev distance of the nearest ones.
 #[inline(always)]
-pub(super) fn nearest(view: &Folded, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
+pub(in crate::hull) fn nearest(tables: &Tables, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
     let mut search = Search {
-        rows: view.bits(Within::Subject),
-        columns: view.columns(),
-        distances: view.distances(),
+        rows: Bits::new(tables.subject, tables.words),
+        columns: Bits::new(tables.turned, tables.words_in_column),
+        distances: Distances::new(tables.distance_words, tables.width),
         middle,
         radius: *first,
         squared: [i32::MAX; LANES],

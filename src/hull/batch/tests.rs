@@ -136,11 +136,13 @@ fn candidates_miss_nothing_that_is_inside_by_any_edge() {
     for (unseen, samples) in POLICIES.into_iter().flat_map(|unseen| [(unseen, 1), (unseen, 4)]) {
         let hull = hull(unseen, samples);
         for (world, points, pose) in batches(5_000, 4) {
-            let candidates = hull.candidates(&points, &pose, &mut workspace).unwrap();
-            let missed = |(k, p): (usize, &Point3<f64>)| {
-                !candidates.contains(k) && (hull.inside(p) || hull.inside_by(p, EdgeModel::Coverage))
-            };
-            assert!(!world.iter().enumerate().any(missed));
+            let inside = |p: &Point3<f64>| hull.inside(p) || hull.inside_by(p, EdgeModel::Coverage);
+            let count = world.iter().filter(|p| inside(p)).count();
+            let mut found = 0;
+            hull.candidates([(&points, pose)].into_iter(), &mut workspace, |_, candidates| {
+                found = candidates.iter().filter(|&k| inside(&world[k])).count();
+            });
+            assert_eq!(found, count);
         }
     }
 }

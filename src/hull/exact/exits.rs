@@ -1,100 +1,149 @@
 //! Where many points inside leave the hull: the nearest exit over the views and the work volume.
+//!
+//! ```text
+//!   wall ─► view by view, the points it is likely to decide: walk
+//!        ─► view by view, all others: those surely subject up to the exit so far stay, the rest walk
+//! ```
 
 use super::super::Hull;
-use super::super::lanes::{bits, either, ones};
+use super::super::lanes::{bits, either};
 use super::super::points::LANES;
-use super::Wide;
-use super::sight::{Block, Field, Sighting};
-use super::walk::{Line, Paths, Walkers};
+use super::sight::Field;
+use super::walk::{Lines, Walkers};
+use super::{Start, Wide};
+use crate::vectorised::vectorised;
 
-/// Where to: a unit direction for each point, and the view that is asked first, by its place among the fields.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Way {
-    pub(super) direction: [Wide; 3],
-    pub(super) field: [usize; LANES],
-}
-
-/// The exits of a block of points, and what is kept while they are searched.
+/// Points on their way, in blocks of as many as are asked together; the last block is filled up with its last point.
 #[derive(Debug, Default)]
 pub(super) struct Exits {
-    /// Metres from each point to its exit.
-    pub(super) exit: Wide,
+    blocks: Vec<Block>,
+    /// By the view that is likely to decide: the places of the points.
+    first: Vec<Vec<u32>>,
+    lines: Lines,
     walkers: Walkers,
-    /// How each view's homogeneous coordinates change along the way.
-    ahead: Vec<[Wide; 3]>,
-    /// Lines that are left to walk.
-    lines: Vec<Line>,
+}
+
+/// Where points are, and where they go.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block {
+    pub(super) point: [Wide; 3],
+    pub(super) direction: [Wide; 3],
+    /// The place of each point's first view among the fields.
+    first: [u32; LANES],
+    /// How many points are no filling.
+    count: usize,
 }
 
 impl Exits {
-    /// Finds the exits of the points `used`, at most `most`.
-    ///
-    /// The first view walks first; of the others only those that may leave sooner.
-    #[inline(always)]
+    /// Writes to `exits` the exits of `starts`, at most `most`.
     pub(super) fn find(
         &mut self,
         hull: &Hull,
         fields: &[Field],
-        block: &Block,
-        way: &Way,
+        starts: &[Start],
         most: f64,
-        used: u32,
+        exits: &mut Vec<f64>,
     ) {
-        self.exit = wall(hull, block, &way.direction, most);
-        let Self { exit, walkers, ahead, lines } = self;
-        ahead.resize(fields.len(), [[0.0; LANES]; 3]);
-        for (field, ahead) in fields.iter().zip(ahead.iter_mut()) {
-            field.ahead(&way.direction, ahead);
+        self.take(fields, starts);
+        exits.clear();
+        // Filled up as the blocks are.
+        exits.resize(self.blocks.len() * LANES, most);
+        for (block, exits) in self.blocks.iter().zip(exits.chunks_exact_mut(LANES)) {
+            lower_to_wall(hull, block, exits);
         }
-        let paths = Paths { fields, block, way, ahead };
-        lines.clear();
-        for k in ones(used) {
-            lines.push(Line { k, place: way.field[k] });
-        }
-        walkers.walk(lines, &paths, exit);
-        lines.clear();
         for (place, field) in fields.iter().enumerate() {
-            let stays = stays_inside(field, &block.sightings[place], &ahead[place], exit);
-            for k in ones(used & !stays) {
-                if way.field[k] != place {
-                    lines.push(Line { k, place });
+            walk_first(field, self, place, exits);
+        }
+        for (place, field) in fields.iter().enumerate() {
+            walk_others(field, self, place, exits);
+        }
+        exits.truncate(starts.len());
+    }
+
+    fn take(&mut self, fields: &[Field], starts: &[Start]) {
+        let Self { blocks, first, .. } = self;
+        first.resize_with(first.len().max(fields.len()), Vec::new);
+        first.iter_mut().for_each(Vec::clear);
+        blocks.clear();
+        for (chunk, base) in starts.chunks(LANES).zip((0..).step_by(LANES)) {
+            let mut block = Block::empty(chunk.len());
+            for k in 0..LANES {
+                let Start { point, direction, view } = chunk[k.min(chunk.len() - 1)];
+                let place = fields.iter().position(|field| field.index == view).unwrap_or(0);
+                for axis in 0..3 {
+                    (block.point[axis][k], block.direction[axis][k]) = (point[axis], direction[axis]);
+                }
+                block.first[k] = place as u32;
+                if k < chunk.len() {
+                    first[place].push(base + k as u32);
                 }
             }
+            blocks.push(block);
         }
-        walkers.walk(lines, &paths, exit);
     }
 }
 
-/// Which views surely see subject up to the exits: those ends lie in the square of subject pixels around the start,
-/// and so does all between, since a line's image is straight.
-#[inline(always)]
-fn stays_inside(field: &Field, sighting: &Sighting, ahead: &[Wide; 3], exit: &Wide) -> u32 {
-    // Beyond the pixels' centres there may be an edge by coverage; the rest is far more than rounding.
-    let rim = if field.by_coverage { 1.0 + 1e-6 } else { 0.5 + 1e-6 };
-    let (mut stays, [x, y, z]) = ([0; LANES], &sighting.at);
-    for k in 0..LANES {
-        let reach = sighting.clear[k] - rim;
-        let (end_x, end_y, end_z) =
-            (x[k] + ahead[0][k] * exit[k], y[k] + ahead[1][k] * exit[k], z[k] + ahead[2][k] * exit[k]);
-        let (du, dv) = (end_x - (sighting.column[k] + 0.5) * end_z, end_y - (sighting.row[k] + 0.5) * end_z);
-        // Both sides times the depth.
-        let near = (du.abs() < reach * end_z) & (dv.abs() < reach * end_z);
-        stays[k] = u32::from((end_z > 0.0) & near & (reach > 0.0));
+vectorised! {
+    /// Walks the points through the view at `place` that is likely to decide them.
+    fn walk_first(field: &Field, memory: &mut Exits, place: usize, exits: &mut [f64]) {
+        let Exits { blocks, first, lines, walkers } = memory;
+        for points in first[place].chunks(LANES) {
+            let mut block = Block::empty(points.len());
+            for k in 0..LANES {
+                let point = points[k.min(points.len() - 1)] as usize;
+                let (from, lane) = (&blocks[point / LANES], point % LANES);
+                for axis in 0..3 {
+                    block.point[axis][k] = from.point[axis][lane];
+                    block.direction[axis][k] = from.direction[axis][lane];
+                }
+                (lines.point[k], lines.limit[k]) = (point as u32, exits[point]);
+            }
+            lines.sight(field, &block);
+            walkers.set_out(field, lines, u32::MAX >> (LANES - points.len()), exits);
+        }
+        walkers.arrive(field, exits);
     }
-    bits(&stays)
 }
 
-/// Metres to the side of the work volume, at most `most`.
-#[inline(always)]
-fn wall(hull: &Hull, block: &Block, direction: &[Wide; 3], most: f64) -> Wide {
-    let (bounds, mut exit) = (hull.bounds(), [most; LANES]);
-    for axis in 0..3 {
-        let (min, max) = (bounds.min[axis], bounds.max[axis]);
-        for k in 0..LANES {
-            let (at, ahead) = (block.point[axis][k], direction[axis][k]);
-            let t = (either(ahead > 0.0, max, min) - at) / ahead;
-            exit[k] = either((ahead != 0.0) & (t < exit[k]), t, exit[k]);
+vectorised! {
+    /// Walks all other points through it, unless it surely sees them inside up to their exits so far.
+    fn walk_others(field: &Field, memory: &mut Exits, place: usize, exits: &mut [f64]) {
+        let Exits { blocks, lines, walkers, .. } = memory;
+        for (k, block) in blocks.iter().enumerate() {
+            let base = k * LANES;
+            for lane in 0..LANES {
+                (lines.point[lane], lines.limit[lane]) = ((base + lane) as u32, exits[base + lane]);
+            }
+            lines.sight(field, block);
+            let mut others = [0; LANES];
+            for lane in 0..LANES {
+                others[lane] = u32::from(block.first[lane] != place as u32);
+            }
+            let others = bits(&others) & (u32::MAX >> (LANES - block.count));
+            let doubtful = others & !lines.stay_inside(field);
+            walkers.set_out(field, lines, doubtful, exits);
+        }
+        walkers.arrive(field, exits);
+    }
+}
+
+vectorised! {
+    /// Lowers exits to the side of the work volume.
+    fn lower_to_wall(hull: &Hull, block: &Block, exits: &mut [f64]) {
+        let bounds = hull.bounds();
+        for axis in 0..3 {
+            let (min, max) = (bounds.min[axis], bounds.max[axis]);
+            for k in 0..LANES {
+                let (at, ahead) = (block.point[axis][k], block.direction[axis][k]);
+                let t = (either(ahead > 0.0, max, min) - at) / ahead;
+                exits[k] = either((ahead != 0.0) & (t < exits[k]), t, exits[k]);
+            }
         }
     }
-    exit
+}
+
+impl Block {
+    fn empty(count: usize) -> Self {
+        Self { point: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3], first: [0; LANES], count }
+    }
 }

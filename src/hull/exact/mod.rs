@@ -19,11 +19,12 @@ mod walk;
 
 use super::points::LANES;
 use super::view::whole;
-use super::{EdgeModel, Hull};
+use super::{EdgeModel, Hull, View};
 use crate::silhouette::HALF_COVERAGE;
 use crate::vectorised::vectorised;
-use exits::{Exits, Way};
-use nalgebra::{Isometry3, Point3, Vector3};
+use exits::Exits;
+use nalgebra::{Point3, Vector3};
+use nearest::Decided;
 use sight::{Block, Field};
 
 /// So few exits are sooner found one by one.
@@ -46,38 +47,34 @@ pub(crate) struct Start {
 pub(crate) struct Memory {
     fields: Vec<Field<'static>>,
     block: Block,
+    decided: Decided,
     exits: Exits,
 }
 
 impl Hull {
-    /// Writes to `ways` the directions of [`Self::push`] for those of `points`, in the pose `hull_from_points`, that are
-    /// inside by the coverage edge: with their places, in their order, of the first `most` of them.
+    /// Writes to `ways` the directions of [`Self::push`] for those of `points` that are inside by the coverage edge,
+    /// with their places, in their order.
     pub(crate) fn ways_out_of(
         &self,
         points: &[Point3<f64>],
-        hull_from_points: &Isometry3<f64>,
-        most: usize,
         memory: &mut Memory,
         ways: &mut Vec<(usize, Start)>,
     ) {
         ways.clear();
         if !self.every_view_tells() {
-            let points = points.iter().map(|p| hull_from_points * p).enumerate();
-            let way = |(place, point)| {
+            let way = |(place, &point): (usize, &Point3<f64>)| {
                 let (view, direction) = self.way_out(&point)?;
                 Some((place, Start { point, direction, view }))
             };
-            ways.extend(points.filter_map(way).take(most));
+            ways.extend(points.iter().enumerate().filter_map(way));
             return;
         }
         memory.with_queries(self, EdgeModel::Coverage, |queries| {
             for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
-                if ways.len() < most {
-                    add_ways(queries, chunk, hull_from_points, first, ways);
-                }
+                find_inside(queries, chunk, first, ways);
             }
+            queries.decided.find_directions(queries.fields, ways);
         });
-        ways.truncate(most);
     }
 
     /// Writes to `exits` [`Self::exit_within`] of each of `starts`, all of them inside.
@@ -96,71 +93,52 @@ impl Hull {
             return;
         }
         memory.with_queries(self, edge, |queries| {
-            for chunk in starts.chunks(LANES) {
-                add_exits(queries, chunk, most, exits);
-            }
+            queries.exits.find(self, queries.fields, starts, most, exits);
         });
     }
 
-    /// Whether the exit of `start` surely lies before `t` metres: the view that is likely to decide
-    /// sees background there. One look, where an exit is a walk in every view. Only where [`Self::every_view_tells`].
+    /// Whether the exit of `start` surely lies before `t` metres: some view sees background there; the one that is
+    /// likely to decide is asked first. A look a view, where an exit is a walk. Only where
+    /// [`Self::every_view_tells`].
     pub(crate) fn surely_leaves_before(&self, start: &Start, edge: EdgeModel, t: f64) -> bool {
-        /// Far more than rounding, in pixels.
-        const RIM: f64 = 1e-6;
-        let view = &self.views()[start.view];
-        let silhouette = view.silhouette();
-        let Some(at) = view.project(&(start.point + start.direction * t)) else { return false };
-        let (i, j) = whole(at.u, at.v);
-        let (x, y) = (at.u - f64::from(i), at.v - f64::from(j));
-        let within = |x: f64| x > RIM && x < 1.0 - RIM;
-        if !view.sees(i, j) || !within(x) || !within(y) {
-            false
-        } else if edge == EdgeModel::Coverage && silhouette.has_coverage() {
-            silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * RIM
-        } else {
-            silhouette.distance(i, j) == 0
-        }
+        let end = start.point + start.direction * t;
+        let others =
+            self.views().iter().enumerate().filter(|(k, view)| *k != start.view && view.is_enabled());
+        surely_outside(&self.views()[start.view], &end, edge)
+            || others.into_iter().any(|(_, view)| surely_outside(view, &end, edge))
+    }
+}
+
+/// Whether a view sees background at `p`, however its place is rounded.
+fn surely_outside(view: &View, p: &Point3<f64>, edge: EdgeModel) -> bool {
+    /// Far more than rounding, in pixels.
+    const RIM: f64 = 1e-6;
+    let silhouette = view.silhouette();
+    let Some(at) = view.project(p) else { return false };
+    let (i, j) = whole(at.u, at.v);
+    let (x, y) = (at.u - f64::from(i), at.v - f64::from(j));
+    let within = |x: f64| x > RIM && x < 1.0 - RIM;
+    if !view.sees(i, j) || !within(x) || !within(y) {
+        false
+    } else if edge == EdgeModel::Coverage && silhouette.has_coverage() {
+        silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * RIM
+    } else {
+        silhouette.distance(i, j) == 0
     }
 }
 
 vectorised! {
-    /// Adds the ways out of a block of points, the first of which has the place `first`.
-    fn add_ways(
-        queries: &mut Queries,
-        points: &[Point3<f64>],
-        hull_from_points: &Isometry3<f64>,
-        first: usize,
-        ways: &mut Vec<(usize, Start)>,
-    ) {
-        let Queries { hull, fields, block, .. } = queries;
+    /// Adds those of a block of points that are inside to `ways`, and to the points that a view decides; the first of
+    /// the block has the place `first`.
+    fn find_inside(queries: &mut Queries, points: &[Point3<f64>], first: usize, ways: &mut Vec<(usize, Start)>) {
+        let Queries { hull, fields, block, decided, .. } = queries;
         block.place(points.len(), |k| points[k]);
-        block.transform(hull_from_points);
-        let mut inside = 0;
-        for k in 0..points.len() {
-            inside |= u32::from(hull.in_boxes(&block.point(k))) << k;
-        }
+        let inside = block.within(hull.bounds(), u32::MAX >> (LANES - points.len()));
+        let inside = if hull.culls.frustum_box { block.within(hull.aabb(), inside) } else { inside };
         let inside = block.sight_inside(fields, inside);
         if inside != 0 {
-            nearest::add_ways(hull, fields, block, inside, first, ways);
+            decided.add(fields, block, inside, first, ways);
         }
-    }
-}
-
-vectorised! {
-    /// Adds the exits of a block of points.
-    fn add_exits(queries: &mut Queries, starts: &[Start], most: f64, found: &mut Vec<f64>) {
-        let Queries { hull, fields, block, exits } = queries;
-        block.place(starts.len(), |k| starts[k].point);
-        block.sight(fields);
-        let mut way = Way::default();
-        for (k, start) in starts.iter().enumerate() {
-            for axis in 0..3 {
-                way.direction[axis][k] = start.direction[axis];
-            }
-            way.field[k] = fields.iter().position(|field| field.index == start.view).unwrap_or(0);
-        }
-        exits.find(hull, fields, block, &way, most, u32::MAX >> (LANES - starts.len()));
-        found.extend_from_slice(&exits.exit[..starts.len()]);
     }
 }
 
@@ -169,6 +147,7 @@ struct Queries<'a> {
     hull: &'a Hull,
     fields: &'a [Field<'a>],
     block: &'a mut Block,
+    decided: &'a mut Decided,
     exits: &'a mut Exits,
 }
 
@@ -178,7 +157,8 @@ impl Memory {
         let mut fields: Vec<Field> = std::mem::take(&mut self.fields);
         let enabled = hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
         fields.extend(enabled.map(|(index, view)| Field::new(index, view, edge)));
-        ask(&mut Queries { hull, fields: &fields, block: &mut self.block, exits: &mut self.exits });
+        let Self { block, decided, exits, .. } = self;
+        ask(&mut Queries { hull, fields: &fields, block, decided, exits });
         fields.clear();
         // Collected in place: nothing is left to convert but the lifetime.
         self.fields = fields.into_iter().map(|_| unreachable!("it was cleared")).collect();

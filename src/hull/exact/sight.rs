@@ -1,29 +1,34 @@
 //! Where the views see many points.
 
+use super::super::batch::lookup::Distances;
 use super::super::lanes::{bits, either, floor, index, ones};
 use super::super::points::LANES;
 use super::super::view::Footprint;
-use super::super::{EdgeModel, View};
+use super::super::{Aabb, EdgeModel, View};
 use super::Wide;
 use crate::camera::MIN_DEPTH;
 use crate::silhouette::HALF_COVERAGE;
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Point3;
 
 /// What of a view every point needs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Field<'a> {
     pub(super) view: &'a View,
     pub(super) index: usize,
-    p: [[f64; 4]; 3],
+    pub(super) p: [[f64; 4]; 3],
     /// Width and height of the image.
     size: [f64; 2],
     /// The columns and rows of the silhouette's rectangle: the first, and the one behind the last.
     low: [f64; 2],
     high: [f64; 2],
+    /// Column and row of the first pixel of the silhouette's region.
+    pub(super) corner: (i32, i32),
     /// Chebyshev distances, a row's pixels, and the place that pixel (0, 0) would have.
     distance: &'a [u8],
-    pub(super) stride: f64,
-    pub(super) origin: f64,
+    /// The same, four a word.
+    distance_words: &'a [u32],
+    stride: f64,
+    origin: f64,
     /// Whether its edge is taken inside pixels.
     pub(super) by_coverage: bool,
     /// Cells are pixels (0), or the squares between four pixel centres (one half).
@@ -66,7 +71,9 @@ impl<'a> Field<'a> {
             size: [f64::from(image.x1), f64::from(image.y1)],
             low: [f64::from(rect.x0), f64::from(rect.y0)],
             high: [f64::from(rect.x1), f64::from(rect.y1)],
+            corner: tables.corner,
             distance: tables.distance,
+            distance_words: tables.distance_words,
             stride,
             origin: -(stride * f64::from(tables.corner.1) + f64::from(tables.corner.0)),
             by_coverage,
@@ -76,19 +83,8 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// How the homogeneous coordinates change along `direction`, as [`View::homogeneous_direction`] has it.
-    #[inline(always)]
-    pub(super) fn ahead(&self, [x, y, z]: &[Wide; 3], ahead: &mut [Wide; 3]) {
-        for (row, ahead) in self.p.iter().zip(ahead) {
-            for k in 0..LANES {
-                ahead[k] = row[0] * x[k] + row[1] * y[k] + row[2] * z[k];
-            }
-        }
-    }
-
     /// The distance at a place of the table.
-    #[inline(always)]
-    pub(super) fn distance(&self, place: u32) -> u16 {
+    fn distance(&self, place: u32) -> u16 {
         match self.distance.get(place as usize) {
             Some(&u8::MAX) => self.view.silhouette().distance_at(place as usize),
             Some(&near) => u16::from(near),
@@ -96,30 +92,47 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// The half-width and a half of the largest square of cells around the one at `place` on which the view sees
-    /// subject alone; 0 where there is none. Cells are pixels, or the squares between the centres of four.
+    /// The half-widths and a half of the largest squares around cells on which the view sees subject alone; 0 where
+    /// there is none. Cells are pixels, or the squares between the centres of four.
     #[inline(always)]
-    pub(super) fn clear(&self, place: u32) -> u16 {
-        let here = self.distance(place);
-        if !self.by_coverage {
-            return here;
+    pub(super) fn find_clear(&self, column: &Wide, row: &Wide, clear: &mut Wide) {
+        self.find_distances(column, row, 0.0, clear);
+        if self.by_coverage {
+            for beside in [1.0, self.stride, self.stride + 1.0] {
+                let mut distances = [0.0; LANES];
+                self.find_distances(column, row, beside, &mut distances);
+                for k in 0..LANES {
+                    clear[k] = either(distances[k] < clear[k], distances[k], clear[k]);
+                }
+            }
         }
-        let below = place + self.stride as u32;
-        here.min(self.distance(place + 1)).min(self.distance(below)).min(self.distance(below + 1))
     }
 
-    /// The cell in which a walk from point `k` begins, and its distance to background.
+    /// The distances to the background of the pixels so many places behind these; of what lies beyond the region, some.
     #[inline(always)]
-    pub(super) fn first_cell(&self, sighting: &Sighting, k: usize) -> (f64, f64, f64) {
-        let (column, row, clear) = (sighting.column[k], sighting.row[k], sighting.clear[k]);
-        if !self.by_coverage || clear == 0.0 {
-            return (column, row, clear);
+    pub(super) fn find_distances(&self, column: &Wide, row: &Wide, behind: f64, distances: &mut Wide) {
+        let (origin, mut places) = (self.origin + behind, [0; LANES]);
+        for k in 0..LANES {
+            places[k] = index(row[k] * self.stride + column[k] + origin);
         }
-        // The cell begins at a pixel's centre: at that of the point's pixel, or of the one before.
-        let cell = |x: f64, pixel: f64| if x - self.shift < pixel { pixel - 1.0 } else { pixel };
-        let [x, y, depth] = sighting.at.map(|at| at[k]);
-        let (column, row) = (cell(x / depth, column), cell(y / depth, row));
-        (column, row, f64::from(self.clear(index(row * self.stride + column + self.origin))))
+        self.look_up(&places, distances);
+    }
+
+    /// The distances at places of the table.
+    #[inline(always)]
+    fn look_up(&self, places: &[u32; LANES], distances: &mut Wide) {
+        let (table, mut narrow) = (Distances::new(self.distance_words, self.stride as usize), [0; LANES]);
+        for k in 0..LANES {
+            narrow[k] = table.at_place(places[k]);
+        }
+        for k in 0..LANES {
+            distances[k] = f64::from(narrow[k]);
+        }
+        if narrow.iter().any(|&narrow| narrow == u32::from(u8::MAX)) {
+            for k in 0..LANES {
+                distances[k] = f64::from(self.distance(places[k]));
+            }
+        }
     }
 
     /// Where the view sees points; and a bit for each that it sees inside.
@@ -144,9 +157,7 @@ impl<'a> Field<'a> {
             (sighting.column[k], sighting.row[k]) = (i, j);
             visible[k] = u32::from(seen);
         }
-        for k in 0..LANES {
-            sighting.clear[k] = f64::from(self.distance(places[k]));
-        }
+        self.look_up(&places, &mut sighting.clear);
         let least = if self.by_coverage { 1.0 } else { 0.0 };
         let mut clear = [0; LANES];
         for k in 0..LANES {
@@ -180,32 +191,20 @@ impl Block {
         }
     }
 
-    /// The points in another frame, by the sums that nalgebra has for one.
+    /// Which of the points `asked` lie in a box, faces included.
     #[inline(always)]
-    pub(super) fn transform(&mut self, pose: &Isometry3<f64>) {
-        let (q, shift) = (pose.rotation.coords, pose.translation.vector);
-        let [x, y, z] = &mut self.point;
-        for k in 0..LANES {
-            let (px, py, pz) = (x[k], y[k], z[k]);
-            let (tx, ty, tz) = (q.y * pz - q.z * py, q.z * px - q.x * pz, q.x * py - q.y * px);
-            let (tx, ty, tz) = (tx * 2.0, ty * 2.0, tz * 2.0);
-            let (cx, cy, cz) = (q.y * tz - q.z * ty, q.z * tx - q.x * tz, q.x * ty - q.y * tx);
-            x[k] = tx * q.w + cx + px + shift.x;
-            y[k] = ty * q.w + cy + py + shift.y;
-            z[k] = tz * q.w + cz + pz + shift.z;
+    pub(super) fn within(&self, aabb: &Aabb, asked: u32) -> u32 {
+        let mut within = [1; LANES];
+        for axis in 0..3 {
+            let (min, max, at) = (aabb.min[axis], aabb.max[axis], &self.point[axis]);
+            for k in 0..LANES {
+                within[k] &= u32::from((at[k] >= min) & (at[k] <= max));
+            }
         }
+        bits(&within) & asked
     }
 
-    /// Takes up where all views see the points.
-    #[inline(always)]
-    pub(super) fn sight(&mut self, fields: &[Field]) {
-        self.sightings.resize(fields.len(), Sighting::default());
-        for (field, sighting) in fields.iter().zip(&mut self.sightings) {
-            field.sight(&self.point, sighting);
-        }
-    }
-
-    /// The same, as long as any of the points `inside` is seen inside by all views; which are.
+    /// Takes up where the views see the points, as long as any of those `inside` is seen inside; which all see inside.
     #[inline(always)]
     pub(super) fn sight_inside(&mut self, fields: &[Field], mut inside: u32) -> u32 {
         self.sightings.resize(fields.len(), Sighting::default());

@@ -111,10 +111,10 @@ fn stays_clear(view: &Folded, sighting: &Sighting, changes: &Homogeneous, exit: 
     let mut clear = [0_u32; LANES];
     for k in 0..LANES {
         let t = exit[k] * sighting.per_depth[k];
-        let depth = 1.0 + t * changes.depth[k];
+        let depth = t.mul_add(changes.depth[k], 1.0);
         let per_depth = 1.0 / depth;
-        let u = (sighting.u[k] + t * changes.u[k]) * per_depth;
-        let v = (sighting.v[k] + t * changes.v[k]) * per_depth;
+        let u = t.mul_add(changes.u[k], sighting.u[k]) * per_depth;
+        let v = t.mul_add(changes.v[k], sighting.v[k]) * per_depth;
         let end = distances.at(whole(u, right), whole(v, below)) as f32;
         // From a point to its square's side it is at least one pixel less than the distance says.
         let meet = (sighting.clear[k] - 1.0) + (end - 1.0);

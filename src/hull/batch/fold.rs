@@ -160,15 +160,15 @@ impl<'a> Folded<'a> {
     /// Where points appear.
     #[inline(always)]
     pub(super) fn project(&self, points: &Block) -> Homogeneous {
-        let [u, v, depth] = self.p.each_ref().map(|row| affine(row, points));
-        Homogeneous { u, v, depth }
+        let [u, v, depth] = &self.p;
+        Homogeneous { u: affine(u, points), v: affine(v, points), depth: affine(depth, points) }
     }
 
     /// By how much that changes along directions, per metre.
     #[inline(always)]
     pub(super) fn changes(&self, directions: &Block) -> Homogeneous {
-        let [u, v, depth] = self.p.each_ref().map(|row| linear(row, directions));
-        Homogeneous { u, v, depth }
+        let [u, v, depth] = &self.p;
+        Homogeneous { u: linear(u, directions), v: linear(v, directions), depth: linear(depth, directions) }
     }
 
     /// The middle of the region's last pixel: where positions in the region end.
@@ -207,7 +207,7 @@ impl<'a> Folded<'a> {
         radius: f32,
         near: f32,
     ) -> (bool, bool) {
-        let at = |row: &[f32; 4]| row[0] * x + row[1] * y + row[2] * z + row[3];
+        let at = |row: &[f32; 4]| row[0].mul_add(x, row[1].mul_add(y, row[2].mul_add(z, row[3])));
         let depth = at(&self.p[2]);
         let nearest = depth - radius * self.depth_slope;
         let (per_depth, most) = (1.0 / depth, radius * 1.001 / nearest);
@@ -233,7 +233,8 @@ fn rounded(p: &Matrix3x4<f64>) -> [[f32; 4]; 3] {
 fn affine(row: &[f32; 4], points: &Block) -> Lane {
     let mut sum = [0.0; LANES];
     for k in 0..LANES {
-        sum[k] = row[0] * points.x[k] + row[1] * points.y[k] + row[2] * points.z[k] + row[3];
+        sum[k] =
+            row[0].mul_add(points.x[k], row[1].mul_add(points.y[k], row[2].mul_add(points.z[k], row[3])));
     }
     sum
 }
@@ -242,7 +243,7 @@ fn affine(row: &[f32; 4], points: &Block) -> Lane {
 fn linear(row: &[f32; 4], directions: &Block) -> Lane {
     let mut sum = [0.0; LANES];
     for k in 0..LANES {
-        sum[k] = row[0] * directions.x[k] + row[1] * directions.y[k] + row[2] * directions.z[k];
+        sum[k] = row[0].mul_add(directions.x[k], row[1].mul_add(directions.y[k], row[2] * directions.z[k]));
     }
     sum
 }

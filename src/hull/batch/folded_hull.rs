@@ -58,7 +58,7 @@ impl<'a> FoldedHull<'a> {
             found.places.extend((0..points.len() as u32).filter(inside));
             return Ok(posed);
         }
-        if !self.may_be_seen(&posed, within) {
+        if !inside::may_be_seen(&self.views, &posed, within) {
             return Ok(posed);
         }
         self.posed.clear();
@@ -67,13 +67,5 @@ impl<'a> FoldedHull<'a> {
         let cut = cut.then_some((&self.volume, &posed));
         inside::find(points, &self.posed, cut, within, found);
         Ok(posed)
-    }
-
-    /// Whether the sphere around a body's points may appear in every view's silhouette.
-    fn may_be_seen(&self, posed: &Posed, within: Within) -> bool {
-        self.views.iter().all(|view| {
-            let tables = (&view.tables.tiles.lookup(), &view.distances());
-            view.sphere(tables, posed.middle(), posed.radius, within.more_pixels()).0
-        })
     }
 }

@@ -31,6 +31,18 @@ impl Within {
 }
 
 vectorised! {
+    /// Whether the sphere around a body's points may appear `within` every view's silhouette.
+    pub(super) fn may_be_seen(views: &[Folded], posed: &Posed, within: Within) -> bool {
+        let mut is_seen = true;
+        for view in views {
+            let tables = (&view.tables.tiles.lookup(), &view.distances());
+            is_seen = is_seen && view.sphere(tables, posed.middle(), posed.radius, within.more_pixels()).0;
+        }
+        is_seen
+    }
+}
+
+vectorised! {
     /// Adds the places of the points that all views see `within` the silhouette, in their order.
     ///
     /// `volume` is the work volume, and the points' pose in it, where it may cut points off.
@@ -118,9 +130,9 @@ fn seen(view: &Folded, block: &Block, within: Within) -> u32 {
     let mut hit = [0; LANES];
     for k in 0..LANES {
         let (x, y, z) = (block.x[k], block.y[k], block.z[k]);
-        let depth = pd[0] * x + pd[1] * y + pd[2] * z + pd[3];
-        let u = pu[0] * x + pu[1] * y + pu[2] * z + pu[3];
-        let v = pv[0] * x + pv[1] * y + pv[2] * z + pv[3];
+        let depth = pd[0].mul_add(x, pd[1].mul_add(y, pd[2].mul_add(z, pd[3])));
+        let u = pu[0].mul_add(x, pu[1].mul_add(y, pu[2].mul_add(z, pu[3])));
+        let v = pv[0].mul_add(x, pv[1].mul_add(y, pv[2].mul_add(z, pv[3])));
         let per_depth = either(depth > NEAREST, 1.0 / depth, 0.0);
         hit[k] = bits_within.at(whole(u * per_depth, right), whole(v * per_depth, below));
     }

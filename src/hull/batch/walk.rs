@@ -166,8 +166,8 @@ impl Lines {
         for k in 0..LANES {
             let (u, v) = (start.u[k], start.v[k]);
             let deeper = changes.depth[k] * start.per_depth[k];
-            let slope_u = changes.u[k] * start.per_depth[k] - u * deeper;
-            let slope_v = changes.v[k] * start.per_depth[k] - v * deeper;
+            let slope_u = changes.u[k].mul_add(start.per_depth[k], -u * deeper);
+            let slope_v = changes.v[k].mul_add(start.per_depth[k], -v * deeper);
             (self.start.u[k], self.start.v[k]) = (u, v);
             (self.slope.u[k], self.slope.v[k]) = (slope_u, slope_v);
             (self.per_slope.u[k], self.per_slope.v[k]) = (1.0 / slope_u, 1.0 / slope_v);
@@ -175,7 +175,7 @@ impl Lines {
             self.deeper[k] = deeper;
             self.s[k] = 0.0;
             // Where the depth comes to nothing the line has left the image.
-            let depth = 1.0 + most[k] * deeper;
+            let depth = most[k].mul_add(deeper, 1.0);
             let ends = (depth > 0.0) & (most[k] < f32::INFINITY);
             self.limit[k] = either(ends, most[k] / depth, f32::INFINITY);
         }
@@ -278,7 +278,7 @@ impl Line {
         let s = either(s > here.s, s, here.s);
         let beside = clear - 1.0;
         let (column, row) =
-            (within(u + s * across, here.column, beside), within(v + s * down, here.row, beside));
+            (within(s.mul_add(across, u), here.column, beside), within(s.mul_add(down, v), here.row, beside));
         Place {
             column: either(first, either(rightwards, right, right - 1.0), column),
             row: either(first, row, either(downwards, below, below - 1.0)),

@@ -21,7 +21,7 @@ pub(crate) struct Derived {
 impl Derived {
     pub(super) fn fill(&mut self, region: &Region) {
         self.neighbours.fill(region);
-        self.turned.fill(region);
+        self.turned.clear();
         self.tiles.fill(region);
         self.distances.fill(region, &self.tiles);
         self.edges.fill(&self.neighbours);

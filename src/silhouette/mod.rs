@@ -30,6 +30,7 @@ use region::Region;
 pub(crate) use region::{LOW, Word};
 use scan::Columns;
 pub(crate) use tiles::{Lookup, Tiles};
+use turned::Turned;
 
 /// A pixel is subject from this byte upwards: covered by half or more.
 pub const SUBJECT: u8 = 128;
@@ -59,15 +60,19 @@ pub(crate) struct Tables<'a> {
     pub(crate) subject: &'a [Word],
     /// Subject pixels and those around each.
     pub(crate) near: &'a [Word],
-    /// Words in a column of bits.
-    pub(crate) words_in_column: usize,
-    /// Subject pixels by columns, column-major.
-    pub(crate) turned: &'a [Word],
+    turned: &'a Turned,
     /// Chebyshev distances; 255 for all that are larger than 254.
     pub(crate) distance: &'a [u8],
     /// The same, four a word as they lie in memory.
     pub(crate) distance_words: &'a [u32],
     pub(crate) tiles: &'a Tiles,
+}
+
+impl<'a> Tables<'a> {
+    /// Subject pixels by columns, column-major, and how many words a column has.
+    pub(crate) fn columns(&self) -> (&'a [Word], usize) {
+        self.turned.columns(self.subject, self.words)
+    }
 }
 
 /// One view's mask, prepared. Immutable while it is shared, so that any number of threads may ask it.
@@ -213,8 +218,7 @@ impl Silhouette {
             words: self.region.words(),
             subject: self.region.subject(),
             near: self.derived.neighbours.near(),
-            words_in_column: self.derived.turned.words(),
-            turned: self.derived.turned.subject(),
+            turned: &self.derived.turned,
             distance: self.derived.distances.narrow(),
             distance_words: self.derived.distances.narrow_words(),
             tiles: &self.derived.tiles,

@@ -5,8 +5,10 @@
 //!   row y+1  ..efgh..   ─►   column x+1 ..bfjn..      of its off-diagonal parts, then the quarters, and so on
 //! ```
 
-use super::region::{Region, WORD, Word};
+use super::region::{WORD, Word};
+use crate::lock::lock;
 use crate::vectorised::vectorised;
+use std::sync::{Mutex, OnceLock};
 
 /// Squares side by side that are turned together.
 const TOGETHER: usize = 8;
@@ -14,35 +16,40 @@ const TOGETHER: usize = 8;
 /// Row k of each of them.
 type Squares = [[Word; TOGETHER]; WORD];
 
-/// Subject bits of a region, column-major, the first pixel of a column in its first word's lowest bit.
+/// Subject bits of a region, column-major, the first pixel of a column in its first word's lowest bit. Turned when
+/// somebody asks: only points that lie deep want them.
 #[derive(Debug, Default)]
-pub(super) struct Turned {
-    subject: Vec<Word>,
-    words: usize,
+pub(crate) struct Turned {
+    subject: OnceLock<Vec<Word>>,
+    /// Memory of the last ones.
+    spare: Mutex<Vec<Word>>,
 }
 
 impl Turned {
-    pub(super) fn fill(&mut self, region: &Region) {
-        self.words = region.rect().height().div_ceil(WORD);
-        self.subject.resize(region.words() * WORD * self.words, 0);
-        if !self.subject.is_empty() {
-            turn(region.subject(), region.words(), &mut self.subject, self.words);
+    /// Forgets what was turned.
+    pub(super) fn clear(&mut self) {
+        if let Some(subject) = self.subject.take() {
+            *lock(&self.spare) = subject;
         }
     }
 
-    /// Columns, each of as many words as the next tells.
-    pub(super) fn subject(&self) -> &[Word] {
-        &self.subject
-    }
-
-    /// Words in a column.
-    pub(super) fn words(&self) -> usize {
-        self.words
+    /// The columns of `rows` of so many words, and the words in each.
+    pub(super) fn columns(&self, rows: &[Word], words: usize) -> (&[Word], usize) {
+        let words_in_column = (rows.len() / words.max(1)).div_ceil(WORD);
+        let subject = self.subject.get_or_init(|| {
+            let mut subject = std::mem::take(&mut *lock(&self.spare));
+            subject.resize(words * WORD * words_in_column, 0);
+            if !subject.is_empty() {
+                turn(rows, words, &mut subject, words_in_column);
+            }
+            subject
+        });
+        (subject, words_in_column)
     }
 
     /// Bytes of memory behind the table.
     pub(super) fn working_memory(&self) -> usize {
-        4 * self.subject.capacity()
+        4 * self.subject.get().map_or(0, Vec::capacity).max(lock(&self.spare).capacity())
     }
 }
 
@@ -51,21 +58,31 @@ vectorised! {
         let mut squares = [[0; TOGETHER]; WORD];
         for (down, strip) in rows.chunks(WORD * words).enumerate() {
             for across in (0..words).step_by(TOGETHER) {
-                let count = TOGETHER.min(words - across);
-                squares.fill([0; TOGETHER]);
-                for (square, row) in squares.iter_mut().zip(strip.chunks_exact(words)) {
-                    square[..count].copy_from_slice(&row[across..across + count]);
+                for (k, square) in squares.iter_mut().enumerate() {
+                    *square = some_words(strip, k * words + across);
                 }
                 transpose(&mut squares);
-                for (n, square) in (across..across + count).enumerate() {
-                    let first = square * WORD * words_in_column + down;
-                    for (k, column) in columns[first..].iter_mut().step_by(words_in_column).take(WORD).enumerate() {
-                        *column = squares[k][n];
+                // What lies behind the row's last word is none of it.
+                for n in 0..TOGETHER.min(words - across) {
+                    let column = (across + n) * WORD * words_in_column + down;
+                    for (column, square) in columns[column..].iter_mut().step_by(words_in_column).zip(&squares) {
+                        *column = square[n];
                     }
                 }
             }
         }
     }
+}
+
+/// The words from `start` on, those behind the last one zero.
+#[inline(always)]
+fn some_words(words: &[Word], start: usize) -> [Word; TOGETHER] {
+    let words = words.get(start..).unwrap_or(&[]);
+    words.first_chunk().copied().unwrap_or_else(|| {
+        let mut some = [0; TOGETHER];
+        some.iter_mut().zip(words).for_each(|(some, word)| *some = *word);
+        some
+    })
 }
 
 /// Bit x of row y becomes bit y of row x.
@@ -99,11 +116,11 @@ mod tests {
         let mask =
             GrayImage::from_fn(403, 171, |i, j| Luma([if (i * 7 + j * j) % 11 < 6 { 255 } else { 0 }]));
         let silhouette = Silhouette::new(&mask, Border::Background);
-        let (rect, turned) = (silhouette.region.rect(), &silhouette.derived.turned);
-        for (x, column) in turned.subject().chunks_exact(turned.words()).enumerate() {
-            for (y, i) in (0..turned.words() * 32).zip(0..) {
+        let (rect, (columns, words)) = (silhouette.region.rect(), silhouette.tables().columns());
+        for (x, column) in columns.chunks_exact(words).enumerate() {
+            for (y, j) in (0..words * 32).zip(rect.y0..) {
                 let is_subject = column[y / 32] >> (y % 32) & 1 == 1;
-                assert_eq!(is_subject, silhouette.is_subject(rect.x0 + x as i32, rect.y0 + i), "{x} {y}");
+                assert_eq!(is_subject, silhouette.is_subject(rect.x0 + x as i32, j), "{x} {y}");
             }
         }
     }

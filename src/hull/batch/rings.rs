@@ -1,4 +1,4 @@
-//! The background pixels nearest to many points, by rings of growing radius.
+//! The background pixels nearest to many points: by rows where they are near, else by rings of growing radius.
 //!
 //! ```text
 //!     +---o-x---+   o the middle of a side, from which it is searched both ways, a word of pixels at a time; what lies
@@ -24,12 +24,12 @@ pub(in crate::hull) struct Pixels {
 /// No ring: farther than a window in a silhouette of 60,000 pixels reaches. Its square, twice, fits.
 const FAR: i32 = 30_000;
 
-/// Pixels on either side of the middle one in a word around it.
-const SIGHT: i32 = 15;
-
-/// The whole nearest ring of a point of up to this Chebyshev distance lies in sight of its sides' middles, and so does
-/// what is nearer than its corners: they are at most 14 pixels away.
+/// Up to this Chebyshev distance the nearest background pixel is in sight of a row's word: it lies at most 14 pixels
+/// away.
 pub(in crate::hull) const NEAR: i32 = 10;
+
+/// Pixels left of the middle one in a word around it.
+const SIGHT: i32 = 15;
 
 /// Pixels of a word.
 const WORD: i32 = u32::BITS as i32;
@@ -65,16 +65,20 @@ struct Search<'a> {
 /// where `first` is the Chebyshev distance of the nearest ones.
 #[inline(always)]
 pub(in crate::hull) fn nearest(tables: &Tables, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
+    let rows = Bits::new(tables.subject, tables.words);
+    if first.iter().all(|&first| first <= NEAR) {
+        return nearest_in_sight(rows, middle, half);
+    }
+    let (columns, words_in_column) = tables.columns();
     let mut search = Search {
-        rows: Bits::new(tables.subject, tables.words),
-        columns: Bits::new(tables.turned, tables.words_in_column),
+        rows,
+        columns: Bits::new(columns, words_in_column),
         distances: Distances::new(tables.distance_words, tables.width),
         middle,
         radius: *first,
         squared: [i32::MAX; LANES],
         nearest: *middle,
     };
-    let are_near = first.iter().all(|&first| first <= NEAR);
     loop {
         for k in 0..LANES {
             // No ring beyond the window.
@@ -84,16 +88,42 @@ pub(in crate::hull) fn nearest(tables: &Tables, middle: &Pixels, first: &Whole, 
             return search.nearest;
         }
         for side in SIDES {
-            if are_near {
-                search.look_around_middle(side);
-            } else {
-                search.look_along(side);
-            }
+            search.look_along(side);
         }
         for k in 0..LANES {
             search.radius[k] += 1;
         }
     }
+}
+
+/// The same for pixels near background, by rows outwards.
+#[inline(always)]
+fn nearest_in_sight(rows: Bits, middle: &Pixels, half: &Whole) -> Pixels {
+    let (mut squared, mut nearest) = ([i32::MAX; LANES], *middle);
+    for away in 0..=SIGHT {
+        let mut left_to_see = 0;
+        for k in 0..LANES {
+            let half = half[k].min(SIGHT);
+            let within = u32::MAX >> (2 * (SIGHT - half) + 1) << (SIGHT - half);
+            for (dy, handicap) in [(-away, 0), (away, 1)] {
+                let background = !rows.from(middle.column[k] - SIGHT, middle.row[k] + dy) & within;
+                let left = (background << (SIGHT + 1)).leading_zeros() as i32;
+                let right = (background >> SIGHT).trailing_zeros() as i32;
+                // The left one wins among equals, and so does the upper one.
+                let dx = if left <= right { -left } else { right };
+                let rank = dx * dx + dy * dy;
+                let better = (background != 0) & (away <= half) & (rank + handicap <= squared[k]);
+                squared[k] = if better { rank } else { squared[k] };
+                nearest.column[k] = if better { middle.column[k] + dx } else { nearest.column[k] };
+                nearest.row[k] = if better { middle.row[k] + dy } else { nearest.row[k] };
+            }
+            left_to_see |= u32::from((away < half) & ((away + 1) * (away + 1) <= squared[k]));
+        }
+        if left_to_see == 0 {
+            break;
+        }
+    }
+    nearest
 }
 
 impl Search<'_> {
@@ -105,23 +135,6 @@ impl Search<'_> {
             open |= u32::from(is_in_question(self.radius[k], offset[k], self.squared[k]));
         }
         open != 0
-    }
-
-    /// Looks at what is in sight of a side's middle.
-    #[inline(always)]
-    fn look_around_middle(&mut self, side: Side) {
-        let mut offset = [0; LANES];
-        for k in 0..LANES {
-            let reach = self.radius[k].min(SIGHT);
-            let within = u32::MAX >> (2 * (SIGHT - reach) + 1) << (SIGHT - reach);
-            let background = !self.bits(side, k, -SIGHT) & within;
-            let before = (background << (WORD - 1 - SIGHT)).leading_zeros() as i32;
-            let behind = (background >> SIGHT).trailing_zeros() as i32;
-            // The one before wins among equals.
-            let nearer = if before <= behind { -before } else { behind };
-            offset[k] = if background != 0 { nearer } else { FAR };
-        }
-        self.take(side, &offset);
     }
 
     /// Looks at a whole side, as far as it matters.

@@ -35,6 +35,8 @@ const BLOCK: usize = 16;
 const UNKNOWN: u8 = 0;
 const NONE: u8 = 1;
 const KNOWN: u8 = 2;
+/// Not known, but somebody is about to find out.
+const CLAIMED: u8 = 3;
 
 impl EdgeTable {
     /// Makes room for the edge pixels, none of them known.
@@ -73,7 +75,7 @@ impl EdgeTable {
     #[inline(always)]
     fn known(&self, index: usize) -> Option<Option<Edge>> {
         match self.state[index].load(Ordering::Acquire) {
-            UNKNOWN => None,
+            UNKNOWN | CLAIMED => None,
             NONE => Some(None),
             _ => {
                 let number = |k: usize| f64::from_bits(self.edges[index][k].load(Ordering::Relaxed));
@@ -81,6 +83,14 @@ impl EdgeTable {
                 Some(Some(Edge { point, normal }))
             }
         }
+    }
+
+    /// Whether the edge of this rank was neither known nor claimed by anybody.
+    #[inline(always)]
+    fn claim(&self, index: usize) -> bool {
+        let state = &self.state[index];
+        state.load(Ordering::Relaxed) == UNKNOWN
+            && state.compare_exchange(UNKNOWN, CLAIMED, Ordering::Relaxed, Ordering::Relaxed).is_ok()
     }
 
     /// Rank of an edge pixel among all.
@@ -128,11 +138,11 @@ impl Silhouette {
         self.derived.edges.get(self, (i, j), || contact_edge::at(self, (i, j)))
     }
 
-    /// The same, `None` where that would have to be computed yet.
+    /// Whether the caller is the first to ask for the edge at a pixel, and should see to it that it becomes known.
     #[inline(always)]
-    pub(crate) fn known_edge(&self, pixel: (i32, i32)) -> Option<Option<Edge>> {
+    pub(crate) fn claim_edge(&self, pixel: (i32, i32)) -> bool {
         let edges = &self.derived.edges;
-        edges.known(edges.index(self, pixel)?)
+        edges.index(self, pixel).is_some_and(|index| edges.claim(index))
     }
 
     /// The paper's normal (section 4.2) at background pixel `(i, j)`: the mean vector from there to the background

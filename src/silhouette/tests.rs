@@ -167,7 +167,7 @@ fn contact_normals_are_the_weighted_mean_to_the_bit_however_many_are_asked() {
         compute_edges(&together, &asked);
         assert!(!asked.is_empty());
         for &(i, j) in &asked {
-            assert!(together.known_edge((i, j)).is_some() && one_by_one.known_edge((i, j)).is_none());
+            assert!(!together.claim_edge((i, j)) && one_by_one.claim_edge((i, j)));
             let normal = weighted_mean(&one_by_one, i, j).try_normalize(0.3);
             assert_eq!(one_by_one.edge(i, j).map(|edge| edge.normal), normal, "{border:?} ({i}, {j})");
             assert_eq!(one_by_one.edge(i, j), together.edge(i, j));

@@ -13,8 +13,7 @@ use crate::{Error, Result};
 use nalgebra::{Isometry3, Vector3};
 use std::sync::Mutex;
 
-/// Bodies that one of several threads takes at once: enough to fill a pool, few enough that no thread waits long for another's last
-/// ones.
+/// The least bodies that one of several threads takes at once: few enough that none waits long for another's last ones.
 const AT_ONCE: usize = 32;
 
 /// How often one point a body is asked before all that are left.
@@ -36,9 +35,12 @@ impl BodyResponse {
     const NONE: Self = Self { vector: Vector3::new(0.0, 0.0, 0.0), colliding: 0 };
 }
 
-/// Bodies and the places of their answers, handed out from the front.
-type Queue<'q, 'b> =
-    std::iter::Zip<std::slice::Chunks<'q, Body<'b>>, std::slice::ChunksMut<'q, BodyResponse>>;
+/// Bodies and the places of their answers, handed out from the front to so many threads.
+struct Queue<'q, 'b> {
+    bodies: &'q [Body<'b>],
+    responses: &'q mut [BodyResponse],
+    threads: usize,
+}
 
 /// What the points of a body say together.
 #[derive(Debug, Clone, Copy, Default)]
@@ -111,7 +113,7 @@ impl Hull {
         responses: &mut [BodyResponse],
         workspaces: &mut [Workspace],
     ) -> Result<()> {
-        let queue = Mutex::new(bodies.chunks(AT_ONCE).zip(responses.chunks_mut(AT_ONCE)));
+        let queue = Mutex::new(Queue { bodies, responses, threads: workspaces.len() });
         let failed = Mutex::new(None);
         on_threads(workspaces, |workspace| {
             if let Err(error) = self.respond_from(&queue, workspace) {
@@ -157,6 +159,16 @@ impl Hull {
         let answered = answer();
         workspace.take_back(folded);
         answered
+    }
+}
+
+impl<'q, 'b> Queue<'q, 'b> {
+    /// A part of what is left: large ones first, whose points fill the lanes, small ones in the end.
+    fn next(&mut self) -> Option<(&'q [Body<'b>], &'q mut [BodyResponse])> {
+        let share = self.bodies.len() / (2 * self.threads);
+        let count = share.max(AT_ONCE).min(self.bodies.len());
+        let (bodies, responses) = (self.bodies.split_off(..count)?, self.responses.split_off_mut(..count)?);
+        (count > 0).then_some((bodies, responses))
     }
 }
 
@@ -310,10 +322,13 @@ impl Verdicts {
 
 #[cfg(feature = "threads")]
 fn on_threads(workspaces: &mut [Workspace], work: impl Fn(&mut Workspace) + Sync) {
-    rayon::scope(|scope| {
-        for workspace in workspaces {
+    let Some((own, others)) = workspaces.split_first_mut() else { return };
+    // The caller's thread need not be woken.
+    rayon::in_place_scope(|scope| {
+        for workspace in others {
             scope.spawn(|_| work(workspace));
         }
+        work(own);
     });
 }
 

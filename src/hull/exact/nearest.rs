@@ -88,11 +88,8 @@ impl Decided {
             for (points, nearest) in lists.iter().zip(nearest.iter_mut()) {
                 nearest.clear();
                 find_nearest(field, points, nearest);
-                let is_new = |&&pixel: &&(i32, i32)| silhouette.known_edge(pixel).is_none();
-                new_edges.extend(nearest.iter().filter(is_new));
+                new_edges.extend(nearest.iter().filter(|&&pixel| silhouette.claim_edge(pixel)));
             }
-            new_edges.sort_unstable();
-            new_edges.dedup();
             silhouette::compute_edges(silhouette, new_edges);
             for (points, nearest) in lists.iter_mut().zip(nearest.iter()) {
                 find_directions(field, points, nearest, ways);

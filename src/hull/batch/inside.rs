@@ -60,8 +60,7 @@ vectorised! {
             let mut asked = u32::MAX >> (u32::BITS as usize - blocks.len());
             whole.clear();
             whole.resize(views.len(), 0);
-            for n in 0..views.len() {
-                let view = (sharp + n) % views.len();
+            for view in round(sharp, views.len()) {
                 let (touched, inside) = spheres_seen(&views[view], spheres, within);
                 asked &= touched;
                 whole[view] = inside;
@@ -73,8 +72,7 @@ vectorised! {
             for k in ones(asked) {
                 let (block, index) = (&blocks[k], group * GROUP + k);
                 let mut inside = u32::MAX >> (LANES - points.filled(index));
-                for n in 0..views.len() {
-                    let view = (sharpest + n) % views.len();
+                for view in round(sharpest, views.len()) {
                     if whole[view] >> k & 1 == 0 {
                         inside &= seen(&views[view], block, within);
                     }
@@ -86,7 +84,12 @@ vectorised! {
                 if inside != 0 && let Some((volume, posed)) = volume {
                     inside &= volume.contains(posed, block);
                 }
-                places.extend(ones(inside).map(|lane| (index * LANES + lane) as u32));
+                let (mut found, mut count) = ([0; LANES], 0);
+                for lane in ones(inside) {
+                    found[count] = (index * LANES + lane) as u32;
+                    count += 1;
+                }
+                places.extend_from_slice(&found[..count]);
             }
         }
     }
@@ -104,6 +107,12 @@ vectorised! {
         }
         inside
     }
+}
+
+/// All of so many places, from `first` on round.
+#[inline(always)]
+fn round(first: usize, count: usize) -> impl Iterator<Item = usize> {
+    (first..count).chain(0..first)
 }
 
 /// Which of many spheres may appear in a view's silhouette, and which surely do as a whole, a bit each.

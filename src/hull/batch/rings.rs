@@ -34,7 +34,7 @@ const SIGHT: i32 = 15;
 /// Pixels of a word.
 const WORD: i32 = u32::BITS as i32;
 
-/// A side of a ring: whether it runs along a row, and whether outwards of the middle is up or left.
+/// A side of a ring: whether it runs along a row, and whether it lies above or left of the middle, -1, or else 1.
 #[derive(Clone, Copy)]
 struct Side {
     is_row: bool,
@@ -198,4 +198,55 @@ impl Search<'_> {
 #[inline(always)]
 fn is_in_question(radius: i32, offset: i32, squared: i32) -> bool {
     (radius < FAR) & (offset.abs() <= radius) & (radius * radius + offset * offset <= squared)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::tests::Random;
+    use super::*;
+    use crate::silhouette::{Border, Silhouette};
+    use image::{GrayImage, Luma};
+
+    /// Some pixel of the masks.
+    fn pixel(random: &mut Random) -> (i32, i32) {
+        ((230.0 * random.unit()) as i32, (190.0 * random.unit()) as i32)
+    }
+
+    /// An ellipse with specks of background, so that nearest ones lie on all sides and at all depths, ties among them.
+    fn mask(specks: usize) -> GrayImage {
+        let mut random = Random(specks as u64);
+        let holes: Vec<_> = (0..specks).map(|_| pixel(&mut random)).collect();
+        GrayImage::from_fn(230, 190, |i, j| {
+            let (u, v) = ((f64::from(i) - 115.0) / 110.0, (f64::from(j) - 95.0) / 90.0);
+            Luma([if u.hypot(v) < 1.0 && !holes.contains(&(i as i32, j as i32)) { 255 } else { 0 }])
+        })
+    }
+
+    #[test]
+    fn lanes_find_the_pixel_that_a_single_search_finds_near_and_deep() {
+        for specks in [0, 3, 12, 60] {
+            let silhouette = Silhouette::new(&mask(specks), Border::Background);
+            let (tables, mut random) = (silhouette.tables(), Random(7));
+            let (x, y) = tables.corner;
+            for (round, more) in (0..60).zip([0, 1, 9].into_iter().cycle()) {
+                // Every third party is near as a whole, and looks along rows alone.
+                let most = if round % 3 == 0 { NEAR as u16 } else { u16::MAX };
+                let (mut middle, mut first, mut half) = (Pixels::default(), [0; LANES], [0; LANES]);
+                for k in 0..LANES {
+                    let (i, j) = std::iter::repeat_with(|| pixel(&mut random))
+                        .find(|&(i, j)| (1..=most).contains(&silhouette.distance(i, j)))
+                        .unwrap();
+                    (middle.column[k], middle.row[k]) = (i - x, j - y);
+                    first[k] = i32::from(silhouette.distance(i, j));
+                    half[k] = first[k] + more;
+                }
+                let found = nearest(&tables, &middle, &first, &half);
+                for k in 0..LANES {
+                    let (i, j) = (middle.column[k] + x, middle.row[k] + y);
+                    let expected = silhouette.nearest_background(i, j, half[k]);
+                    assert_eq!(Some((found.column[k] + x, found.row[k] + y)), expected, "of ({i}, {j})");
+                }
+            }
+        }
+    }
 }

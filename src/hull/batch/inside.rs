@@ -5,6 +5,9 @@ use super::super::points::{Block, GROUP, LANES, Points, Spheres};
 use super::fold::{Folded, NEAREST, Posed, Volume};
 use crate::vectorised::vectorised;
 
+/// So few blocks are sooner asked point by point than in further views by the spheres around them.
+const FEW: u32 = 2;
+
 /// What counts as inside a silhouette.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Within {
@@ -64,7 +67,7 @@ vectorised! {
                 let (touched, inside) = spheres_seen(&views[view], spheres, within);
                 asked &= touched;
                 whole[view] = inside;
-                if asked == 0 {
+                if asked.count_ones() <= FEW {
                     sharp = view;
                     break;
                 }

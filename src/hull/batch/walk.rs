@@ -174,10 +174,12 @@ impl Lines {
             (self.pixel.u[k], self.pixel.v[k]) = (whole(u, right) as f32, whole(v, below) as f32);
             self.deeper[k] = deeper;
             self.s[k] = 0.0;
-            // Where the depth comes to nothing the line has left the image.
+            // Where the depth comes to nothing the line has left the image; one that leads away from the camera comes
+            // to its vanishing point at infinity, and may see subject there.
+            let endless = either(deeper > 0.0, 1.0 / deeper, f32::INFINITY);
             let depth = most[k].mul_add(deeper, 1.0);
             let ends = (depth > 0.0) & (most[k] < f32::INFINITY);
-            self.limit[k] = either(ends, most[k] / depth, f32::INFINITY);
+            self.limit[k] = either(ends, most[k] / depth, endless);
         }
     }
 

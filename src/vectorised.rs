@@ -4,8 +4,9 @@
 /// is decided at run time.
 ///
 /// All do the same arithmetic: Rust never fuses or reorders floating-point operations by itself, and `mul_add` is fused
-/// everywhere, so that the same bits come out. Where it is not inlined into such a function it is slow. The body is a function of its own, since a closure that is compiled for one processor
-/// is not inlined into the standard library's loops.
+/// everywhere, so that the same bits come out. Where it is not inlined into such a function it is slow. The body is a
+/// function of its own, since a closure that is compiled for one processor is not inlined into the standard library's
+/// loops.
 macro_rules! vectorised {
     (
         $(#[$meta:meta])*

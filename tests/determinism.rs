@@ -2,7 +2,8 @@
 //!
 //! The golden numbers are hashes of all bits of all states of a scene. Floating point is IEEE 754 and nothing that
 //! reaches a contact uses fused or reordered arithmetic, so that they hold in both profiles; they were taken in the one
-//! and confirmed in the other, and with glibc's FMA variants switched off (`GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4`).
+//! and confirmed in the other, and with glibc's FMA variants switched off
+//! (`GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4`).
 //! They change only with what bodies do, and with a "Behaviour" line in the changelog.
 
 mod scene;

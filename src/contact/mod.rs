@@ -143,7 +143,7 @@ pub(crate) fn collide_into(contacts: &mut [Contacts], hull: &Hull, bodies: &[Bod
         return;
     }
     Room::with(|room| {
-        room.take_inside(hull, bodies);
+        room.take_inside(hull, bodies, usize::MAX);
         match mode {
             Mode::Clustered => room.group_by_clusters(hull, bodies, max_depth),
             Mode::Paper => room.group_by_paper(hull, bodies),
@@ -178,7 +178,7 @@ pub(crate) fn collide_any_into(
     contacts.clear();
     let body = Body { samples: body, hull_from_body: *hull_from_body, last_escape: None };
     Room::with(|room| {
-        room.take_inside(hull, &[body]);
+        room.take_inside(hull, &[body], settings.max_contacts);
         room.contacts_of_first(hull, settings, contacts);
     });
 }

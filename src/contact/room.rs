@@ -68,8 +68,8 @@ impl Room {
         answer
     }
 
-    /// Takes up the samples of `bodies` inside the hull, each with its way out.
-    pub(super) fn take_inside(&mut self, hull: &Hull, bodies: &[Body]) {
+    /// Takes up the samples of `bodies` inside the hull, each with its way out; the first `most` at least.
+    pub(super) fn take_inside(&mut self, hull: &Hull, bodies: &[Body], most: usize) {
         let Self { candidates, points, ways, colliding, .. } = self;
         candidates.clear();
         points.clear();
@@ -79,7 +79,7 @@ impl Room {
             candidates.extend(found.iter().map(|index| (place, index)));
             points.extend(found.iter().map(|index| hull_from_body * samples.points()[index].point));
         });
-        hull.ways_out_of(points, &mut self.exact, ways);
+        hull.ways_out_of(points, most, &mut self.exact, ways);
         colliding.clear();
         self.bodies.clear();
         for &(candidate, Start { point, direction, view }) in ways.iter() {

@@ -53,10 +53,11 @@ pub(crate) struct Memory {
 
 impl Hull {
     /// Writes to `ways` the directions of [`Self::push`] for those of `points` that are inside by the coverage edge,
-    /// with their places, in their order.
+    /// with their places, in their order; of the first `most` of them at least.
     pub(crate) fn ways_out_of(
         &self,
         points: &[Point3<f64>],
+        most: usize,
         memory: &mut Memory,
         ways: &mut Vec<(usize, Start)>,
     ) {
@@ -66,11 +67,14 @@ impl Hull {
                 let (view, direction) = self.way_out(&point)?;
                 Some((place, Start { point, direction, view }))
             };
-            ways.extend(points.iter().enumerate().filter_map(way));
+            ways.extend(points.iter().enumerate().filter_map(way).take(most));
             return;
         }
         memory.with_queries(self, EdgeModel::Coverage, |queries| {
             for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
+                if ways.len() >= most {
+                    break;
+                }
                 find_inside(queries, chunk, first, ways);
             }
             queries.decided.find_directions(queries.fields, ways);

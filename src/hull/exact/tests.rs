@@ -41,7 +41,7 @@ fn many_ways_out_have_the_bits_of_single_ones() {
     let (mut memory, mut ways) = (Memory::default(), Vec::new());
     for (n, hull) in hulls().iter().enumerate() {
         let points = points(hull, 3001);
-        hull.ways_out_of(&points, &mut memory, &mut ways);
+        hull.ways_out_of(&points, usize::MAX, &mut memory, &mut ways);
         let mut found = ways.iter();
         for (place, &point) in points.iter().enumerate() {
             let Some((view, direction)) = hull.way_out(&point) else { continue };
@@ -54,11 +54,24 @@ fn many_ways_out_have_the_bits_of_single_ones() {
 }
 
 #[test]
+fn the_first_few_ways_out_are_the_first_of_all() {
+    let (mut memory, mut all, mut few) = (Memory::default(), Vec::new(), Vec::new());
+    for hull in hulls() {
+        let points = points(&hull, 1003);
+        hull.ways_out_of(&points, usize::MAX, &mut memory, &mut all);
+        for most in [0, 1, 7, 40] {
+            hull.ways_out_of(&points, most, &mut memory, &mut few);
+            assert!(few.len() >= most && few.len() < most + LANES && all.starts_with(&few));
+        }
+    }
+}
+
+#[test]
 fn many_exits_have_the_bits_of_single_ones() {
     let (mut memory, mut ways, mut exits) = (Memory::default(), Vec::new(), Vec::new());
     let mut random = Random(9);
     for (n, hull) in hulls().iter().enumerate() {
-        hull.ways_out_of(&points(hull, 1003), &mut memory, &mut ways);
+        hull.ways_out_of(&points(hull, 1003), usize::MAX, &mut memory, &mut ways);
         let ball = Aabb { min: point![-1.0, -1.0, -1.0], max: point![1.0, 1.0, 1.0] };
         let mut directions: Vec<_> = (0..6).map(|_| random.point(&ball).coords.normalize()).collect();
         directions.extend([Vector3::x(), -Vector3::y(), Vector3::z(), vector![0.6, 0.0, -0.8]]);
@@ -82,7 +95,7 @@ fn many_exits_have_the_bits_of_single_ones() {
 fn what_surely_leaves_before_has_a_shorter_exit() {
     let (mut memory, mut ways, mut random) = (Memory::default(), Vec::new(), Random(11));
     for hull in hulls().iter().filter(|hull| hull.every_view_tells()) {
-        hull.ways_out_of(&points(hull, 1003), &mut memory, &mut ways);
+        hull.ways_out_of(&points(hull, 1003), usize::MAX, &mut memory, &mut ways);
         for edge in [EdgeModel::Pixel, EdgeModel::Coverage] {
             let (mut sure, mut shorter) = (0, 0);
             for (_, start) in &ways {

@@ -144,7 +144,7 @@ fn a_rig_file_with_a_bad_camera_is_refused_by_path_and_line() {
         let file = path.display().to_string();
         assert_says(Rig::load(&path), &[&[&file, "line "], parts].concat());
     }
-    assert_says(Rig::load(folder.path("none.toml")), &["none.toml", "expected a rig file"]);
+    assert_says(Rig::load(folder.path("none.toml")), &["none.toml", "expected a calibration file"]);
 }
 
 #[test]

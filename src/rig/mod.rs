@@ -4,12 +4,18 @@
 //! corners at whole numbers. [`Rig::describe`] is the check to print after reading: most calibrations that "do not
 //! work" are in another frame or unit, and that shows in where the cameras stand and look.
 
+mod calibration;
+mod pose;
+mod source;
 mod toml;
+
+pub use calibration::{Calibration, Hints};
 
 use crate::camera::Camera;
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::fmt::Write;
+use std::path::Path;
 
 /// An ordered set of cameras with unique names; never empty.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +50,15 @@ impl Rig {
             }
         }
         Ok(Self { cameras })
+    }
+
+    /// Reads a calibration file or folder of any format that [`Calibration::load`] knows, without hints; what it
+    /// notes is lost here.
+    ///
+    /// # Errors
+    /// As [`Calibration::load`].
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        Ok(Calibration::load(path, &Hints::default())?.rig)
     }
 
     /// The cameras, in order.

@@ -15,10 +15,12 @@
 //! to camera, the rotation a Rodrigues vector, lengths are taken as metres. Pixel *centres* are whole numbers in the
 //! file, pixel corners in a [`Camera`]: the principal point moves by one half on the way in and back on the way out.
 
-use super::Rig;
+use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::source::Source;
+use super::{Rig, pose};
 use crate::camera::{Camera, Distortion};
 use crate::{Error, Result};
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::fmt::Write;
 use std::path::Path;
 use toml::Spanned;
@@ -27,8 +29,11 @@ use toml::de::{DeTable, DeValue};
 /// From a file's pixel centres at whole numbers to pixel corners at whole numbers.
 const HALF_PIXEL: f64 = 0.5;
 
-/// How far `R^T R` of a rotation given as a matrix may lie from the identity: files carry as few as four digits.
-const ROTATION_TOLERANCE: f64 = 1e-3;
+pub(super) const FORMAT: Format = Format {
+    name: "TOML of anipose, Pose2Sim or caliscope",
+    recognise: |source| source.text().is_some_and(|text| source.has_extension("toml") || has_a_table(text)),
+    read: |source: &Source, _: &Hints| contents(source.text().unwrap_or_default()),
+};
 
 const SIZE: &str = "write size = [width, height] in pixels";
 const MATRIX: &str = "write matrix = [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels";
@@ -37,18 +42,6 @@ const ROTATION: &str = "write the Rodrigues vector of world to camera, rotation 
 const TRANSLATION: &str = "write that of world to camera in metres, translation = [x, y, z]";
 
 impl Rig {
-    /// Reads a rig file.
-    ///
-    /// # Errors
-    /// A file that cannot be read or is not UTF-8, and all that [`Rig::from_toml`] refuses; the message starts with
-    /// the path.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
-        let path = path.as_ref();
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| Error::file(path, format!("expected a rig file in TOML, found: {e}")))?;
-        Self::from_toml(&text).map_err(|e| Error::file(path, e))
-    }
-
     /// Writes a rig file that [`Rig::load`] and the tools named above read.
     ///
     /// # Errors
@@ -66,18 +59,7 @@ impl Rig {
     /// that is not finite, a fisheye lens, a rotation that is none, and all that [`Camera::new`] and [`Rig::new`]
     /// refuse. Messages name the line, the camera, its table and the key.
     pub fn from_toml(text: &str) -> Result<Self> {
-        let document = DeTable::parse(text).map_err(|e| {
-            let line = e.span().map_or(1, |span| line_of(text, span.start));
-            Error::argument(format!("line {line}: expected TOML, found: {}", e.message()))
-        })?;
-        let mut tables: Vec<_> = document.get_ref().iter().collect();
-        tables.sort_by_key(|(title, _)| title.span().start);
-        let cameras = tables
-            .into_iter()
-            .filter(|(title, _)| title.get_ref().as_ref() != "metadata")
-            .map(|(title, value)| CameraTable::new(text, title.get_ref(), value)?.camera())
-            .collect::<Result<Vec<_>>>()?;
-        Self::new(cameras)
+        Ok(contents(text)?.into_rig(&Hints::default())?.0)
     }
 
     /// The text of a rig file. Reading it back gives the same rig but for the last digits of rotation and principal
@@ -91,6 +73,32 @@ impl Rig {
         }
         text + "[metadata]\nadjusted = false\nerror = 0.0\n"
     }
+}
+
+/// Whether a line is a table's title, as in no other format.
+fn has_a_table(text: &str) -> bool {
+    let is_title = |line: &str| line.starts_with('[') && line.ends_with(']') && !line.contains([',', ' ']);
+    text.lines().any(|line| is_title(line.trim())) && text.contains("matrix")
+}
+
+fn contents(text: &str) -> Result<Contents> {
+    let document = DeTable::parse(text).map_err(|e| {
+        let line = e.span().map_or(1, |span| line_of(text, span.start));
+        Error::argument(format!("line {line}: expected TOML, found: {}", e.message()))
+    })?;
+    let mut tables: Vec<_> = document.get_ref().iter().collect();
+    tables.sort_by_key(|(title, _)| title.span().start);
+    let cameras = tables
+        .into_iter()
+        .filter(|(title, _)| title.get_ref().as_ref() != "metadata")
+        .map(|(title, value)| CameraTable::new(text, title.get_ref(), value)?.camera())
+        .collect::<Result<Vec<_>>>()?;
+    Ok(Contents {
+        cameras,
+        pixel_centres: PixelCentres::Whole,
+        metres_per_unit: Some(1.0),
+        notes: Vec::new(),
+    })
 }
 
 fn camera_to_toml(camera: &Camera) -> String {
@@ -156,19 +164,17 @@ impl<'a> CameraTable<'a> {
         Ok(table)
     }
 
-    fn camera(&self) -> Result<Camera> {
+    fn camera(&self) -> Result<Found> {
         self.check_lens_model()?;
         let size = self.size()?;
-        let mut k = Matrix3::from_row_slice(&self.numbers_of_shape("matrix", &[3, 3], MATRIX)?);
-        k[(0, 2)] += HALF_PIXEL;
-        k[(1, 2)] += HALF_PIXEL;
+        let k = Matrix3::from_row_slice(&self.numbers_of_shape("matrix", &[3, 3], MATRIX)?);
         let coefficients = self.numbers("distortions", DISTORTIONS)?.values;
         let distortion = Distortion::from_opencv(&coefficients)
             .map_err(|e| self.fail("distortions", format!("{e}; {DISTORTIONS}")))?;
         let rotation = self.rotation()?;
-        let translation = self.numbers_of_length("translation", 3, TRANSLATION)?;
-        let translation = Translation3::new(translation[0], translation[1], translation[2]);
-        Camera::new(&self.name, size, k, distortion, Isometry3::from_parts(translation, rotation))
+        let translation =
+            Vector3::from_column_slice(&self.numbers_of_length("translation", 3, TRANSLATION)?);
+        Ok(Found { name: self.name.clone(), size: Some(size), k, distortion, rotation, translation })
     }
 
     fn check_lens_model(&self) -> Result<()> {
@@ -208,17 +214,7 @@ impl<'a> CameraTable<'a> {
             return Err(self.fail("rotation", problem));
         }
         let matrix = Matrix3::from_row_slice(&values);
-        let error = (matrix.transpose() * matrix - Matrix3::identity()).abs().max();
-        if error > ROTATION_TOLERANCE || matrix.determinant() < 0.0 {
-            let problem = format!(
-                "expected an orthonormal matrix of determinant 1, found determinant {:.4} and R^T R {error:.1e} off \
-                 the identity; {ROTATION}",
-                matrix.determinant()
-            );
-            return Err(self.fail("rotation", problem));
-        }
-        let nearest = Rotation3::from_matrix_eps(&matrix, 1e-15, 100, Rotation3::identity());
-        Ok(UnitQuaternion::from_rotation_matrix(&nearest))
+        pose::rotation(&matrix).map_err(|problem| self.fail("rotation", format!("{problem}; {ROTATION}")))
     }
 
     fn numbers_of_length(&self, key: &str, length: usize, next_step: &str) -> Result<Vec<f64>> {

@@ -1,5 +1,5 @@
 use super::*;
-use nalgebra::Point3;
+use nalgebra::{Point3, Rotation3};
 
 const CAMERA: &str = r#"
 [cam_0]
@@ -174,5 +174,5 @@ fn a_file_cut_short_anywhere_is_an_error_or_a_rig() {
 #[test]
 fn a_file_that_cannot_be_read_is_named() {
     let message = Rig::load("/nowhere/rig.toml").unwrap_err().to_string();
-    assert_contains(&message, &["/nowhere/rig.toml: expected a rig file", "No such file"]);
+    assert_contains(&message, &["/nowhere/rig.toml: expected a calibration file", "No such file"]);
 }

@@ -1,0 +1,157 @@
+//! From a calibration file of any format to a rig: which format it is, and the rules that hold for all of them.
+
+use super::source::Source;
+use super::{Rig, toml};
+use crate::camera::{Camera, Distortion};
+use crate::{Error, Result};
+use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
+use std::path::Path;
+
+/// What a calibration file does not say, or says in a unit of its own.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Hints {
+    /// Width and height of the images, in pixels, for cameras of which the file does not tell.
+    pub size: Option<(u32, u32)>,
+    /// Metres per unit of length in the file, instead of the format's own.
+    pub metres_per_unit: Option<f64>,
+}
+
+/// A rig as it was read, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// The cameras.
+    pub rig: Rig,
+    /// The file's format, for people.
+    pub format: &'static str,
+    /// What somebody who trusts the rig should know: units that were taken for granted, cameras left out, a mirrored
+    /// world. A sentence each.
+    pub notes: Vec<String>,
+}
+
+/// One format.
+pub(super) struct Format {
+    /// For people.
+    pub(super) name: &'static str,
+    /// Whether the content looks like it; cheap.
+    pub(super) recognise: fn(&Source) -> bool,
+    pub(super) read: fn(&Source, &Hints) -> Result<Contents>,
+}
+
+/// All formats; the first that recognises a file reads it.
+const FORMATS: &[Format] = &[toml::FORMAT];
+
+/// What a file holds.
+pub(super) struct Contents {
+    pub(super) cameras: Vec<Found>,
+    pub(super) pixel_centres: PixelCentres,
+    /// Of the format; `None` where its lengths are arbitrary and somebody has to give the scale.
+    pub(super) metres_per_unit: Option<f64>,
+    pub(super) notes: Vec<String>,
+}
+
+/// A camera as a file has it.
+pub(super) struct Found {
+    pub(super) name: String,
+    /// Pixels, where the file says.
+    pub(super) size: Option<(u32, u32)>,
+    pub(super) k: Matrix3<f64>,
+    pub(super) distortion: Distortion,
+    /// World to camera, OpenCV's axes.
+    pub(super) rotation: UnitQuaternion<f64>,
+    /// World to camera, in the file's unit of length.
+    pub(super) translation: Vector3<f64>,
+}
+
+/// Which image coordinates a pixel's centre has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PixelCentres {
+    /// The first pixel's is (0, 0): OpenCV and kin.
+    Whole,
+    /// The first pixel's is (0.5, 0.5), as in this crate.
+    Half,
+}
+
+/// Focal lengths between these many image widths are a camera's: from 158 degrees of view to 0.6.
+const FOCAL_LENGTHS: std::ops::RangeInclusive<f64> = 0.1..=100.0;
+
+impl Calibration {
+    /// Reads a calibration file or folder; its content, not its name, says in which format it is.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is of no known format; a size or a scale that the file does not tell and `hints`
+    /// neither; a pose that is none, a focal length no camera has, and all that [`Camera::new`] and [`Rig::new`]
+    /// refuse. The message starts with the path.
+    pub fn load(path: impl AsRef<Path>, hints: &Hints) -> Result<Self> {
+        let path = path.as_ref();
+        let source = Source::open(path)?;
+        let Some(format) = FORMATS.iter().find(|format| (format.recognise)(&source)) else {
+            return Err(Error::file(path, unknown(&source)));
+        };
+        let read = |source: &Source| (format.read)(source, hints)?.into_rig(hints);
+        let (rig, notes) = read(&source).map_err(|e| match e {
+            Error::File { .. } => e,
+            other => Error::file(path, other),
+        })?;
+        Ok(Self { rig, format: format.name, notes })
+    }
+}
+
+impl Contents {
+    /// The rig, in metres and with pixel corners at whole numbers; and the notes.
+    pub(super) fn into_rig(self, hints: &Hints) -> Result<(Rig, Vec<String>)> {
+        let scale = hints.metres_per_unit.or(self.metres_per_unit).ok_or_else(|| {
+            Error::argument(
+                "expected to know the unit of length, found a format whose worlds have any scale; give the metres \
+                 per unit",
+            )
+        })?;
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(Error::argument(format!(
+                "expected a positive number of metres per unit, found {scale}"
+            )));
+        }
+        let cameras = self.cameras.into_iter().map(|found| found.camera(self.pixel_centres, scale, hints));
+        Ok((Rig::new(cameras.collect::<Result<_>>()?)?, self.notes))
+    }
+}
+
+impl Found {
+    fn camera(self, centres: PixelCentres, metres_per_unit: f64, hints: &Hints) -> Result<Camera> {
+        let Self { name, size, mut k, distortion, rotation, translation } = self;
+        let Some(size) = size.or(hints.size) else {
+            let problem = "expected to know the size of its images, found a file that does not tell; give width and \
+                           height";
+            return Err(Error::camera(name, problem));
+        };
+        if centres == PixelCentres::Whole {
+            k[(0, 2)] += 0.5;
+            k[(1, 2)] += 0.5;
+        }
+        let translation = translation * metres_per_unit;
+        let camera =
+            Camera::new(name, size, k, distortion, Isometry3::from_parts(translation.into(), rotation))?;
+        let widths = [0, 1].map(|axis| k[(axis, axis)] / f64::from(size.0));
+        if let Some(bad) = widths.iter().find(|widths| !FOCAL_LENGTHS.contains(*widths)) {
+            let problem = format!(
+                "expected a focal length of 0.1 to 100 image widths, found {bad:.3e}; check its unit (pixels) and the \
+                 size of the images, {} x {}",
+                size.0, size.1
+            );
+            return Err(Error::camera(camera.name(), problem));
+        }
+        Ok(camera)
+    }
+}
+
+/// What to say of a file that no format recognises.
+fn unknown(source: &Source) -> String {
+    let names: Vec<_> = FORMATS.iter().map(|format| format.name).collect();
+    let found = match source.text() {
+        Some(text) => match text.lines().map(str::trim).find(|line| !line.is_empty()) {
+            Some(line) => format!("a file that begins \"{}\"", line.chars().take(40).collect::<String>()),
+            None => "an empty file".into(),
+        },
+        None => format!("a folder of {} files, none of them", source.files().len()),
+    };
+    format!("expected a calibration ({}), found {found}; convert it to one of these", names.join(", "))
+}

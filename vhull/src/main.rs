@@ -1,0 +1,48 @@
+//! `vhull`: from cameras to a visual hull. A verb, a file.
+
+mod convert;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Several calibrated cameras see a subject: check them, segment their images, collide with what they see.
+#[derive(Debug, Parser)]
+#[command(name = "vhull", version, after_help = EXIT_CODES)]
+struct Options {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Convert(convert::Options),
+}
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  an error, told on standard error
+  2  a command line that means nothing
+  3  `check` found something to mend";
+
+/// How a verb that succeeded ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Outcome {
+    Done,
+    #[expect(dead_code, reason = "no verb checks yet")]
+    Doubts,
+}
+
+fn main() -> ExitCode {
+    let outcome = match Options::parse().verb {
+        Verb::Convert(options) => convert::run(&options),
+    };
+    match outcome {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Doubts) => ExitCode::from(3),
+        Err(error) => {
+            eprintln!("vhull: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

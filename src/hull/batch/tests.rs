@@ -176,6 +176,41 @@ fn deep_silhouettes_are_answered_exactly_beyond_a_byte() {
 }
 
 #[test]
+fn a_line_that_leads_away_from_the_camera_ends_at_its_vanishing_point() {
+    // Beside the tip of a slit, far off the axis of a wide lens: the normal leads into the depth, and its image past
+    // the slit to the middle of a silhouette without any other edge there. Only the work volume ends it.
+    let look = crate::camera::Camera::look_at;
+    let camera =
+        look("wide", (160, 120), 2.6, Point3::origin(), point![0.0, 1.0, 0.0], Vector3::z()).unwrap();
+    let (tip, row) = (24, 106);
+    let mask = GrayImage::from_fn(160, 120, |i, j| {
+        Luma([if (tip..tip + 9).contains(&i) && j == row { 0 } else { 255 }])
+    });
+    let at = |column: f64| camera.unproject(f64::from(tip) - column, f64::from(row) + 0.4, 1.0).unwrap();
+    let world = [at(1.5), at(3.2), at(4.7)];
+    let silhouette = Arc::new(Silhouette::new(&mask, Border::Background));
+    let volume = Aabb::new(point![-20.0, -20.0, -20.0], point![20.0, 20.0, 20.0]).unwrap();
+    let view = View::new(Arc::new(camera), silhouette, None);
+    let hull = Hull::new(vec![view], volume, Unseen::Outside, 0.0);
+    let mut workspace = Workspace::new();
+    let points = Points::new(&world);
+    let responses = hull.respond_many(&points, &Isometry3::identity(), &mut workspace).unwrap();
+    let mut endless = 0;
+    for response in responses {
+        let expected = hull.respond(&world[response.point]).unwrap();
+        // Metres, over tens of metres in single precision.
+        assert!(
+            (f64::from(response.depth) - expected.depth).abs() < 1e-3,
+            "{} {}",
+            response.depth,
+            expected.depth
+        );
+        endless += usize::from(expected.depth > 1.0);
+    }
+    assert!(endless > 0);
+}
+
+#[test]
 fn beyond_an_open_border_a_batch_answers_as_single_points_do() {
     // A subject that the image's side cuts off: beyond it nothing is background, and nothing is seen.
     let mask = GrayImage::from_fn(160, 120, |i, _| Luma([if i < 100 { 255 } else { 0 }]));

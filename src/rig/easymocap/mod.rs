@@ -73,7 +73,8 @@ fn file(source: &Source, half: &str, other: &str, key: &str) -> Result<File> {
             "extri" => "the poses, R_ and T_ of each camera",
             _ => "the lenses, K_ of each camera",
         };
-        let problem = format!("expected {stem}.yml beside it, found none; put it there: it holds {holds}");
+        let place = if source.text().is_some() { "beside" } else { "in" };
+        let problem = format!("expected {stem}.yml {place} it, found none; put it there: it holds {holds}");
         return Err(Error::file(&source.path, problem));
     };
     File::new(&path, &source::read(&path)?)

@@ -48,19 +48,19 @@ fn a_file_without_the_other_says_which_is_missing_and_what_it_holds() {
         (
             "intri.yml",
             INTRI,
-            "expected extri.yml beside it, found none; put it there: it holds the poses, R_ and T_ of each camera",
+            "extri.yml PLACE it, found none; put it there: it holds the poses, R_ and T_ of each camera",
         ),
         (
             "extri.yml",
             EXTRI,
-            "expected intri.yml beside it, found none; put it there: it holds the lenses, K_ of each camera",
+            "intri.yml PLACE it, found none; put it there: it holds the lenses, K_ of each camera",
         ),
     ] {
         let folder = Folder::new();
         let path = folder.write(name, text);
-        for path in [path.as_path(), folder.path()] {
+        for (path, place) in [(path.as_path(), "beside"), (folder.path(), "in")] {
             let message = Rig::load(path).unwrap_err().to_string();
-            assert!(message.contains(part), "{message}");
+            assert!(message.contains(&part.replace("PLACE", place)), "{message}");
         }
     }
 }

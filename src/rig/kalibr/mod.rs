@@ -85,13 +85,13 @@ fn step(node: &Node) -> Result<Isometry3<f64>> {
 fn camera(entry: Entry, cam_from_world: &Isometry3<f64>) -> Result<Found> {
     let node = entry.node;
     let undistort = "undistort the images first, or calibrate with pinhole-radtan";
-    if let Some(model) = node.entry("camera_model") {
-        if model.text()? != "pinhole" {
-            let problem = "expected the camera model pinhole, found";
-            return Err(
-                model.fail(format!("{problem} {}, which is not supported yet; {undistort}", model.text()?))
-            );
-        }
+    if let Some(model) = node.entry("camera_model")
+        && model.text()? != "pinhole"
+    {
+        let problem = "expected the camera model pinhole, found";
+        return Err(
+            model.fail(format!("{problem} {}, which is not supported yet; {undistort}", model.text()?))
+        );
     }
     let distortion = match node.entry("distortion_model") {
         Some(model) => match model.text()? {

@@ -19,8 +19,8 @@ const DISTORTION: &[&str] = &[
     "d",
 ];
 const ROTATION: &[&str] =
-    &["rotationmatrix", "rotationvector", "rotation", "rotmat", "rot", "rvec", "rvecs", "R", "r"];
-const TRANSLATION: &[&str] = &["translationvector", "translation", "trans", "tvec", "tvecs", "T", "t"];
+    &["rotationmatrix", "rotationvector", "rotation", "rotmat", "rot", "rvec", "R", "r"];
+const TRANSLATION: &[&str] = &["translationvector", "translation", "trans", "tvec", "T", "t"];
 const MOTION: &[&str] = &["extrinsicmatrix", "extrinsics", "extrinsic", "camfromworld", "RT", "Rt"];
 const WIDTH: &[&str] = &["imagewidth", "imgwidth", "width", "W", "w"];
 const HEIGHT: &[&str] = &["imageheight", "imgheight", "height", "H", "h"];
@@ -99,7 +99,7 @@ impl<'a> Keys<'a> {
             let stem = entry.key.strip_suffix(self.number)?.trim_end_matches('_');
             let plain = || stem.replace(['_', '-', ' '], "").to_ascii_lowercase();
             let is_one = |name: &&str| if name.len() <= 2 { **name == *stem } else { plain() == **name };
-            names.iter().position(|name| is_one(&name))
+            names.iter().position(is_one)
         };
         // The first of the names that there is, since some files have several (a matrix and a vector).
         self.node

@@ -179,7 +179,8 @@ impl Sheet {
             return named.iter().map(|(name, parts)| parts.clone().sized(shared.size).found(name)).collect();
         }
         let numbered: Vec<_> = numbered.iter().filter(|(_, parts)| parts.k.is_some()).collect();
-        let stereo = numbered.len() == 2 && shared.translation.is_some();
+        let placed = numbered.iter().any(|(_, parts)| parts.translation.is_some());
+        let stereo = numbered.len() == 2 && shared.translation.is_some() && !placed;
         let of_number = |(i, (number, parts)): (usize, &&(String, Parts))| {
             let mut parts = parts.clone().sized(shared.size);
             if stereo {

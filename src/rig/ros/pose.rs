@@ -17,7 +17,7 @@ const FORM: &str = "give translation: {x, y, z} and rotation: {x, y, z, w} of th
 pub(super) fn of(path: &Path, stem: &str, name: &str) -> Result<(UnitQuaternion<f64>, Vector3<f64>)> {
     let own = path.with_file_name(format!("{stem}_pose.yaml"));
     if own.is_file() {
-        return open(&own, |document| cam_from_world(document)).map_err(|e| at(&own, e));
+        return open(&own, cam_from_world).map_err(|e| at(&own, e));
     }
     let shared = path.with_file_name("poses.yaml");
     if !shared.is_file() {

@@ -1,7 +1,7 @@
 //! From a calibration file of any format to a rig: which format it is, and the rules that hold for all of them.
 
 use super::source::Source;
-use super::{Rig, toml};
+use super::{Rig, easymocap, kalibr, opencv, ros, toml};
 use crate::camera::{Camera, Distortion};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
@@ -37,8 +37,8 @@ pub(super) struct Format {
     pub(super) read: fn(&Source, &Hints) -> Result<Contents>,
 }
 
-/// All formats; the first that recognises a file reads it.
-const FORMATS: &[Format] = &[toml::FORMAT];
+/// All formats; the first that recognises a file reads it. OpenCV's, which has no keys of its own, comes last.
+const FORMATS: &[Format] = &[toml::FORMAT, kalibr::FORMAT, easymocap::FORMAT, ros::FORMAT, opencv::FORMAT];
 
 /// What a file holds.
 pub(super) struct Contents {

@@ -5,7 +5,13 @@
 //! work" are in another frame or unit, and that shows in where the cameras stand and look.
 
 mod calibration;
+mod document;
+mod easymocap;
+mod kalibr;
+mod length;
+mod opencv;
 mod pose;
+mod ros;
 mod source;
 mod toml;
 
@@ -148,5 +154,7 @@ fn origin(camera: &Camera) -> String {
     }
 }
 
+#[cfg(test)]
+mod testing;
 #[cfg(test)]
 mod tests;

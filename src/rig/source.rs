@@ -37,6 +37,14 @@ impl Source {
         }
     }
 
+    /// The folder's own folders, by name; none for a file or what cannot be listed.
+    pub(super) fn folders(&self) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
+        let mut folders: Vec<_> = entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+        folders.sort();
+        folders
+    }
+
     /// The folder that holds the file called `name` beside what was opened: the folder itself, or the file's own.
     pub(super) fn beside(&self, name: &str) -> Option<PathBuf> {
         let folder = if self.text().is_some() { self.path.parent()? } else { &self.path };

@@ -1,0 +1,253 @@
+//! What calibrations hold under their keys: numbers, matrices, rotations, lenses, sizes.
+
+use super::super::pose;
+use super::{Node, Value};
+use crate::camera::Distortion;
+use crate::{Error, Result};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::fmt::Display;
+
+/// Longer Rodrigues vectors than this are no rotation in radians; solvers stay within one turn or two.
+const LONGEST_TURN: f64 = 4.0 * std::f64::consts::PI;
+
+/// A key with its value.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::rig) struct Entry<'a> {
+    pub(in crate::rig) key: &'a str,
+    pub(in crate::rig) node: &'a Node,
+}
+
+/// A matrix, row by row, or a list, which is a column.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::rig) struct Numbers {
+    pub(in crate::rig) values: Vec<f64>,
+    pub(in crate::rig) rows: usize,
+    pub(in crate::rig) columns: usize,
+}
+
+impl Entry<'_> {
+    /// An error about it, with its line.
+    pub(in crate::rig) fn fail(&self, problem: impl Display) -> Error {
+        Error::argument(format!("line {}, `{}`: {problem}", self.node.line, self.key))
+    }
+
+    pub(in crate::rig) fn text(&self) -> Result<&str> {
+        match &self.node.value {
+            Value::Scalar(text) if !text.is_empty() => Ok(text),
+            _ => Err(self.fail(format!("expected a word, found {}; write one", self.node.outline()))),
+        }
+    }
+
+    /// The numbers of an OpenCV matrix (`rows`, `cols`, `dt`, `data`), of a list or of a list of rows; all finite.
+    pub(in crate::rig) fn numbers(&self) -> Result<Numbers> {
+        let numbers = match &self.node.value {
+            Value::Map(_) => self.opencv_matrix()?,
+            Value::Sequence(items) if items.iter().any(|item| matches!(item.value, Value::Sequence(_))) => {
+                self.rows(items)?
+            }
+            Value::Sequence(items) => {
+                let values = items.iter().map(|item| self.number(item)).collect::<Result<Vec<_>>>()?;
+                Numbers { rows: values.len(), columns: 1, values }
+            }
+            Value::Scalar(_) => Numbers { values: vec![self.number(self.node)?], rows: 1, columns: 1 },
+        };
+        match numbers.values.iter().find(|x| !x.is_finite()) {
+            Some(bad) => Err(self.fail(format!("expected finite numbers, found {bad}; calibrate again"))),
+            None => Ok(numbers),
+        }
+    }
+
+    /// A matrix of that shape, or as many numbers in a list.
+    pub(in crate::rig) fn matrix(&self, rows: usize, columns: usize) -> Result<Vec<f64>> {
+        let found = self.numbers()?;
+        let list = found.columns == 1 && found.rows == rows * columns;
+        if (found.rows, found.columns) == (rows, columns) || list {
+            return Ok(found.values);
+        }
+        Err(self.fail(format!("expected {rows} x {columns} numbers, found {found}; calibrate again")))
+    }
+
+    pub(in crate::rig) fn matrix3(&self) -> Result<Matrix3<f64>> {
+        Ok(Matrix3::from_row_slice(&self.matrix(3, 3)?))
+    }
+
+    /// So many numbers, in a row or a column.
+    pub(in crate::rig) fn array<const N: usize>(&self) -> Result<[f64; N]> {
+        let found = self.numbers()?;
+        <[f64; N]>::try_from(found.values.as_slice())
+            .map_err(|_| self.fail(format!("expected {N} numbers, found {found}; calibrate again")))
+    }
+
+    /// Three numbers, in a row or a column.
+    pub(in crate::rig) fn vector3(&self) -> Result<Vector3<f64>> {
+        Ok(self.array::<3>()?.into())
+    }
+
+    /// A rotation, as a 3x3 matrix or as a Rodrigues vector in radians.
+    pub(in crate::rig) fn rotation(&self) -> Result<UnitQuaternion<f64>> {
+        let found = self.numbers()?;
+        if found.values.len() != 3 {
+            return self.rotation_matrix(&self.matrix3()?);
+        }
+        let vector = Vector3::from_column_slice(&found.values);
+        if vector.norm() > LONGEST_TURN {
+            let problem = "expected a Rodrigues vector in radians, found one of length";
+            return Err(self.fail(format!("{problem} {:.1}; convert it from degrees", vector.norm())));
+        }
+        Ok(UnitQuaternion::from_scaled_axis(vector))
+    }
+
+    /// A rotation and a translation, as the upper rows of a 4x4 matrix or as a 3x4 one.
+    pub(in crate::rig) fn motion(&self) -> Result<(UnitQuaternion<f64>, Vector3<f64>)> {
+        let found = self.numbers()?;
+        let m = &found.values;
+        if found.columns != 4 || !matches!(found.rows, 3 | 4) {
+            return Err(self.fail(format!("expected 3 x 4 or 4 x 4 numbers, found {found}; calibrate again")));
+        }
+        if m.get(12..).is_some_and(|last| !last.is_empty() && *last != [0.0, 0.0, 0.0, 1.0]) {
+            return Err(
+                self.fail(format!("expected the last row 0 0 0 1, found {:?}; transpose it", &m[12..]))
+            );
+        }
+        let matrix = Matrix3::new(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);
+        Ok((self.rotation_matrix(&matrix)?, Vector3::new(m[3], m[7], m[11])))
+    }
+
+    /// OpenCV's distortion coefficients. Zeros after the eighth, which OpenCV writes for models that are off, count
+    /// as absent.
+    pub(in crate::rig) fn distortion(&self) -> Result<Distortion> {
+        let mut coefficients = self.numbers()?.values;
+        if matches!(coefficients.len(), 12 | 14) {
+            if coefficients[8..].iter().any(|&c| c != 0.0) {
+                return Err(self.fail(format!(
+                    "expected 0, 4, 5 or 8 coefficients, found {} of a thin prism or tilted sensor, which are not \
+                     supported; calibrate again without these models",
+                    coefficients.len()
+                )));
+            }
+            coefficients.truncate(8);
+        }
+        Distortion::from_opencv(&coefficients).map_err(|e| self.fail(format!("{e}; calibrate again")))
+    }
+
+    /// A count of pixels.
+    pub(in crate::rig) fn pixels(&self) -> Result<u32> {
+        let found = self.numbers()?;
+        match found.values[..] {
+            [x] if x.fract() == 0.0 && (1.0..=65_535.0).contains(&x) => Ok(x as u32),
+            [x] => Err(self.fail(format!("expected a whole number from 1 to 65535, found {x}; give pixels"))),
+            _ => Err(self.fail(format!("expected a number of pixels, found {found}; give one"))),
+        }
+    }
+
+    /// Width and height, in pixels.
+    pub(in crate::rig) fn size(&self) -> Result<(u32, u32)> {
+        let Numbers { values, .. } = self.numbers()?;
+        match values[..] {
+            [w, h] if [w, h].iter().all(|x| x.fract() == 0.0 && (1.0..=65_535.0).contains(x)) => {
+                Ok((w as u32, h as u32))
+            }
+            _ => Err(self.fail(format!(
+                "expected width and height, whole numbers from 1 to 65535, found {values:?}; give pixels"
+            ))),
+        }
+    }
+
+    fn rotation_matrix(&self, matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>> {
+        pose::rotation(matrix).map_err(|problem| self.fail(format!("{problem}; calibrate again")))
+    }
+
+    fn number(&self, node: &Node) -> Result<f64> {
+        let number = match &node.value {
+            Value::Scalar(text) => number(text),
+            _ => None,
+        };
+        number.ok_or_else(|| {
+            let at = Entry { node, ..*self };
+            at.fail(format!("expected a number, found {}; check the file", node.outline()))
+        })
+    }
+
+    fn rows(&self, items: &[Node]) -> Result<Numbers> {
+        let mut numbers = Numbers { values: Vec::new(), rows: items.len(), columns: 0 };
+        for (i, item) in items.iter().enumerate() {
+            let row = match &item.value {
+                Value::Sequence(row) => row.as_slice(),
+                _ => std::slice::from_ref(item),
+            };
+            if i > 0 && row.len() != numbers.columns {
+                let at = Entry { node: item, ..*self };
+                let (expected, found) = (numbers.columns, row.len());
+                return Err(at.fail(format!(
+                    "expected rows of {expected} numbers like the first, found {found}; calibrate again"
+                )));
+            }
+            numbers.columns = row.len();
+            for value in row {
+                numbers.values.push(self.number(value)?);
+            }
+        }
+        Ok(numbers)
+    }
+
+    fn opencv_matrix(&self) -> Result<Numbers> {
+        let step = "write rows, cols, dt and data";
+        let part = |key| {
+            self.node.entry(key).ok_or_else(|| {
+                self.fail(format!("expected a matrix with `{key}`, found {}; {step}", self.node.outline()))
+            })
+        };
+        let count = |key| -> Result<usize> {
+            let entry = part(key)?;
+            let number = entry.number(entry.node)?;
+            let whole = number.fract() == 0.0 && (0.0..1e6).contains(&number);
+            whole
+                .then_some(number as usize)
+                .ok_or_else(|| entry.fail(format!("expected a count, found {number}; {step}")))
+        };
+        let (rows, columns) = (count("rows")?, count("cols")?);
+        let data = part("data")?;
+        let values = match &data.node.value {
+            Value::Sequence(items) => {
+                items.iter().map(|item| data.number(item)).collect::<Result<Vec<_>>>()?
+            }
+            Value::Scalar(text) if text.is_empty() => Vec::new(),
+            _ => vec![data.number(data.node)?],
+        };
+        let columns = columns * self.channels();
+        if rows * columns != values.len() {
+            return Err(self.fail(format!(
+                "expected {rows} x {columns} numbers as rows and cols say, found {} in data; the file may be cut off",
+                values.len()
+            )));
+        }
+        Ok(Numbers { values, rows, columns })
+    }
+
+    /// Numbers per element: `dt: "3d"` holds three.
+    fn channels(&self) -> usize {
+        let Some(Value::Scalar(dt)) = self.node.entry("dt").map(|dt| &dt.node.value) else { return 1 };
+        let digits: String = dt.chars().take_while(char::is_ascii_digit).collect();
+        digits.parse().unwrap_or(1).min(1024)
+    }
+}
+
+/// A number as these notations have them, NaN and infinities included.
+fn number(text: &str) -> Option<f64> {
+    let lower = text.to_ascii_lowercase();
+    match lower.trim_start_matches(['+', '-']) {
+        ".nan" => Some(f64::NAN),
+        ".inf" => Some(if lower.starts_with('-') { f64::NEG_INFINITY } else { f64::INFINITY }),
+        _ => lower.parse().ok(),
+    }
+}
+
+impl Display for Numbers {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (self.rows, self.columns) {
+            (1, 1) => write!(f, "a single number"),
+            (rows, 1) => write!(f, "{rows}"),
+            (rows, columns) => write!(f, "{rows} x {columns}"),
+        }
+    }
+}

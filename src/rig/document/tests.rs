@@ -1,0 +1,153 @@
+use super::*;
+
+fn message(text: &str) -> String {
+    parse(text).unwrap_err().to_string()
+}
+
+fn scalar(node: &Node) -> &str {
+    match &node.value {
+        Value::Scalar(text) => text,
+        other => panic!("no scalar: {other:?}"),
+    }
+}
+
+#[test]
+fn opencv_yaml_of_all_versions_keeps_its_lines() {
+    for head in
+        ["%YAML:1.0\n---\n", "%YAML 1.0\n---\n", "%YAML:1.0\r\n---\r\n", "%YAML:1.0\n\n", "# YAML\n---\n"]
+    {
+        let text = format!(
+            "{head}K: !!opencv-matrix\n   rows: 1\n   cols: 2\n   dt: d\n   data: [ 1.,\n      -.Inf ]\n"
+        );
+        let document = parse(&text).unwrap_or_else(|e| panic!("{head:?}: {e}"));
+        let matrix = document.entry("K").unwrap();
+        let data = matrix.node.entry("data").unwrap();
+        let Value::Sequence(items) = &data.node.value else { panic!("{data:?}") };
+        assert_eq!((items[1].line, scalar(&items[1])), (8, "-.Inf"), "{head:?}");
+        assert_eq!(
+            matrix.numbers().unwrap_err().to_string(),
+            "line 3, `K`: expected finite numbers, found -inf; calibrate again"
+        );
+    }
+}
+
+#[test]
+fn json_is_read_with_tabs_escapes_and_lines() {
+    let text = "{\n\t\"name\": \"caf\\u00e9 \\/ 1\",\n\t\"K\":[[1,2],\n\t\t[3e0,4.5]],\"empty\":{},\"none\":null\n}\n";
+    let document = parse(text).unwrap();
+    assert_eq!(document.entry("name").unwrap().text().unwrap(), "café / 1");
+    let matrix = document.entry("K").unwrap();
+    assert_eq!((matrix.node.line, matrix.matrix(2, 2).unwrap()), (3, vec![1.0, 2.0, 3.0, 4.5]));
+    // In one line, as other programs write it, and with the keys far from their values.
+    let long = "k".repeat(3000);
+    let line = format!("{{\"{long}\":{{\"a\":[1,2,3]}},\"b\":-1}}");
+    let document = parse(&line).unwrap();
+    assert_eq!(document.entry(&long).unwrap().node.entry("a").unwrap().vector3().unwrap().z, 3.0);
+}
+
+#[test]
+fn xml_is_read_as_maps_sequences_and_words() {
+    let text = "<?xml version=\"1.0\"?>\n<opencv_storage>\n<size>\n  640 480</size>\n<names>\"a b\" c</names>\n\
+                <list><_>1</_><_><x>2</x></_></list>\n<empty/></opencv_storage>\n";
+    let document = parse(text).unwrap();
+    assert_eq!(document.entry("size").unwrap().size().unwrap(), (640, 480));
+    let Value::Sequence(names) = &document.entry("names").unwrap().node.value else { panic!() };
+    assert_eq!(names.iter().map(scalar).collect::<Vec<_>>(), ["a b", "c"]);
+    let Value::Sequence(list) = &document.entry("list").unwrap().node.value else { panic!() };
+    assert_eq!(scalar(list[1].entry("x").unwrap().node), "2");
+    assert_eq!((scalar(document.entry("empty").unwrap().node), list[0].line), ("", 6));
+}
+
+#[test]
+fn an_alias_is_what_it_stands_for() {
+    let document = parse("a: &x [1, 2]\nb: *x\n").unwrap();
+    assert_eq!(document.entry("a").unwrap().node.value, document.entry("b").unwrap().node.value);
+}
+
+#[test]
+fn what_is_no_document_is_refused_with_its_line() {
+    let cases = [
+        ("K: [1, 2\n", "found: "),
+        ("{\"K\": [1, 2", "found: "),
+        ("<opencv_storage>\n<K>", "expected XML"),
+        ("", "empty document"),
+        ("K: 1\nL: 2\nK: 3\n", "line 3: expected each key once, found `K` again, first on line 1"),
+        ("<a><K>1</K>\n<K>2</K></a>", "line 2: expected each key once"),
+        ("a: &x [*x]\n", "alias"),
+    ];
+    for (text, part) in cases {
+        let message = message(text);
+        assert!(message.starts_with("line ") && message.contains(part), "{text:?}: {message}");
+    }
+}
+
+#[test]
+fn deep_and_swelling_documents_are_refused() {
+    let deep = 100_000;
+    assert!(message(&"[".repeat(deep)).starts_with("line 1"));
+    assert!(message(&"{\"a\":".repeat(deep)).starts_with("line 1"));
+    let xml = format!("{}{}", "<a>".repeat(deep), "</a>".repeat(deep));
+    assert!(message(&xml).contains("more than 32 deep"));
+    let mut bomb = String::from("a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n");
+    for i in 1..12 {
+        let alias = format!("*a{}, ", i - 1).repeat(10);
+        bomb += &format!("a{i}: &a{i} [{alias}1]\n");
+    }
+    assert!(message(&bomb).contains("values; check the file"));
+}
+
+#[test]
+fn numbers_that_do_not_fit_say_what_was_found() {
+    let document = parse(
+        "short: {rows: 3, cols: 3, dt: d, data: [1, 2]}\nrows: {cols: 3, data: [1]}\nragged:\n  - [1, 2]\n  - [3]\n\
+         word: [1, two]\nflat: [1, 2, 3, 4]\nthree: {rows: 1, cols: 1, dt: 3d, data: [1, 2, 3]}\n",
+    )
+    .unwrap();
+    let says = |key: &str| document.entry(key).unwrap().matrix3().unwrap_err().to_string();
+    assert!(
+        says("short")
+            .starts_with("line 1, `short`: expected 3 x 3 numbers as rows and cols say, found 2 in data")
+    );
+    assert!(
+        says("rows").contains("line 2, `rows`: expected a matrix with `rows`, found the keys cols, data")
+    );
+    assert!(says("ragged").contains("line 5, `ragged`: expected rows of 2 numbers like the first, found 1"));
+    assert!(says("word").contains("line 6, `word`: expected a number, found \"two\""));
+    assert!(says("flat").contains("expected 3 x 3 numbers, found 4;"));
+    assert_eq!(document.entry("three").unwrap().vector3().unwrap().y, 2.0);
+}
+
+#[test]
+fn zeros_of_models_that_are_off_are_no_distortion() {
+    let document = parse(
+        "off: [1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]\nprism: [1, 2, 0, 0, 0, 0, 0, 0, 0.5, 0, 0, 0]\nodd: [1, 2, 3]\n",
+    )
+    .unwrap();
+    let lens = |key: &str| document.entry(key).unwrap().distortion();
+    assert_eq!(lens("off").unwrap().coefficients()[..2], [1.0, 2.0]);
+    assert!(lens("prism").unwrap_err().to_string().contains("thin prism"));
+    assert!(lens("odd").unwrap_err().to_string().contains("line 3, `odd`: expected 0, 4, 5 or 8"));
+}
+
+#[test]
+fn rotations_that_are_none_say_how_far_off() {
+    let document = parse(
+        "scaled: [[2, 0, 0], [0, 2, 0], [0, 0, 2]]\nmirror: [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]\ndegrees: [0, 90, 0]\n\
+         row: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [1, 2, 3, 1]]\n",
+    )
+    .unwrap();
+    let says = |key: &str| document.entry(key).unwrap().rotation().unwrap_err().to_string();
+    assert!(
+        says("scaled").contains("found determinant 8.0000 and R^T R 3.0e0 off the identity"),
+        "{}",
+        says("scaled")
+    );
+    assert!(says("mirror").contains("found determinant -1.0000"));
+    assert!(says("degrees").contains("found one of length 90.0; convert it from degrees"));
+    let row = document.entry("row").unwrap().motion().unwrap_err().to_string();
+    assert!(
+        row.contains(
+            "line 4, `row`: expected the last row 0 0 0 1, found [1.0, 2.0, 3.0, 1.0]; transpose it"
+        )
+    );
+}

@@ -1,0 +1,62 @@
+//! OpenCV's XML as trees: an element with children is a map, one with children `_` a sequence, words are scalars.
+//!
+//! Attributes say nothing that the content does not. Several words in an element are a sequence, as OpenCV writes
+//! vectors and the data of matrices; text with spaces stands in quotes.
+
+use super::{DEEPEST, Node, Value, push, too_deep};
+use crate::{Error, Result};
+
+/// The content of the root element, which is `opencv_storage` in files of OpenCV's.
+pub(super) fn parse(text: &str) -> Result<Node> {
+    let document = roxmltree::Document::parse(text).map_err(|e| {
+        let line = e.pos().row;
+        Error::argument(format!("line {line}: expected XML, found: {e}; the file may be cut off"))
+    })?;
+    let breaks: Vec<_> = text.bytes().enumerate().filter(|&(_, b)| b == b'\n').map(|(at, _)| at).collect();
+    node(&document.root_element(), &breaks, 0)
+}
+
+fn node(element: &roxmltree::Node, breaks: &[usize], depth: usize) -> Result<Node> {
+    let line = 1 + breaks.partition_point(|&at| at < element.range().start);
+    if depth > DEEPEST {
+        return Err(too_deep(line));
+    }
+    let children: Vec<_> = element.children().filter(roxmltree::Node::is_element).collect();
+    if children.is_empty() {
+        return Ok(Node { line, value: words(element.text().unwrap_or_default(), line) });
+    }
+    if children.iter().all(|child| child.tag_name().name() == "_") {
+        let items = children.iter().map(|child| node(child, breaks, depth + 1)).collect::<Result<_>>()?;
+        return Ok(Node { line, value: Value::Sequence(items) });
+    }
+    let mut entries = Vec::new();
+    for child in &children {
+        push(&mut entries, child.tag_name().name().to_owned(), node(child, breaks, depth + 1)?)?;
+    }
+    Ok(Node { line, value: Value::Map(entries) })
+}
+
+/// One word is a scalar, several are a sequence. Their lines count from the element's.
+fn words(text: &str, first_line: usize) -> Value {
+    let mut words = Vec::new();
+    let (mut rest, mut line) = (text, first_line);
+    loop {
+        let start = rest.trim_start();
+        line += rest[..rest.len() - start.len()].matches('\n').count();
+        if start.is_empty() {
+            break;
+        }
+        let (word, after) = match start.strip_prefix('"') {
+            Some(quoted) => quoted.split_once('"').unwrap_or((quoted, "")),
+            None => start.split_at(start.find(char::is_whitespace).unwrap_or(start.len())),
+        };
+        words.push(Node { line, value: Value::Scalar(word.to_owned()) });
+        line += word.matches('\n').count();
+        rest = after;
+    }
+    match words.len() {
+        0 => Value::Scalar(String::new()),
+        1 => words.swap_remove(0).value,
+        _ => Value::Sequence(words),
+    }
+}

@@ -1,0 +1,33 @@
+//! Lengths of formats that name no unit.
+
+use super::calibration::{Found, Hints};
+use crate::{Error, Result};
+
+/// A camera that stands farther than this from the world's origin was hardly measured in metres.
+const FARTHEST: f64 = 100.0;
+
+/// The note that goes with [`as_metres`].
+pub(super) const NOTE: &str = "the file names no unit of length; it is taken as metres";
+
+/// Refuses cameras whose positions are plainly not in metres, unless the caller has given the unit; else the notes
+/// about it.
+///
+/// # Errors
+/// A camera more than 100 units from the origin.
+pub(super) fn as_metres(cameras: &[Found], hints: &Hints) -> Result<Vec<String>> {
+    if hints.metres_per_unit.is_some() {
+        return Ok(Vec::new());
+    }
+    let far = cameras.iter().find(|camera| camera.translation.norm() > FARTHEST);
+    match far {
+        Some(camera) => Err(Error::camera(
+            &camera.name,
+            format!(
+                "expected lengths in metres, found a camera {:.1} units from the world's origin in a file that names \
+                 no unit; give the metres per unit, 0.001 if these are millimetres",
+                camera.translation.norm()
+            ),
+        )),
+        None => Ok(vec![NOTE.into()]),
+    }
+}

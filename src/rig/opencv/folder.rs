@@ -1,0 +1,98 @@
+//! Folders of OpenCV's files: a file per camera, or a folder per camera.
+//!
+//! ```text
+//! rig/left.yml          rig/cam1/config.xml          rig/intrinsics.yml
+//! rig/right.yml         rig/cam2/config.xml          rig/extrinsics.yml
+//! ```
+//!
+//! A file that tells no pose (intrinsics, a checkerboard) is passed over where another tells all; where none does, the
+//! files of the folder are taken together.
+
+use super::super::calibration::Found;
+use super::super::source::{self, Source};
+use super::{Sheet, name_of, recognise_text};
+use crate::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// How files of this format end.
+const EXTENSIONS: &[&str] = &["yml", "yaml", "xml", "json"];
+
+pub(super) fn recognise(source: &Source) -> bool {
+    !files(source).is_empty() || source.folders().iter().any(|folder| !files_at(folder).is_empty())
+}
+
+/// The cameras, and what was passed over.
+pub(super) fn read(folder: &Source) -> Result<(Vec<Found>, Vec<String>)> {
+    let own = open(&files(folder))?;
+    if own.iter().any(|(_, sheet)| !sheet.is_empty()) {
+        return flat(&folder.path, own);
+    }
+    let (mut cameras, mut notes) = (Vec::new(), Vec::new());
+    for folder in folder.folders() {
+        let files = files_at(&folder);
+        let name = last(&folder);
+        if files.is_empty() {
+            notes.push(format!("the folder {name} holds no calibration and is no camera"));
+            continue;
+        }
+        let (mut found, more) = flat(&folder, open(&files)?)?;
+        if found.len() > 1 {
+            let names: Vec<_> = found.iter().map(|camera| camera.name.as_str()).collect();
+            let problem =
+                format!("expected the calibration of one camera, found {}; remove others", names.join(", "));
+            return Err(Error::file(folder, problem));
+        }
+        found.iter_mut().for_each(|camera| camera.name.clone_from(&name));
+        cameras.extend(found);
+        notes.extend(more);
+    }
+    Ok((cameras, notes))
+}
+
+/// The file that completes this one: intrinsics have extrinsics beside them, in the same notation, and the reverse.
+pub(super) fn counterpart(source: &Source) -> Option<PathBuf> {
+    let (stem, extension) = (source.path.file_stem()?.to_str()?, source.path.extension()?.to_str()?);
+    let other = match stem {
+        "intrinsics" => "extrinsics",
+        "extrinsics" => "intrinsics",
+        _ => return None,
+    };
+    source.beside(&format!("{other}.{extension}"))
+}
+
+fn open(files: &[PathBuf]) -> Result<Vec<(PathBuf, Sheet)>> {
+    files.iter().map(|path| Ok((path.clone(), Sheet::open(path)?))).collect()
+}
+
+/// The cameras of a folder's own files.
+fn flat(folder: &Path, sheets: Vec<(PathBuf, Sheet)>) -> Result<(Vec<Found>, Vec<String>)> {
+    let (complete, others): (Vec<_>, Vec<_>) = sheets.into_iter().partition(|(_, sheet)| sheet.is_complete());
+    if complete.is_empty() {
+        let whole = others.into_iter().map(|(_, sheet)| sheet).reduce(Sheet::or).unwrap_or_default();
+        let cameras = whole.cameras(&last(folder)).map_err(|e| Error::file(folder, e))?;
+        return Ok((cameras, Vec::new()));
+    }
+    let note = |path: &Path| format!("{} tells no whole camera and is passed over", last(path));
+    let notes = others.iter().map(|(path, _)| note(path)).collect();
+    let cameras =
+        complete.iter().map(|(path, sheet)| sheet.cameras(&name_of(path))).collect::<Result<Vec<_>>>()?;
+    Ok((cameras.into_iter().flatten().collect(), notes))
+}
+
+fn files(folder: &Source) -> Vec<PathBuf> {
+    let is_one = |path: &&PathBuf| {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        EXTENSIONS.contains(&extension.to_ascii_lowercase().as_str())
+            && source::read(path).is_ok_and(|text| recognise_text(&text))
+    };
+    folder.files().iter().filter(is_one).cloned().collect()
+}
+
+fn files_at(folder: &Path) -> Vec<PathBuf> {
+    Source::open(folder).map(|source| files(&source)).unwrap_or_default()
+}
+
+/// The last part of a path.
+fn last(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

@@ -1,0 +1,254 @@
+//! OpenCV's FileStorage in YAML, XML or JSON, and plain YAML and JSON with the same keys.
+//!
+//! ```yaml
+//! %YAML:1.0
+//! ---
+//! image_width: 640
+//! image_height: 480
+//! camera_matrix: !!opencv-matrix
+//!    rows: 3
+//!    cols: 3
+//!    dt: d
+//!    data: [ 500., 0., 319.5, 0., 500., 239.5, 0., 0., 1. ]
+//! distortion_coefficients: [ -0.1, 0.01, 0., 0., 0. ]
+//! rvec: [ 1.57, 0., 0. ]
+//! tvec: [ 0., 1., 3. ]
+//! ```
+//!
+//! A file is a camera; a folder of such files is a rig, and so is a folder of folders, one per camera (`folder`).
+//! Also read: one file with a map per camera (`{"left": {"K": ...}, ...}`, possibly under `cameras`), numbered
+//! keys (`K1`, `D1`, `R1`, `T1`, ...), and the pair `intrinsics.yml` and `extrinsics.yml` of OpenCV's stereo sample
+//! (`M1`, `D1`, `M2`, `D2`; `R`, `T` lead from the first camera to the second; `R1`, `R2` rectify and are passed over).
+//!
+//! The format has no keys of its own, so that a thing has many names (`keys`). The pose is world to camera, as
+//! `solvePnP` and `calibrateCamera` return it; axes x right, y down, z forward; pixel *centres* are whole numbers;
+//! lengths have no unit and are taken as metres unless they cannot be. Source: the documentation of
+//! `cv::FileStorage`, of OpenCV's module calib3d and of its calibration samples.
+
+mod folder;
+mod keys;
+
+use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::document::{self, Node, Value};
+use super::length;
+use super::source::Source;
+use crate::camera::Distortion;
+use crate::{Error, Result};
+use keys::Keys;
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::path::Path;
+
+pub(super) const FORMAT: Format = Format { name: "OpenCV's YAML, XML or JSON", recognise, read };
+
+/// Names of files that say nothing of their camera: it is called as their folder.
+const IMPERSONAL: &[&str] =
+    &["config", "calibration", "calib", "camera", "params", "parameters", "intrinsics", "extrinsics"];
+
+const NO_POSE: &str = "add the pose of world to camera, rvec and tvec (or R and T), from solvePnP with points whose place in \
+                       the world is known";
+
+/// What of a camera a file tells.
+#[derive(Debug, Clone, Default)]
+struct Parts {
+    k: Option<Matrix3<f64>>,
+    distortion: Option<Distortion>,
+    size: Option<(u32, u32)>,
+    rotation: Option<UnitQuaternion<f64>>,
+    translation: Option<Vector3<f64>>,
+}
+
+/// What a file tells: of one camera, or of several and what they share.
+#[derive(Debug, Clone, Default)]
+struct Sheet {
+    shared: Parts,
+    numbered: Vec<(String, Parts)>,
+    named: Vec<(String, Parts)>,
+}
+
+fn recognise(source: &Source) -> bool {
+    source.text().map_or_else(|| folder::recognise(source), recognise_text)
+}
+
+fn recognise_text(text: &str) -> bool {
+    let marked = ["<opencv_storage", "opencv-matrix", "%YAML:"].iter().any(|mark| text.contains(mark));
+    marked || document::parse(text).is_ok_and(|document| has_cameras(&document))
+}
+
+/// Whether a plain document speaks of cameras in OpenCV's words.
+fn has_cameras(document: &Node) -> bool {
+    let is_camera = |node: &Node| Keys::new(node, "").matrix().is_some();
+    is_camera(document)
+        || !Keys::numbers(document).is_empty()
+        || maps(document).any(|(_, node)| is_camera(node))
+}
+
+fn read(source: &Source, hints: &Hints) -> Result<Contents> {
+    let (cameras, mut notes) = match source.text() {
+        Some(text) => (file(source, text)?, Vec::new()),
+        None => folder::read(source)?,
+    };
+    notes.extend(length::as_metres(&cameras, hints)?);
+    Ok(Contents { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: Some(1.0), notes })
+}
+
+/// The cameras of a single file; `intrinsics` and `extrinsics` complete each other.
+fn file(source: &Source, text: &str) -> Result<Vec<Found>> {
+    let mut sheet = Sheet::read(text)?;
+    if let Some(other) = folder::counterpart(source) {
+        sheet = sheet.or(Sheet::open(&other)?);
+    }
+    sheet.cameras(&name_of(&source.path))
+}
+
+/// A camera's name: its file's stem, or its folder's name where the stem says nothing.
+fn name_of(path: &Path) -> String {
+    let name = |part: Option<&std::ffi::OsStr>| part.map(|part| part.to_string_lossy().into_owned());
+    let stem = name(path.file_stem()).unwrap_or_default();
+    if !IMPERSONAL.contains(&stem.to_ascii_lowercase().as_str()) {
+        return stem;
+    }
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    name(absolute.parent().and_then(Path::file_name)).unwrap_or(stem)
+}
+
+/// The maps in a document that may be cameras, with their names.
+fn maps(document: &Node) -> impl Iterator<Item = (&str, &Node)> {
+    let inner = document.entry("cameras").map_or(document, |entry| entry.node);
+    inner
+        .entries()
+        .filter(|entry| matches!(entry.node.value, Value::Map(_)))
+        .map(|entry| (entry.key, entry.node))
+}
+
+impl Sheet {
+    fn open(path: &Path) -> Result<Self> {
+        super::source::read(path).and_then(|text| Self::read(&text)).map_err(|e| match e {
+            Error::File { .. } => e,
+            other => Error::file(path, other),
+        })
+    }
+
+    fn read(text: &str) -> Result<Self> {
+        let document = document::parse(text)?;
+        let shared = Parts::read(&Keys::new(&document, ""))?;
+        if shared.k.is_some() {
+            return Ok(Self { shared, ..Self::default() });
+        }
+        let numbered = |number: String| Ok((number.clone(), Parts::read(&Keys::new(&document, &number))?));
+        let numbered = Keys::numbers(&document).into_iter().map(numbered).collect::<Result<_>>()?;
+        let named = maps(&document)
+            .filter(|(_, node)| Keys::new(node, "").matrix().is_some())
+            .map(|(name, node)| {
+                let parts = Parts::read(&Keys::new(node, "")).map_err(|e| Error::camera(name, e))?;
+                Ok((name.to_owned(), parts))
+            })
+            .collect::<Result<_>>()?;
+        Ok(Self { shared, numbered, named })
+    }
+
+    /// This, and what only `other` tells.
+    fn or(mut self, other: Self) -> Self {
+        self.shared = self.shared.or(&other.shared);
+        for (into, from) in [(&mut self.numbered, other.numbered), (&mut self.named, other.named)] {
+            for (name, parts) in from {
+                match into.iter_mut().find(|(known, _)| *known == name) {
+                    Some((_, known)) => *known = known.clone().or(&parts),
+                    None => into.push((name, parts)),
+                }
+            }
+        }
+        self
+    }
+
+    /// Whether it tells nothing of a camera.
+    fn is_empty(&self) -> bool {
+        let Parts { k, rotation, translation, .. } = &self.shared;
+        let any = k.is_some() || rotation.is_some() || translation.is_some();
+        !any && self.numbered.is_empty() && self.named.is_empty()
+    }
+
+    /// Whether it tells all of a camera.
+    fn is_complete(&self) -> bool {
+        self.cameras("").is_ok()
+    }
+
+    /// The cameras; a single one is called `name`.
+    fn cameras(&self, name: &str) -> Result<Vec<Found>> {
+        let Self { shared, numbered, named } = self;
+        if !named.is_empty() {
+            return named.iter().map(|(name, parts)| parts.clone().sized(shared.size).found(name)).collect();
+        }
+        let numbered: Vec<_> = numbered.iter().filter(|(_, parts)| parts.k.is_some()).collect();
+        let placed = numbered.iter().any(|(_, parts)| parts.translation.is_some());
+        let stereo = numbered.len() == 2 && shared.translation.is_some() && !placed;
+        let of_number = |(i, (number, parts)): (usize, &&(String, Parts))| {
+            let mut parts = parts.clone().sized(shared.size);
+            if stereo {
+                let first = i == 0;
+                parts.rotation = if first { Some(UnitQuaternion::identity()) } else { shared.rotation };
+                parts.translation = if first { Some(Vector3::zeros()) } else { shared.translation };
+            }
+            parts.found(number)
+        };
+        match numbered.is_empty() {
+            true => Ok(vec![shared.clone().found(name)?]),
+            false => numbered.iter().enumerate().map(of_number).collect(),
+        }
+    }
+}
+
+impl Parts {
+    fn read(keys: &Keys) -> Result<Self> {
+        keys.refuse_other_lenses()?;
+        let mut parts = Self {
+            k: keys.matrix().map(|entry| entry.matrix3()).transpose()?,
+            distortion: keys.distortion().map(|entry| entry.distortion()).transpose()?,
+            size: keys.size()?,
+            rotation: keys.rotation().map(|entry| entry.rotation()).transpose()?,
+            translation: keys.translation().map(|entry| entry.vector3()).transpose()?,
+        };
+        if let Some(entry) = keys.motion() {
+            let (rotation, translation) = entry.motion()?;
+            parts.rotation = parts.rotation.or(Some(rotation));
+            parts.translation = parts.translation.or(Some(translation));
+        }
+        Ok(parts)
+    }
+
+    fn or(self, other: &Self) -> Self {
+        Self {
+            k: self.k.or(other.k),
+            distortion: self.distortion.or(other.distortion),
+            size: self.size.or(other.size),
+            rotation: self.rotation.or(other.rotation),
+            translation: self.translation.or(other.translation),
+        }
+    }
+
+    fn sized(mut self, size: Option<(u32, u32)>) -> Self {
+        self.size = self.size.or(size);
+        self
+    }
+
+    fn found(self, name: &str) -> Result<Found> {
+        let Some(k) = self.k else {
+            let problem =
+                "expected a camera matrix, found none under its usual names; call it camera_matrix, or K";
+            return Err(Error::camera(name, problem));
+        };
+        let (Some(rotation), Some(translation)) = (self.rotation, self.translation) else {
+            let found = match (self.rotation, self.translation) {
+                (None, None) => "neither",
+                (Some(_), _) => "a rotation alone",
+                _ => "a translation alone",
+            };
+            let problem = format!("expected a rotation and a translation, found {found}; {NO_POSE}");
+            return Err(Error::camera(name, problem));
+        };
+        let distortion = self.distortion.unwrap_or_else(Distortion::none);
+        Ok(Found { name: name.to_owned(), size: self.size, k, distortion, rotation, translation })
+    }
+}
+
+#[cfg(test)]
+mod tests;

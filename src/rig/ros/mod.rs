@@ -1,0 +1,133 @@
+//! ROS camera files with poses.
+//!
+//! `camera_info`, as ROS's `camera_calibration` writes it (or a message as `rostopic echo` prints it, with `K`, `D`,
+//! `width` and `height`):
+//!
+//! ```yaml
+//! image_width: 640
+//! image_height: 480
+//! camera_name: left
+//! camera_matrix: { rows: 3, cols: 3, data: [500, 0, 319.5, 0, 500, 239.5, 0, 0, 1] }
+//! distortion_model: plumb_bob                # or rational_polynomial
+//! distortion_coefficients: { rows: 1, cols: 5, data: [-0.1, 0.01, 0, 0, 0] }
+//! ```
+//!
+//! ROS keeps no poses in files: they are transforms. They are read from `<file's stem>_pose.yaml`, or by camera from
+//! `poses.yaml` beside it, as tf2 and geometry_msgs print them, possibly under `transform` (or as a `pose`, with
+//! `position` and `orientation`):
+//!
+//! ```yaml
+//! left:
+//!   translation: { x: 0.0, y: 1.0, z: 2.0 }
+//!   rotation: { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }
+//! ```
+//!
+//! It is the pose *of the camera's optical frame in the world*, `world_from_cam`, as `tf2_echo world
+//! left_optical_frame` prints it: metres, and axes x right, y down, z forward. (A frame `left_link` has x forward and is
+//! another.) A file is a camera, a folder of such files is a rig; a camera is called `camera_name`, or as its file.
+//! Pixel *centres* are whole numbers. `rectification_matrix` and `projection_matrix` are passed over: images are taken
+//! as they come from the camera. Source: the documentation of sensor_msgs/CameraInfo, REP 103 and REP 104.
+
+mod pose;
+
+use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::document::{self, Node};
+use super::source::{self, Source};
+use crate::camera::Distortion;
+use crate::{Error, Result};
+use std::path::{Path, PathBuf};
+
+pub(super) const FORMAT: Format = Format {
+    name: "ROS camera_info",
+    recognise: |source| source.text().map_or_else(|| !files(source).is_empty(), recognise),
+    read,
+};
+
+/// Whether a text is a `camera_info`; that of OpenCV's calibration sample has the same keys and OpenCV's tags.
+fn recognise(text: &str) -> bool {
+    let has =
+        |key: &str| text.lines().any(|line| line.split_once(':').is_some_and(|(found, _)| found == key));
+    !text.contains("opencv-matrix") && !text.starts_with("%YAML") && has("distortion_model")
+        || has("camera_name") && has("camera_matrix")
+}
+
+fn read(source: &Source, _: &Hints) -> Result<Contents> {
+    let cameras = match source.text() {
+        Some(text) => vec![camera(&source.path, text).map_err(|e| at(&source.path, e))?],
+        None => {
+            let of_file = |path: &PathBuf| {
+                source::read(path).and_then(|text| camera(path, &text)).map_err(|e| at(path, e))
+            };
+            files(source).iter().map(of_file).collect::<Result<_>>()?
+        }
+    };
+    Ok(Contents {
+        cameras,
+        pixel_centres: PixelCentres::Whole,
+        metres_per_unit: Some(1.0),
+        notes: Vec::new(),
+    })
+}
+
+/// The folder's files that are a `camera_info`.
+fn files(folder: &Source) -> Vec<PathBuf> {
+    let is_yaml = |path: &Path| path.extension().is_some_and(|end| end == "yaml" || end == "yml");
+    let is_one = |path: &&PathBuf| is_yaml(path) && source::read(path).is_ok_and(|text| recognise(&text));
+    folder.files().iter().filter(is_one).cloned().collect()
+}
+
+fn at(path: &Path, error: Error) -> Error {
+    match error {
+        Error::File { .. } => error,
+        other => Error::file(path, other),
+    }
+}
+
+fn camera(path: &Path, text: &str) -> Result<Found> {
+    let document = document::parse(text)?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name = match document.entry("camera_name") {
+        Some(entry) => entry.text()?.to_owned(),
+        None => stem.clone().into_owned(),
+    };
+    let fail = |e| match e {
+        Error::File { .. } => e,
+        other => Error::camera(&name, other),
+    };
+    let size = size(&document).map_err(fail)?;
+    let matrix = either(&document, &["camera_matrix", "K", "k"], "give fx 0 cx 0 fy cy 0 0 1 in pixels")
+        .map_err(fail)?;
+    let k = matrix.matrix3().map_err(fail)?;
+    let distortion = distortion(&document).map_err(fail)?;
+    let (rotation, translation) = pose::of(path, &stem, &name).map_err(fail)?;
+    Ok(Found { name, size: Some(size), k, distortion, rotation, translation })
+}
+
+fn size(document: &Node) -> Result<(u32, u32)> {
+    let side = |keys| either(document, keys, "give the image's size in pixels")?.pixels();
+    Ok((side(&["image_width", "width"])?, side(&["image_height", "height"])?))
+}
+
+fn distortion(document: &Node) -> Result<Distortion> {
+    if let Some(model) = document.entry("distortion_model") {
+        // An empty model is how ROS says that there is none.
+        if !["plumb_bob", "rational_polynomial", ""].contains(&model.text().unwrap_or_default()) {
+            return Err(model.fail(format!(
+                "expected plumb_bob or rational_polynomial, found {}, which is not supported yet; undistort the \
+                 images first and calibrate them with one of these",
+                model.node.outline()
+            )));
+        }
+    }
+    either(document, &["distortion_coefficients", "D", "d"], "give k1 k2 p1 p2 k3, or [] for none")?
+        .distortion()
+}
+
+/// The first of the keys that there is.
+fn either<'a>(document: &'a Node, keys: &[&str], next_step: &str) -> Result<document::Entry<'a>> {
+    let found = keys.iter().find_map(|key| document.entry(key));
+    found.map_or_else(|| document.require(keys[0], next_step), Ok)
+}
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,7 @@
 mod arguments;
 mod convert;
 mod progress;
+mod run;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -18,6 +19,7 @@ struct Options {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Convert(convert::Options),
+    Run(run::Options),
 }
 
 const EXIT_CODES: &str = "\
@@ -38,6 +40,7 @@ enum Outcome {
 fn main() -> ExitCode {
     let outcome = match Options::parse().verb {
         Verb::Convert(options) => convert::run(&options),
+        Verb::Run(options) => run::run(&options),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

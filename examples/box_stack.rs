@@ -43,12 +43,8 @@ fn run(options: &Options) -> Result<()> {
     studio::stack(&mut simulation)?;
     let frames = options.frames.map_or(usize::MAX, |frames| frames as usize).min(studio.frames());
     let view = view_of(&studio, options.view.as_deref(), &data)?;
-    let shooting = Shooting {
-        out: &options.out,
-        name: "box_stack",
-        frames,
-        view: (!options.no_gif).then_some(view),
-    };
+    let shooting =
+        Shooting { out: &options.out, name: "box_stack", frames, view: (!options.no_gif).then_some(view) };
     let progress = progress_bar(frames);
     let text = shoot(&shooting, &mut studio, &data, &mut simulation, &mut |summary| {
         progress.set_message(summary);

@@ -182,7 +182,9 @@ impl Simulation {
 
     fn check_finite(&self) -> Result<()> {
         let lost = self.states().iter().position(|state| !state.pose.translation.vector.norm().is_finite());
-        lost.map_or(Ok(()), |i| Err(Error::Ode(format!("body {} is nowhere: the simulation diverged", i + 1))))
+        lost.map_or(Ok(()), |i| {
+            Err(Error::Ode(format!("body {} is nowhere: the simulation diverged", i + 1)))
+        })
     }
 
     /// The bodies.

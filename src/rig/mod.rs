@@ -6,6 +6,7 @@
 
 mod calibration;
 mod coverage;
+mod pixels;
 mod pose;
 mod source;
 mod toml;

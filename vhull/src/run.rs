@@ -143,7 +143,11 @@ fn drop(
         let form = if ball { Form::Ball { radius: 0.5 * side } } else { Form::cube(side) };
         simulation.add(form, pose, COLOURS[i % COLOURS.len()])?;
     }
-    let fewer = if poses.len() < count { format!(", there is room for no more of the {count}") } else { String::new() };
+    let fewer = if poses.len() < count {
+        format!(", there is room for no more of the {count}")
+    } else {
+        String::new()
+    };
     Ok(format!("{} bodies fall on the subject{fewer}", poses.len()))
 }
 

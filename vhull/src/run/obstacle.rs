@@ -11,14 +11,17 @@ const CELL: f64 = 0.04;
 /// The subject keeps so far away in the first frame, in metres.
 const CLEAR: f64 = 0.04;
 
-/// This part of the stack's upper two thirds, at least, is where the subject comes.
-const STRUCK: f64 = 0.05;
+/// The part of the stack's upper two thirds into which the subject comes at a time: the least that knocks it over for
+/// sure, and the best. More of it makes the boxes fly.
+const LEAST: f64 = 0.05;
+const BEST: f64 = 0.15;
 
-/// The foot of a stack of this `side` and `height` where the subject is not in the first of `hulls`, and comes most in
-/// the later ones: high up, so that the stack falls. `None` where it comes nowhere.
+/// The foot of a stack of this `side` and `height` where the subject is not in the first of `hulls`, and comes in the
+/// later ones: high up, so that the stack falls. `None` where it comes nowhere.
 pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<f64>> {
     let (first, later) = hulls.split_first()?;
-    let whole = later.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty()).reduce(|a, b| a.union(&b))?;
+    let whole =
+        later.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty()).reduce(|a, b| a.union(&b))?;
     let size = (whole.max - whole.min) / CELL;
     let places = (0..=size.y as usize).flat_map(|y| (0..=size.x as usize).map(move |x| (x, y)));
     let foot = |(x, y): (usize, usize)| {
@@ -28,9 +31,9 @@ pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<
         let upper = column(&foot, 0.5 * side, height / 3.0, height);
         let most = later.iter().map(|hull| part_inside(hull, &upper)).fold(0.0, f64::max);
         let is_clear = || part_inside(first, &column(&foot, 0.5 * side + CLEAR, 0.0, height + CLEAR)) == 0.0;
-        (most >= STRUCK && is_clear()).then_some((most, foot))
+        (most >= LEAST && is_clear()).then_some(((most - BEST).abs(), foot))
     };
-    let best = places.map(foot).filter_map(struck).max_by(|a, b| a.0.total_cmp(&b.0));
+    let best = places.map(foot).filter_map(struck).min_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, foot)| foot)
 }
 

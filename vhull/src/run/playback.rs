@@ -94,10 +94,8 @@ impl Playback {
 fn frames_of(recording: &Recording, dir: &Path, options: &Options) -> Result<Vec<u32>> {
     let all = recording.frames();
     let (Some(first), Some(last)) = (all.first(), all.last()) else {
-        let problem = format!(
-            "expected masks, found images alone; make them first: vhull segment {}",
-            dir.display()
-        );
+        let problem =
+            format!("expected masks, found images alone; make them first: vhull segment {}", dir.display());
         return Err(Error::file(dir, problem));
     };
     let wanted = options.frames.clone().unwrap_or(0..u32::MAX);

@@ -1,6 +1,8 @@
 //! `vhull`: from cameras to a visual hull. A verb, a file.
 
 mod convert;
+mod progress;
+mod segment;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -16,6 +18,7 @@ struct Options {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Convert(convert::Options),
+    Segment(segment::Options),
 }
 
 const EXIT_CODES: &str = "\
@@ -36,6 +39,7 @@ enum Outcome {
 fn main() -> ExitCode {
     let outcome = match Options::parse().verb {
         Verb::Convert(options) => convert::run(&options),
+        Verb::Segment(options) => segment::run(&options),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

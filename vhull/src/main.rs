@@ -4,6 +4,7 @@ mod arguments;
 mod convert;
 mod progress;
 mod run;
+mod segment;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -20,6 +21,7 @@ struct Options {
 enum Verb {
     Convert(convert::Options),
     Run(run::Options),
+    Segment(segment::Options),
 }
 
 const EXIT_CODES: &str = "\
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
     let outcome = match Options::parse().verb {
         Verb::Convert(options) => convert::run(&options),
         Verb::Run(options) => run::run(&options),
+        Verb::Segment(options) => segment::run(&options),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -2,8 +2,12 @@
 
 use crate::{Error, Result};
 use image::{DynamicImage, ImageBuffer, ImageFormat, ImageReader, PixelWithColorType};
+use std::collections::{BTreeMap, VecDeque};
+use std::io::Cursor;
 use std::ops::Deref;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
 
 /// The image in a file; its content, not its name, says in which format it is.
 pub(crate) fn read(path: &Path) -> Result<DynamicImage> {
@@ -14,13 +18,98 @@ pub(crate) fn read(path: &Path) -> Result<DynamicImage> {
     reader.decode().map_err(|e| fail(&e))
 }
 
-/// Writes a PNG.
+/// Writes a PNG, whole or not at all: under another name first, which nobody reads.
 pub(crate) fn write_png<P, C>(path: &Path, image: &ImageBuffer<P, C>) -> Result<()>
 where
     P: PixelWithColorType<Subpixel = u8>,
     C: Deref<Target = [u8]>,
 {
-    image
-        .save_with_format(path, ImageFormat::Png)
-        .map_err(|e| Error::file(path, format!("expected to write a png, found: {e}")))
+    write_pngs([(path, image)])
+}
+
+/// Writes PNGs, all of them or, where one cannot be written, none.
+pub(crate) fn write_pngs<'a, P, C>(
+    files: impl IntoIterator<Item = (&'a Path, &'a ImageBuffer<P, C>)>,
+) -> Result<()>
+where
+    P: PixelWithColorType<Subpixel = u8> + 'a,
+    C: Deref<Target = [u8]> + 'a,
+{
+    let mut parts = Parts::default();
+    for (path, image) in files {
+        let mut bytes = Cursor::new(Vec::new());
+        let encoded = image.write_to(&mut bytes, ImageFormat::Png);
+        encoded.map_err(|e| Error::file(path, format!("expected to write a png, found: {e}")))?;
+        parts.write(path, bytes.get_ref())?;
+    }
+    parts.finish()
+}
+
+/// Files that are written, but do not bear their names yet. Those that never will are removed.
+#[derive(Default)]
+struct Parts(VecDeque<(PathBuf, PathBuf)>);
+
+impl Parts {
+    fn write(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
+        let mut part = path.as_os_str().to_owned();
+        part.push(".part");
+        let part = PathBuf::from(part);
+        self.0.push_back((part.clone(), path.to_owned()));
+        std::fs::write(&part, bytes).map_err(|e| unwritten(path, &e))
+    }
+
+    fn finish(mut self) -> Result<()> {
+        while let Some((part, path)) = self.0.front() {
+            std::fs::rename(part, path).map_err(|e| unwritten(path, &e))?;
+            self.0.pop_front();
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Parts {
+    fn drop(&mut self) {
+        for (part, _) in &self.0 {
+            // One that could not be made cannot be removed either.
+            let _ = std::fs::remove_file(part);
+        }
+    }
+}
+
+fn unwritten(path: &Path, e: &std::io::Error) -> Error {
+    use std::io::ErrorKind;
+    let next = match e.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "; make room on the disk"
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "; choose a folder that you may write",
+        _ => "",
+    };
+    Error::file(path, format!("expected to write this file, found: {e}{next}"))
+}
+
+/// The image files of a folder whose names are numbers, by number; none where there is no folder.
+pub(crate) fn numbered(folder: &Path) -> Result<BTreeMap<u32, PathBuf>> {
+    let mut files = BTreeMap::new();
+    if !folder.is_dir() {
+        return Ok(files);
+    }
+    let fail = |e: std::io::Error| Error::file(folder, format!("expected a readable folder, found: {e}"));
+    for entry in std::fs::read_dir(folder).map_err(fail)? {
+        let path = entry.map_err(fail)?.path();
+        let Some(frame) = frame_of(&path) else { continue };
+        if let Some(other) = files.insert(frame, path.clone()) {
+            let problem =
+                format!("expected one file for frame {frame}, found also {}; remove one", other.display());
+            return Err(Error::file(path, problem));
+        }
+    }
+    Ok(files)
+}
+
+fn frame_of(path: &Path) -> Option<u32> {
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    let stem = path.file_stem()?.to_str()?;
+    let numbered = stem.bytes().all(|b| b.is_ascii_digit());
+    (numbered && EXTENSIONS.contains(&extension.as_str())).then(|| stem.parse().ok())?
 }

@@ -26,8 +26,8 @@
 //! | [`contact`] | a body against a hull: clusters of samples, a few contacts |
 //! | [`ode`] | a safe wrapper of ODE, and the hull as a geometry class |
 //!
-//! Beside them: [`segment`] makes silhouettes of colour images, [`recording`] reads and writes what cameras saw, and
-//! [`synthetic`] renders subjects of known geometry, to try a camera layout before buying cameras.
+//! Beside them: [`source`] brings colour images from folders, videos and cameras, [`segment`] makes silhouettes of
+//! them, [`recording`] reads and writes what cameras saw, and [`synthetic`] renders subjects of known geometry, to try a camera layout before buying cameras.
 //!
 //! # Conventions
 //!
@@ -103,6 +103,7 @@ pub mod rig;
 pub mod sample;
 pub mod segment;
 pub mod silhouette;
+pub mod source;
 pub mod synthetic;
 mod vectorised;
 

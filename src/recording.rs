@@ -6,20 +6,23 @@
 //!   <camera>/background.png     the place without the subject
 //!   <camera>/image/000000.*     colour images, one per frame
 //!   <camera>/mask/000000.*      masks: 0 background .. 255 subject
+//!   <camera>/video.*            a video instead of images (mp4, avi, mov, ...); or videos/<camera>.*
+//!   frames.csv                  when the images were taken, see [`crate::source::frames_csv`]; mostly absent
 //! ```
 //!
-//! Frames are numbered by their file names. An image or a mask counts only where every camera has one.
+//! Frames are numbered by their file names, those of a video from 0. An image or a mask counts only where every camera
+//! has one. [`Recording::synchronised`] reads the images of folders and videos alike, put together by their times.
 
+use crate::camera::Camera;
 use crate::rig::Rig;
 use crate::silhouette::load_mask;
 use crate::{Error, Result, image_file};
-use image::{GrayImage, RgbImage};
+use image::{GrayImage, ImageBuffer, PixelWithColorType, RgbImage};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 const RIG: &str = "rig.toml";
 const BACKGROUND: &str = "background.png";
-const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
 
 /// A recording on disk. Pictures are read when they are asked for.
 #[derive(Debug, Clone)]
@@ -28,6 +31,8 @@ pub struct Recording {
     rig: Rig,
     images: Pictures,
     masks: Pictures,
+    /// Per camera, of those without images.
+    videos: Vec<Option<PathBuf>>,
 }
 
 /// One kind of picture, of all cameras.
@@ -45,7 +50,8 @@ impl Recording {
     ///
     /// # Errors
     /// A missing folder, rig file or camera folder; a rig that [`Rig::load`] refuses; a camera name that cannot be a
-    /// folder's; two files of one frame; neither images nor masks, or masks of which no frame has all.
+    /// folder's; two files of one frame, two videos of one camera; neither images, videos nor masks, or masks of which
+    /// no frame has all.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self> {
         let dir = dir.as_ref();
         if !dir.is_dir() {
@@ -59,20 +65,34 @@ impl Recording {
         }
         let rig = Rig::load(dir.join(RIG))?;
         check_names(&rig)?;
-        for camera in rig.cameras() {
+        let recording = Self::list(dir, rig)?;
+        let Self { rig, images, masks, videos, .. } = &recording;
+        for (camera, video) in rig.cameras().iter().zip(videos) {
             let folder = dir.join(camera.name());
-            if !folder.is_dir() {
+            if !folder.is_dir() && video.is_none() {
                 let problem =
                     format!("expected the folder {}, found none; name it as in {RIG}", folder.display());
                 return Err(Error::view(camera.name(), problem));
             }
         }
-        let (images, masks) = (Pictures::list(dir, &rig, "image")?, Pictures::list(dir, &rig, "mask")?);
-        if masks.common.is_empty() && (masks.any() || images.common.is_empty()) {
-            let wanted = if masks.any() || !images.any() { &masks } else { &images };
-            return Err(Error::file(dir, wanted.nothing_in_common(&rig)));
+        let shows =
+            !images.common.is_empty() || (videos.iter().any(Option::is_some) && recording.has_images());
+        if masks.common.is_empty() && (masks.any() || !shows) {
+            let wanted = if masks.any() || !images.any() { masks } else { images };
+            return Err(Error::file(dir, wanted.nothing_in_common(rig)));
         }
-        Ok(Self { dir: dir.to_owned(), rig, images, masks })
+        Ok(recording)
+    }
+
+    /// What lies in folder `dir`.
+    fn list(dir: &Path, rig: Rig) -> Result<Self> {
+        let (images, masks) = (Pictures::list(dir, &rig, "image")?, Pictures::list(dir, &rig, "mask")?);
+        let video = |(camera, files): (&Camera, &BTreeMap<_, _>)| {
+            let video = if files.is_empty() { streams::video_of(dir, camera.name()) } else { Ok(None) };
+            video.map_err(|e| Error::view(camera.name(), e))
+        };
+        let videos = rig.cameras().iter().zip(&images.files).map(video).collect::<Result<_>>()?;
+        Ok(Self { dir: dir.to_owned(), rig, images, masks, videos })
     }
 
     /// Starts an empty recording of `rig` in folder `dir`, which is made if need be.
@@ -90,8 +110,27 @@ impl Recording {
             make_folder(&dir.join(camera.name()))?;
         }
         rig.save(dir.join(RIG))?;
-        let (images, masks) = (Pictures::list(dir, rig, "image")?, Pictures::list(dir, rig, "mask")?);
-        Ok(Self { dir: dir.to_owned(), rig: rig.clone(), images, masks })
+        Self::list(dir, rig.clone())
+    }
+
+    /// Goes on with the recording of `rig` in folder `dir`, or starts one, to write to it. There may be nothing in it
+    /// yet.
+    ///
+    /// # Errors
+    /// A recording of other cameras; otherwise as [`create`](Self::create).
+    pub fn resume(dir: impl AsRef<Path>, rig: &Rig) -> Result<Self> {
+        let dir = dir.as_ref();
+        if !dir.join(RIG).exists() {
+            return Self::create(dir, rig);
+        }
+        let found = Rig::load(dir.join(RIG))?;
+        // As it would be read from there: writing rounds.
+        if found.to_toml() != Rig::from_toml(&rig.to_toml())?.to_toml() {
+            let problem =
+                "expected the cameras of the recording to go on with, found others; choose another folder";
+            return Err(Error::file(dir.join(RIG), problem));
+        }
+        Self::list(dir, found)
     }
 
     /// The cameras; masks and images come in their order.
@@ -148,20 +187,13 @@ impl Recording {
         self.colour(camera, &self.dir.join(view.name()).join(BACKGROUND))
     }
 
-    /// Writes the masks of one frame, one per camera, over any that are there.
+    /// Writes the masks of one frame, one per camera, over any that are there; all of them or none.
     ///
     /// # Errors
-    /// Another number of masks than cameras, a mask of another size than its camera (then nothing is written), a file
-    /// that cannot be written.
+    /// Another number of masks than cameras, a mask of another size than its camera, a file that cannot be written.
     pub fn write_masks(&mut self, frame: u32, masks: &[GrayImage]) -> Result<()> {
         self.check_sizes("masks", masks.iter().map(GrayImage::dimensions))?;
-        for (camera, mask) in masks.iter().enumerate() {
-            let path = self.masks.make_room(&self.dir, &self.rig, camera, frame)?;
-            image_file::write_png(&path, mask)?;
-            self.masks.files[camera].insert(frame, path);
-        }
-        self.masks.add_common(frame);
-        Ok(())
+        self.masks.write(&self.dir, &self.rig, frame, masks)
     }
 
     /// Writes the colour images of one frame, one per camera, over any that are there.
@@ -170,13 +202,7 @@ impl Recording {
     /// As [`write_masks`](Self::write_masks).
     pub fn write_images(&mut self, frame: u32, images: &[RgbImage]) -> Result<()> {
         self.check_sizes("images", images.iter().map(RgbImage::dimensions))?;
-        for (camera, image) in images.iter().enumerate() {
-            let path = self.images.make_room(&self.dir, &self.rig, camera, frame)?;
-            image_file::write_png(&path, image)?;
-            self.images.files[camera].insert(frame, path);
-        }
-        self.images.add_common(frame);
-        Ok(())
+        self.images.write(&self.dir, &self.rig, frame, images)
     }
 
     /// Writes the colour images without the subject, one per camera.
@@ -233,7 +259,8 @@ impl Pictures {
             .cameras()
             .iter()
             .map(|camera| {
-                numbered_files(&dir.join(camera.name()).join(kind)).map_err(|e| Error::view(camera.name(), e))
+                image_file::numbered(&dir.join(camera.name()).join(kind))
+                    .map_err(|e| Error::view(camera.name(), e))
             })
             .collect::<Result<Vec<_>>>()?;
         let in_all = |frame: &u32| files.iter().all(|of_camera| of_camera.contains_key(frame));
@@ -254,16 +281,31 @@ impl Pictures {
         })
     }
 
-    /// The path at which to write a frame, its folder made and any older file of the frame gone.
-    fn make_room(&self, dir: &Path, rig: &Rig, camera: usize, frame: u32) -> Result<PathBuf> {
-        let folder = dir.join(rig.cameras()[camera].name()).join(self.kind);
-        make_folder(&folder)?;
-        let path = folder.join(format!("{frame:06}.png"));
-        if let Some(old) = self.files[camera].get(&frame).filter(|&old| *old != path) {
-            std::fs::remove_file(old)
-                .map_err(|e| Error::file(old, format!("expected to replace it, found: {e}")))?;
+    fn write<P>(
+        &mut self,
+        dir: &Path,
+        rig: &Rig,
+        frame: u32,
+        pictures: &[ImageBuffer<P, Vec<u8>>],
+    ) -> Result<()>
+    where
+        P: PixelWithColorType<Subpixel = u8>,
+    {
+        let mut paths = Vec::new();
+        for camera in rig.cameras() {
+            let folder = dir.join(camera.name()).join(self.kind);
+            make_folder(&folder)?;
+            paths.push(folder.join(format!("{frame:06}.png")));
         }
-        Ok(path)
+        image_file::write_pngs(paths.iter().map(PathBuf::as_path).zip(pictures))?;
+        for (files, path) in self.files.iter_mut().zip(paths) {
+            if let Some(old) = files.insert(frame, path.clone()).filter(|old| *old != path) {
+                std::fs::remove_file(&old)
+                    .map_err(|e| Error::file(old, format!("expected to replace it, found: {e}")))?;
+            }
+        }
+        self.add_common(frame);
+        Ok(())
     }
 
     fn add_common(&mut self, frame: u32) {
@@ -273,7 +315,7 @@ impl Pictures {
     }
 
     fn nothing_in_common(&self, rig: &Rig) -> String {
-        let has = |(camera, files): (&crate::camera::Camera, &BTreeMap<u32, PathBuf>)| {
+        let has = |(camera, files): (&Camera, &BTreeMap<u32, PathBuf>)| {
             format!("\"{}\" has {}", camera.name(), extent(files))
         };
         let cameras: Vec<_> = rig.cameras().iter().zip(&self.files).map(has).collect();
@@ -296,32 +338,6 @@ fn extent(files: &BTreeMap<u32, PathBuf>) -> String {
     }
 }
 
-/// The image files of a folder whose names are numbers; none where there is no folder.
-fn numbered_files(folder: &Path) -> Result<BTreeMap<u32, PathBuf>> {
-    let mut files = BTreeMap::new();
-    if !folder.is_dir() {
-        return Ok(files);
-    }
-    let fail = |e: std::io::Error| Error::file(folder, format!("expected a readable folder, found: {e}"));
-    for entry in std::fs::read_dir(folder).map_err(fail)? {
-        let path = entry.map_err(fail)?.path();
-        let Some(frame) = frame_of(&path) else { continue };
-        if let Some(other) = files.insert(frame, path.clone()) {
-            let problem =
-                format!("expected one file for frame {frame}, found also {}; remove one", other.display());
-            return Err(Error::file(path, problem));
-        }
-    }
-    Ok(files)
-}
-
-fn frame_of(path: &Path) -> Option<u32> {
-    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-    let stem = path.file_stem()?.to_str()?;
-    let numbered = stem.bytes().all(|b| b.is_ascii_digit());
-    (numbered && EXTENSIONS.contains(&extension.as_str())).then(|| stem.parse().ok())?
-}
-
 /// Camera names become folders, which must stay inside the recording.
 fn check_names(rig: &Rig) -> Result<()> {
     let bad = |name: &str| matches!(name, "." | "..") || name.contains(['/', '\\', '\0']);
@@ -339,6 +355,10 @@ fn make_folder(folder: &Path) -> Result<()> {
     std::fs::create_dir_all(folder)
         .map_err(|e| Error::file(folder, format!("expected to make this folder, found: {e}")))
 }
+
+mod streams;
+
+pub use streams::StreamOptions;
 
 #[cfg(test)]
 mod tests;

@@ -4,9 +4,7 @@
 //! that the top passes, two of them on the axis of the tilt: they look along it at any angle. The eighth looks down
 //! and shows the scene.
 
-use super::capture::{Capture, FRAME_RATE, Window};
 use super::sensor::Sensor;
-use super::simulation::Simulation;
 use image::RgbImage;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::camera::{Camera, Ray};
@@ -14,6 +12,7 @@ use ode_visual_hull::hull::{Aabb, Hull, HullData};
 use ode_visual_hull::segment::{CleanPlate, Thresholds};
 use ode_visual_hull::synthetic::{Hit, Paint, Placed, Room, Scene, Solid, Subject, clean_plate, render_over};
 use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::{Capture, FRAME_RATE, Form, Simulation, Window};
 
 /// The real box, in metres.
 const REAL: Vector3<f64> = Vector3::new(0.5, 0.5, 0.35);
@@ -160,7 +159,7 @@ pub fn stack(simulation: &mut Simulation) -> Result<()> {
     for (sides, yaw, colour) in boxes {
         top += 0.001;
         let pose = Isometry3::new(vector![0.0, 0.0, top + 0.5 * sides.z], Vector3::z() * yaw);
-        simulation.add_box(sides, &pose, colour)?;
+        simulation.add(Form::Box { sides }, &pose, colour)?;
         top += sides.z;
     }
     Ok(())

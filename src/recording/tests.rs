@@ -4,17 +4,17 @@ use image::{ImageBuffer, Luma, Rgb};
 use nalgebra::{Point3, Vector3};
 
 /// A folder of its own for one test, gone when it ends.
-struct Folder(PathBuf);
+pub(super) struct Folder(PathBuf);
 
 impl Folder {
-    fn new(test: &str) -> Self {
+    pub(super) fn new(test: &str) -> Self {
         let path = std::env::temp_dir().join(format!("ode-visual-hull-{}-{test}", std::process::id()));
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
         Self(path)
     }
 
-    fn join(&self, path: &str) -> PathBuf {
+    pub(super) fn join(&self, path: &str) -> PathBuf {
         self.0.join(path)
     }
 }
@@ -25,7 +25,7 @@ impl Drop for Folder {
     }
 }
 
-fn camera(name: &str, size: (u32, u32)) -> Camera {
+pub(super) fn camera(name: &str, size: (u32, u32)) -> Camera {
     let eye = Point3::new(3.0, 0.0, 1.0);
     Camera::look_at(name, size, 1.0, eye, Point3::origin(), Vector3::z()).unwrap()
 }
@@ -58,7 +58,7 @@ fn open_error(dir: PathBuf) -> String {
     Recording::open(dir).unwrap_err().to_string()
 }
 
-fn assert_contains(message: &str, parts: &[&str]) {
+pub(super) fn assert_contains(message: &str, parts: &[&str]) {
     for part in parts {
         assert!(message.contains(part), "no \"{part}\" in: {message}");
     }

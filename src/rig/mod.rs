@@ -5,11 +5,13 @@
 //! work" are in another frame or unit, and that shows in where the cameras stand and look.
 
 mod calibration;
+mod coverage;
 mod document;
 mod easymocap;
 mod kalibr;
 mod length;
 mod opencv;
+mod pixels;
 mod pose;
 mod ros;
 mod source;

@@ -1,38 +1,63 @@
 //! `vhull convert`: a calibration of any known format becomes a rig file.
 
 use crate::Outcome;
-use ode_visual_hull::rig::{Calibration, Hints};
+use crate::arguments::{HintOptions, numbers};
+use nalgebra::Vector2;
+use ode_visual_hull::rig::Calibration;
 use ode_visual_hull::{Error, Result};
 use std::path::PathBuf;
 
 /// Write a calibration of any known format as a rig file in TOML.
 #[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Calibration file or folder.
     rig: PathBuf,
     /// Rig file to write.
     out: PathBuf,
-    /// Metres per unit of length of the calibration, instead of its format's own.
-    #[arg(long, value_name = "METRES")]
-    unit: Option<f64>,
-    /// Size of the images, where the calibration does not tell.
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
-    size: Option<(u32, u32)>,
+    #[command(flatten)]
+    hints: HintOptions,
+    /// The images have been scaled by this since they were calibrated.
+    #[arg(long, value_name = "FACTOR")]
+    scale: Option<f64>,
+    /// What this camera sees appears so many pixels farther right and down than the calibration says (pixels of the
+    /// scaled images): its principal point is moved. May be given for each camera.
+    #[arg(long, value_name = "CAMERA=DU,DV", value_parser = parse_shift, allow_hyphen_values = true)]
+    shift: Vec<Shift>,
     /// Replace the rig file if there is one.
     #[arg(long)]
     force: bool,
 }
 
+const EXAMPLES: &str = "\
+Examples:
+  vhull convert calibration.yml rig.toml
+  vhull convert sparse/0 rig.toml --unit 0.25                     a unit of the calibration is 25 cm
+  vhull convert cameras.json half.toml --scale 0.5 --shift left=-1.5,0.8";
+
+/// How far a camera's image is moved, in pixels.
+#[derive(Debug, Clone)]
+struct Shift {
+    camera: String,
+    by: Vector2<f64>,
+}
+
 pub fn run(options: &Options) -> Result<Outcome> {
-    let Options { rig, out, unit, size, force } = options;
+    let Options { rig, out, hints, scale, shift, force } = options;
     if out.exists() && !force {
         return Err(Error::file(out, "expected no file yet, found one; choose another name or give --force"));
     }
-    let hints = Hints { size: *size, metres_per_unit: *unit };
-    let calibration = Calibration::load(rig, &hints)?;
-    calibration.rig.save(out)?;
-    println!("{} cameras, read as {}", calibration.rig.len(), calibration.format);
-    print!("{}", calibration.rig.describe());
+    let calibration = Calibration::load(rig, &hints.hints())?;
+    let mut rig = calibration.rig;
+    if let Some(factor) = *scale {
+        rig = rig.scaled(factor)?;
+    }
+    for Shift { camera, by } in shift {
+        rig = rig.shifted(camera, *by)?;
+    }
+    rig.save(out)?;
+    println!("{} cameras, read as {}", rig.len(), calibration.format);
+    print!("{}", rig.describe());
     for note in &calibration.notes {
         println!("note: {note}");
     }
@@ -40,7 +65,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
-    let numbers = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-    numbers.ok_or_else(|| format!("expected two numbers as in 640x480, found {text}"))
+fn parse_shift(text: &str) -> std::result::Result<Shift, String> {
+    let (camera, by) = text.split_once('=').ok_or_else(|| format!("expected camera=du,dv, found {text}"))?;
+    Ok(Shift { camera: camera.to_owned(), by: Vector2::from(numbers::<2>(by, "du,dv")?) })
 }

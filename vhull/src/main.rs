@@ -1,6 +1,10 @@
 //! `vhull`: from cameras to a visual hull. A verb, a file.
 
+mod arguments;
 mod convert;
+mod progress;
+mod run;
+mod segment;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -16,6 +20,8 @@ struct Options {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Convert(convert::Options),
+    Run(run::Options),
+    Segment(segment::Options),
 }
 
 const EXIT_CODES: &str = "\
@@ -36,6 +42,8 @@ enum Outcome {
 fn main() -> ExitCode {
     let outcome = match Options::parse().verb {
         Verb::Convert(options) => convert::run(&options),
+        Verb::Run(options) => run::run(&options),
+        Verb::Segment(options) => segment::run(&options),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

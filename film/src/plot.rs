@@ -1,12 +1,12 @@
-//! The heights of the boxes over time, as SVG.
+//! The heights of the bodies over time, as SVG.
 
-use super::log::Log;
+use crate::log::Log;
 use ode_visual_hull::{Error, Result};
 use plotters::prelude::*;
 use std::path::Path;
 
 /// Draws the log's heights; the subject moves from `still_until` on, in seconds.
-pub fn write(path: &Path, log: &Log, still_until: f64) -> Result<()> {
+pub(crate) fn write(path: &Path, log: &Log, still_until: f64) -> Result<()> {
     draw(path, log, still_until)
         .map_err(|e| Error::file(path, format!("expected to write the plot, found: {e}")))
 }
@@ -55,17 +55,17 @@ struct Line {
     points: Vec<(f64, f64)>,
 }
 
-/// The boxes, the real box's top where it is known, and when it begins to move.
+/// The bodies, the subject's top where it is known, and when it begins to move.
 fn lines(log: &Log, still_until: f64, end: f64, top: f64) -> Vec<Line> {
-    let of_box = |(i, &[r, g, b]): (usize, &[u8; 3])| Line {
-        name: format!("box {}", i + 1),
-        style: on_white(r, g, b).stroke_width(2),
+    let of_body = |(i, (name, [r, g, b])): (usize, &(String, [u8; 3]))| Line {
+        name: name.clone(),
+        style: on_white(*r, *g, *b).stroke_width(2),
         points: log.entries.iter().map(|entry| (entry.time, entry.states[i].pose.translation.z)).collect(),
     };
-    let mut lines: Vec<Line> = log.colours.iter().enumerate().map(of_box).collect();
+    let mut lines: Vec<Line> = log.bodies.iter().enumerate().map(of_body).collect();
     let real: Vec<_> = log.entries.iter().filter_map(|entry| Some((entry.time, entry.real_top?))).collect();
     if !real.is_empty() {
-        let name = "top of the real box".into();
+        let name = format!("top of the {}", log.subject);
         lines.push(Line { name, style: BLACK.stroke_width(1), points: real });
     }
     if still_until < end {

@@ -1,23 +1,24 @@
 //! The results: files, and a table for the terminal.
 
-use super::film::Film;
-use super::log::{Entry, Log};
-use super::plot;
-use super::simulation::{Simulation, State, Support, lean_deg};
+use crate::film::Film;
+use crate::log::{Entry, Log};
+use crate::plot;
+use crate::simulation::{Simulation, State, Support, lean_deg};
 use ode_visual_hull::Result;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Below this speed, in m/s, a box rests.
+/// Below this speed, in m/s, a body rests.
 const AT_REST: f64 = 0.02;
 
 /// Before the subject moves, this long is looked at for rest, in seconds.
 const WATCHED: f64 = 0.8;
 
-/// Writes all files into `dir`; returns each with what it is.
-pub fn write(
+/// Writes all files into `dir`, the film and the stills under `name`; returns each with what it is.
+pub(crate) fn write(
     dir: &Path,
+    name: &str,
     film: &Film,
     log: &Log,
     still_until: f64,
@@ -25,7 +26,7 @@ pub fn write(
 ) -> Result<Vec<(PathBuf, &'static str)>> {
     let mut written = Vec::new();
     if !film.is_empty() {
-        let (path, strip) = (dir.join("box_stack.gif"), dir.join("box_stack.png"));
+        let (path, strip) = (dir.join(format!("{name}.gif")), dir.join(format!("{name}.png")));
         film.write(&path)?;
         film.write_strip(moments, &strip)?;
         written.extend([(path, "film"), (strip, "three stills")]);
@@ -37,16 +38,16 @@ pub fn write(
     Ok(written)
 }
 
-/// One line per box: how still it was before the subject moved, and where it ended.
-pub fn table(log: &Log, simulation: &Simulation, still_until: f64, subject: &str) -> String {
+/// One line per body: how still it was before the subject moved, and where it ended.
+pub(crate) fn table(log: &Log, simulation: &Simulation, still_until: f64, subject: &str) -> String {
     let mut text = format!(
-        "                while the {subject} stands still               whole run             at the end\n\
-         box  size (cm)  on         rms mm/s  creep mm  lean deg  max m/s  deepest mm  on         x, y, z (m)          mm/s\n"
+        "                   while the {subject} stands still               whole run             at the end\n\
+         body    size (cm)  on         rms mm/s  creep mm  lean deg  max m/s  deepest mm  on         x, y, z (m)          mm/s\n"
     );
     let still: Vec<&Entry> = log.between(still_until - WATCHED, still_until + 1e-6).collect();
-    for (i, one) in simulation.boxes().iter().enumerate() {
-        let size = one.sides * 100.0;
-        let _ = write!(text, "{:>3}  {:>2.0}x{:>2.0}x{:>2.0} ", i + 1, size.x, size.y, size.z);
+    for (i, one) in simulation.bodies().iter().enumerate() {
+        let size = one.form.lengths() * 100.0;
+        let _ = write!(text, "{:>7} {:>2.0}x{:>2.0}x{:>2.0} ", log.bodies[i].0, size.x, size.y, size.z);
         let _ = match Stillness::of(&still, i) {
             Some(s) => {
                 let on = place(s.on, s.speed, subject);
@@ -66,7 +67,7 @@ pub fn table(log: &Log, simulation: &Simulation, still_until: f64, subject: &str
     text
 }
 
-/// What a box rests on, or that it does not.
+/// What a body rests on, or that it does not.
 fn place(support: Support, speed: f64, subject: &str) -> &str {
     match support {
         Support::Nothing => "in flight",
@@ -77,13 +78,13 @@ fn place(support: Support, speed: f64, subject: &str) -> &str {
 }
 
 /// One line on the amount of work.
-pub fn summary(frames: usize, cameras: usize, took: Duration) -> String {
+pub(crate) fn summary(frames: usize, cameras: usize, took: Duration) -> String {
     let seconds = took.as_secs_f64();
     let each = 1e3 * seconds / frames.max(1) as f64;
     format!("{frames} frames of {cameras} cameras in {seconds:.1} s ({each:.0} ms a frame)\n\n")
 }
 
-/// How a box kept still. Lengths and speeds in metres.
+/// How a body kept still. Lengths and speeds in metres.
 struct Stillness {
     on: Support,
     speed: f64,

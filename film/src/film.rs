@@ -7,7 +7,7 @@ use image::imageops::{FilterType, replace, resize};
 use image::{Rgb, RgbImage};
 use ode_visual_hull::{Error, Result};
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 /// Colours of the palette; one more index means "as before".
@@ -25,6 +25,7 @@ const STRIP_WIDTH: u32 = 1200;
 const GAP: u32 = 6;
 
 /// Frames, in the order of time.
+#[derive(Debug)]
 pub struct Film {
     frames: Vec<RgbImage>,
     rate: f64,
@@ -46,7 +47,10 @@ impl Film {
         self.frames.is_empty()
     }
 
-    /// Writes the film as an animated GIF that repeats.
+    /// Writes the film as an animated GIF that repeats; nothing without frames.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         let fail =
             |e: &dyn std::fmt::Display| Error::file(path, format!("expected to write a film, found: {e}"));
@@ -64,7 +68,8 @@ impl Film {
             encoder.write_frame(&encoded).map_err(|e| fail(&e))?;
             shown = pixels;
         }
-        Ok(())
+        let mut file = encoder.into_inner().map_err(|e| fail(&e))?;
+        file.flush().map_err(|e| fail(&e))
     }
 
     /// Hundredths of a second of frame `k`, so that the sum keeps time.
@@ -74,6 +79,9 @@ impl Film {
     }
 
     /// Writes the frames at these times, in seconds, side by side into a PNG.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn write_strip(&self, times: &[f64], path: &Path) -> Result<()> {
         let Some(first) = self.frames.first() else { return Ok(()) };
         let width = (STRIP_WIDTH + GAP) / times.len() as u32 - GAP;
@@ -86,9 +94,10 @@ impl Film {
         }
         let fail =
             |e: &dyn std::fmt::Display| Error::file(path, format!("expected to write a picture, found: {e}"));
-        let file = BufWriter::new(File::create(path).map_err(|e| fail(&e))?);
-        let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, PngFilter::Adaptive);
-        strip.write_with_encoder(encoder).map_err(|e| fail(&e))
+        let mut file = BufWriter::new(File::create(path).map_err(|e| fail(&e))?);
+        let encoder = PngEncoder::new_with_quality(&mut file, CompressionType::Best, PngFilter::Adaptive);
+        strip.write_with_encoder(encoder).map_err(|e| fail(&e))?;
+        file.flush().map_err(|e| fail(&e))
     }
 }
 

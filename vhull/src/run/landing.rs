@@ -1,10 +1,10 @@
-//! Where on a subject boxes could come to rest: the level places of the hull, seen from above, each tried out.
+//! Where on a subject bodies could come to rest: the level places of the hull, seen from above, each tried out.
 
-use super::simulation::{Simulation, Support};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use ode_visual_hull::Result;
 use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::{Hull, HullData};
+use ode_visual_hull_film::{Form, Simulation, Support};
 use std::sync::Arc;
 
 /// Grid of the heights, in metres.
@@ -22,7 +22,7 @@ const LOWEST: f64 = 0.3;
 /// How many places are tried at most, in seconds how long, and from how high above the place, in metres.
 const TRIALS: usize = 150;
 const TRIAL: f64 = 1.5;
-const DROP: f64 = 0.06;
+pub const DROP: f64 = 0.06;
 
 /// A place for a box.
 #[derive(Debug, Clone, Copy)]
@@ -57,7 +57,7 @@ pub fn poses(data: &Arc<HullData>, n: usize, side: f64, pixel_size: f64) -> Resu
 /// Whether a box dropped at `pose` comes to rest on the subject close by.
 fn is_steady(data: &Arc<HullData>, pose: &Isometry3<f64>, side: f64, pixel_size: f64) -> Result<bool> {
     let mut trial = Simulation::new(data, pixel_size)?;
-    trial.add_box(Vector3::repeat(side), pose, [0; 3])?;
+    trial.add(Form::cube(side), pose, [0; 3])?;
     trial.advance(TRIAL)?;
     let state = trial.states()[0];
     let strayed = state.pose.translation.vector - pose.translation.vector;

@@ -1,11 +1,11 @@
-//! Where silhouettes come from: the synthetic studio or a recording.
+//! Where silhouettes come from, frame by frame.
 
 use image::RgbImage;
 use nalgebra::Point3;
-use ode_visual_hull::Result;
 use ode_visual_hull::camera::{Camera, Pixel, Ray};
 use ode_visual_hull::hull::{Hull, HullData};
 use ode_visual_hull::synthetic::Hit;
+use ode_visual_hull::{Error, Result};
 
 /// Frames a second.
 pub const FRAME_RATE: f64 = 30.0;
@@ -31,9 +31,15 @@ pub trait Capture: Sync {
     fn moments(&self) -> [f64; 3];
 
     /// Gives the masks of `frame` to `data` and publishes them.
+    ///
+    /// # Errors
+    /// Masks that cannot be had, or that `data` refuses.
     fn publish(&mut self, frame: usize, data: &HullData) -> Result<()>;
 
     /// What camera `view` sees in `frame`.
+    ///
+    /// # Errors
+    /// A picture that cannot be had.
     fn picture(&mut self, frame: usize, view: usize) -> Result<RgbImage>;
 
     /// The part of camera `view`'s image to draw.
@@ -87,4 +93,21 @@ impl Window {
         }
         Self { left, top, width: right - left, height: bottom - top }
     }
+}
+
+/// The index of the camera called `wanted`, or of that number; without a wish the one that shows most.
+///
+/// # Errors
+/// No such camera.
+pub fn view_of(capture: &dyn Capture, wanted: Option<&str>, data: &HullData) -> Result<usize> {
+    let Some(wanted) = wanted else { return Ok(capture.best_view(data)) };
+    let cameras = capture.cameras();
+    let by_name = cameras.iter().position(|camera| camera.name() == wanted);
+    let by_number = || wanted.parse().ok().filter(|&view: &usize| view < cameras.len());
+    by_name.or_else(by_number).ok_or_else(|| {
+        let names: Vec<_> = cameras.iter().map(|camera| camera.name()).collect();
+        let most = cameras.len() - 1;
+        let names = names.join(", ");
+        Error::argument(format!("--view: expected 0 to {most} or one of {names}, found {wanted}"))
+    })
 }

@@ -1,13 +1,13 @@
-//! Virtual boxes drawn into a camera's picture, hidden where the real subject is in front.
+//! Virtual bodies drawn into a camera's picture, hidden where the real subject is in front.
 //!
-//! Each box is ray-cast per pixel through the camera's own lens, so that it lands where the camera would see it.
-//! Real surfaces close to a box are shaded a little, or the box would seem to float.
+//! Each body is ray-cast per pixel through the camera's own lens, so that it lands where the camera would see it.
+//! Real surfaces close to a body are shaded a little, or the body would seem to float.
 
-use super::capture::Window;
-use super::simulation::Drawn;
+use crate::capture::Window;
+use crate::form::{Entrance, Form};
 use image::RgbImage;
 use image::imageops::{FilterType, crop_imm, resize};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::synthetic::Hit;
 
@@ -22,14 +22,23 @@ const BANDS: u32 = 4;
 /// Small windows are enlarged up to this.
 const LARGEST_SCALE: f64 = 2.5;
 
-/// Half the width of the dark lines along a box's edges, in metres.
-const LINE: f64 = 0.003;
-
-/// How far from a box the surfaces around it are shaded, in metres, and how much at most.
+/// How far from a body the surfaces around it are shaded, in metres, and how much at most.
 const REACH: f64 = 0.07;
 const SHADE: f64 = 0.6;
 
+/// A body to draw.
+#[derive(Debug, Clone, Copy)]
+pub struct Drawn {
+    /// Its form.
+    pub form: Form,
+    /// Where.
+    pub world_from_body: Isometry3<f64>,
+    /// Red, green, blue.
+    pub colour: [u8; 3],
+}
+
 /// A place to paint what one camera sees, at a size of its own.
+#[derive(Debug)]
 pub struct Easel {
     window: Window,
     size: (u32, u32),
@@ -41,8 +50,8 @@ pub struct Easel {
 /// Where a ray meets the real subject.
 pub type Real<'r> = &'r (dyn Fn(&Ray) -> Option<Hit> + Sync);
 
-/// Where a ray meets a box.
-struct BoxHit {
+/// Where a ray meets a body.
+struct BodyHit {
     t: f64,
     colour: Vector3<f64>,
 }
@@ -63,8 +72,8 @@ impl Easel {
         Self { window, size: (width, height), lamp, rays }
     }
 
-    /// The window of `picture` with `boxes` in it; `real` tells where a ray meets the real subject.
-    pub fn paint(&self, picture: &RgbImage, boxes: &[Drawn], real: Real) -> RgbImage {
+    /// The window of `picture` with `bodies` in it; `real` tells where a ray meets the real subject.
+    pub fn paint(&self, picture: &RgbImage, bodies: &[Drawn], real: Real) -> RgbImage {
         let Window { left, top, width, height } = self.window;
         let part = crop_imm(picture, left, top, width, height).to_image();
         let mut image = resize(&part, self.size.0, self.size.1, FilterType::CatmullRom);
@@ -73,19 +82,19 @@ impl Easel {
         std::thread::scope(|scope| {
             let rays = self.rays.chunks(rows * row * RAYS_OF_PIXEL);
             for (pixels, rays) in image.chunks_mut(3 * rows * row).zip(rays) {
-                scope.spawn(move || self.paint_pixels(pixels, rays, boxes, real));
+                scope.spawn(move || self.paint_pixels(pixels, rays, bodies, real));
             }
         });
         image
     }
 
-    fn paint_pixels(&self, pixels: &mut [u8], rays: &[Option<Ray>], boxes: &[Drawn], real: Real) {
+    fn paint_pixels(&self, pixels: &mut [u8], rays: &[Option<Ray>], bodies: &[Drawn], real: Real) {
         for (pixel, rays) in pixels.chunks_mut(3).zip(rays.chunks(RAYS_OF_PIXEL)) {
             let Some(first) = &rays[0] else { continue };
-            let near: Vec<&Drawn> = boxes.iter().filter(|one| passes(first, one)).collect();
+            let near: Vec<&Drawn> = bodies.iter().filter(|one| passes(first, one)).collect();
             if !near.is_empty() {
                 let before = Vector3::from_fn(|c, _| f64::from(pixel[c]));
-                let after = self.blend(&before, rays, first, &near, boxes, real);
+                let after = self.blend(&before, rays, first, &near, bodies, real);
                 pixel.copy_from_slice(&<[u8; 3]>::from(
                     after.map(|value| value.round().clamp(0.0, 255.0) as u8),
                 ));
@@ -93,39 +102,37 @@ impl Easel {
         }
     }
 
-    /// A pixel's colour with the boxes that are `near` its rays.
+    /// A pixel's colour with the bodies that are `near` its rays.
     fn blend(
         &self,
         pixel: &Vector3<f64>,
         rays: &[Option<Ray>],
         first: &Ray,
         near: &[&Drawn],
-        boxes: &[Drawn],
+        bodies: &[Drawn],
         real: Real,
     ) -> Vector3<f64> {
         let seen = surface(first, real);
         let background = pixel * seen.map_or(1.0, |point| 1.0 - shade_at(&point, near.iter().copied()));
         let colour = |ray: &Option<Ray>| {
             let Some(ray) = ray else { return background };
-            let Some(hit) = self.box_hit(ray, near, boxes) else { return background };
+            let Some(hit) = self.body_hit(ray, near, bodies) else { return background };
             if real(ray).is_some_and(|real| real.t < hit.t) { background } else { hit.colour }
         };
         rays.iter().map(colour).sum::<Vector3<f64>>() / rays.len() as f64
     }
 
-    /// The nearest of the boxes that `ray` meets.
-    fn box_hit(&self, ray: &Ray, near: &[&Drawn], boxes: &[Drawn]) -> Option<BoxHit> {
-        let hits = near.iter().filter_map(|one| entry(ray, one).map(|(t, axis)| (t, axis, *one)));
-        let (t, axis, one) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let point = ray.at(t);
-        let local = one.world_from_box.inverse_transform_point(&point);
-        let mut normal = Vector3::zeros();
-        normal[axis] = local[axis].signum();
-        let normal = one.world_from_box * normal;
-        let others = boxes.iter().filter(|other| !std::ptr::eq(*other, one));
+    /// The nearest of the bodies that `ray` meets.
+    fn body_hit(&self, ray: &Ray, near: &[&Drawn], bodies: &[Drawn]) -> Option<BodyHit> {
+        let hits = near.iter().filter_map(|one| entrance(ray, one).map(|entrance| (entrance, *one)));
+        let (entrance, one) = hits.min_by(|a, b| a.0.t.total_cmp(&b.0.t))?;
+        let point = ray.at(entrance.t);
+        let local = one.world_from_body.inverse_transform_point(&point);
+        let normal = one.world_from_body * one.form.normal(&local, &entrance);
+        let others = bodies.iter().filter(|other| !std::ptr::eq(*other, one));
         let light = self.light(&point, &normal) * (1.0 - 0.5 * shade_at(&point, others));
-        let line = line_at(&local, &one.half, axis);
-        Some(BoxHit { t, colour: Vector3::from(one.colour.map(f64::from)) * light * line })
+        let line = one.form.line(&local, &entrance);
+        Some(BodyHit { t: entrance.t, colour: Vector3::from(one.colour.map(f64::from)) * light * line })
     }
 
     fn light(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
@@ -134,11 +141,11 @@ impl Easel {
     }
 }
 
-/// Whether `ray` passes so close to a box that it is seen, or the surfaces around it are shaded.
+/// Whether `ray` passes so close to a body that it is seen, or the surfaces around it are shaded.
 fn passes(ray: &Ray, one: &Drawn) -> bool {
-    let to_box = one.world_from_box.translation.vector - ray.origin.coords;
-    let reach = one.half.norm() + REACH;
-    to_box.norm_squared() - to_box.dot(&ray.direction).powi(2) <= reach * reach
+    let to_body = one.world_from_body.translation.vector - ray.origin.coords;
+    let reach = one.form.reach() + REACH;
+    to_body.norm_squared() - to_body.dot(&ray.direction).powi(2) <= reach * reach
 }
 
 /// The real surface on `ray`: the subject, else the floor.
@@ -147,38 +154,20 @@ fn surface(ray: &Ray, real: Real) -> Option<Point3<f64>> {
     real(ray).map(|hit| hit.t).or(floor).map(|t| ray.at(t))
 }
 
-/// How much the boxes darken a surface close to them, 0 to `SHADE`.
-fn shade_at<'b>(point: &Point3<f64>, boxes: impl Iterator<Item = &'b Drawn>) -> f64 {
+/// How much the bodies darken a surface close to them, 0 to `SHADE`.
+fn shade_at<'b>(point: &Point3<f64>, bodies: impl Iterator<Item = &'b Drawn>) -> f64 {
     let nearness = |one: &Drawn| (1.0 - distance(point, one) / REACH).max(0.0).powi(2);
-    SHADE * boxes.map(nearness).fold(0.0, f64::max)
+    SHADE * bodies.map(nearness).fold(0.0, f64::max)
 }
 
 fn distance(point: &Point3<f64>, one: &Drawn) -> f64 {
-    let local = one.world_from_box.inverse_transform_point(point);
-    (local.coords.abs() - one.half).map(|x| x.max(0.0)).norm()
+    one.form.distance(&one.world_from_body.inverse_transform_point(point))
 }
 
-/// Where `ray` enters a box, and across which axis.
-fn entry(ray: &Ray, one: &Drawn) -> Option<(f64, usize)> {
-    let origin = one.world_from_box.inverse_transform_point(&ray.origin);
-    let direction = one.world_from_box.inverse_transform_vector(&ray.direction);
-    let (mut enter, mut leave) = ((0.0, 0), f64::INFINITY);
-    for axis in 0..3 {
-        let (a, b) = (-one.half[axis] - origin[axis], one.half[axis] - origin[axis]);
-        let (near, far) = if direction[axis] >= 0.0 { (a, b) } else { (b, a) };
-        // A direction of zero gives infinities of the right signs, or NaN on the face itself, which is a miss.
-        let (near, far) = (near / direction[axis], far / direction[axis]);
-        if near > enter.0 {
-            enter = (near, axis);
-        }
-        leave = leave.min(far);
-    }
-    (enter.0 > 0.0 && enter.0 < leave).then_some(enter)
-}
-
-/// A dark line along the edges of the face across `axis`, with a soft inner side.
-fn line_at(local: &Point3<f64>, half: &Vector3<f64>, axis: usize) -> f64 {
-    let to_edge = (0..3).filter(|&other| other != axis).map(|other| half[other] - local[other].abs());
-    let inwards = to_edge.fold(f64::INFINITY, f64::min) / LINE;
-    0.45 + 0.55 * (inwards - 0.5).clamp(0.0, 1.0)
+/// Where `ray` enters a body.
+fn entrance(ray: &Ray, one: &Drawn) -> Option<Entrance> {
+    one.form.entrance(&Ray {
+        origin: one.world_from_body.inverse_transform_point(&ray.origin),
+        direction: one.world_from_body.inverse_transform_vector(&ray.direction),
+    })
 }

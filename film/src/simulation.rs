@@ -1,5 +1,7 @@
-//! The virtual side: boxes in an ODE world with the hull and a floor.
+//! The virtual side: bodies in an ODE world with the hull and a floor.
 
+use crate::easel::Drawn;
+use crate::form::Form;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, World};
@@ -9,7 +11,7 @@ use std::sync::Arc;
 /// Steps of the simulation a second.
 const STEPS_PER_SECOND: f64 = 240.0;
 
-/// Of the boxes, kg/m3: about that of a parcel.
+/// Of the bodies, kg/m3: about that of a parcel.
 const DENSITY: f64 = 120.0;
 
 /// Between all surfaces.
@@ -21,11 +23,11 @@ const MOST_CONTACTS: usize = 8;
 /// Noisy masks wear thin features away, in metres.
 const MIN_FEATURE: f64 = 0.015;
 
-/// A virtual box.
+/// A virtual body.
 #[derive(Debug, Clone)]
-pub struct VirtualBox {
-    /// Full lengths, in metres.
-    pub sides: Vector3<f64>,
+pub struct Body {
+    /// Its form.
+    pub form: Form,
     /// Red, green, blue.
     pub colour: [u8; 3],
     body: BodyId,
@@ -38,19 +40,19 @@ pub struct VirtualBox {
     pub fastest_after_contact: f64,
 }
 
-/// What a box touched in the last step.
+/// What a body touched in the last step.
 #[derive(Debug, Clone, Default)]
 struct Touched {
     hull: bool,
     floor: bool,
-    /// Other boxes, by index.
-    boxes: Vec<usize>,
+    /// Other bodies, by index.
+    bodies: Vec<usize>,
 }
 
-/// Where and how fast a box is.
+/// Where and how fast a body is.
 #[derive(Debug, Clone, Copy)]
 pub struct State {
-    /// Of the box's centre, in the world.
+    /// Of the body's centre, in the world.
     pub pose: Isometry3<f64>,
     /// In m/s.
     pub linear_velocity: Vector3<f64>,
@@ -58,28 +60,32 @@ pub struct State {
     pub angular_velocity: Vector3<f64>,
 }
 
-/// What holds a box up.
+/// What holds a body up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Support {
-    /// The real subject, directly or through other boxes.
+    /// The real subject, directly or through other bodies.
     Subject,
-    /// The floor, directly or through other boxes.
+    /// The floor, directly or through other bodies.
     Floor,
     /// Nothing: it falls.
     Nothing,
 }
 
-/// The world with its boxes.
+/// The world with its bodies.
+#[derive(Debug)]
 pub struct Simulation {
     world: World,
     hull: GeomId,
     floor: GeomId,
-    boxes: Vec<VirtualBox>,
+    bodies: Vec<Body>,
     time: f64,
 }
 
 impl Simulation {
     /// A world with the hull of `data` and a floor at z = 0; `pixel_size` is what a pixel covers there, in metres.
+    ///
+    /// # Errors
+    /// ODE is missing.
     pub fn new(data: &Arc<HullData>, pixel_size: f64) -> Result<Self> {
         let mut world = World::new(&Ode::init()?)?;
         world.set_gravity(&vector![0.0, 0.0, -9.81])?;
@@ -92,20 +98,23 @@ impl Simulation {
         let floor = world.add_geom(root, &Shape::Plane { normal: Vector3::z(), offset: 0.0 })?;
         let hull = world.add_hull(root, data)?;
         world.hull_mut(hull).set_min_feature(MIN_FEATURE)?;
-        Ok(Self { world, hull, floor, boxes: Vec::new(), time: 0.0 })
+        Ok(Self { world, hull, floor, bodies: Vec::new(), time: 0.0 })
     }
 
-    /// Puts a box at rest into the world.
-    pub fn add_box(&mut self, sides: Vector3<f64>, pose: &Isometry3<f64>, colour: [u8; 3]) -> Result<()> {
-        let shape = Shape::Box { sides };
+    /// Puts a body at rest into the world.
+    ///
+    /// # Errors
+    /// A form or a pose that is not finite, or without a volume.
+    pub fn add(&mut self, form: Form, pose: &Isometry3<f64>, colour: [u8; 3]) -> Result<()> {
+        let shape = form.shape();
         let body = self.world.add_body();
         let geom = self.world.add_geom(self.world.root_space(), &shape)?;
         self.world.geom_mut(geom).set_body(Some(body))?;
         let mut body_mut = self.world.body_mut(body);
         body_mut.set_mass(&Mass::of(&shape, Amount::Density(DENSITY))?)?;
         body_mut.set_pose(pose)?;
-        self.boxes.push(VirtualBox {
-            sides,
+        self.bodies.push(Body {
+            form,
             colour,
             body,
             touched: Touched::default(),
@@ -117,6 +126,9 @@ impl Simulation {
     }
 
     /// Goes on by `duration` seconds.
+    ///
+    /// # Errors
+    /// A body that the hull cannot be collided with, or that is nowhere any more.
     pub fn advance(&mut self, duration: f64) -> Result<()> {
         let steps = (duration * STEPS_PER_SECOND).round().max(1.0);
         let dt = duration / steps;
@@ -124,7 +136,7 @@ impl Simulation {
             self.collide()?;
             self.world.quick_step(dt)?;
             self.time += dt;
-            for one in &mut self.boxes {
+            for one in &mut self.bodies {
                 if one.first_contact.is_some() {
                     let speed = self.world.body(one.body).linear_velocity().norm();
                     one.fastest_after_contact = one.fastest_after_contact.max(speed);
@@ -139,8 +151,8 @@ impl Simulation {
 
     /// The near callback: contacts for every pair with a body, and a note of who touches whom.
     fn collide(&mut self) -> Result<()> {
-        let Self { world, hull, floor, boxes, time } = self;
-        for one in boxes.iter_mut() {
+        let Self { world, hull, floor, bodies, time } = self;
+        for one in bodies.iter_mut() {
             one.touched = Touched::default();
         }
         let surface = Surface::with_friction(FRICTION);
@@ -152,13 +164,13 @@ impl Simulation {
             if contacts.is_empty() {
                 return;
             }
-            let of_body = |body| boxes.iter().position(|one| one.body == body);
+            let of_body = |body| bodies.iter().position(|one| one.body == body);
             let [first, second] = pair.bodies().map(|body| body.and_then(of_body));
             let depth = contacts.iter().map(|contact| contact.depth).fold(0.0, f64::max);
             for (own, other) in [(first, second), (second, first)] {
-                let Some(one) = own.and_then(|own| boxes.get_mut(own)) else { continue };
+                let Some(one) = own.and_then(|own| bodies.get_mut(own)) else { continue };
                 one.first_contact.get_or_insert(*time);
-                one.touched.boxes.extend(other);
+                one.touched.bodies.extend(other);
                 one.touched.floor |= pair.geoms().contains(floor);
                 if pair.geoms().contains(hull) {
                     one.touched.hull = true;
@@ -170,12 +182,14 @@ impl Simulation {
 
     fn check_finite(&self) -> Result<()> {
         let lost = self.states().iter().position(|state| !state.pose.translation.vector.norm().is_finite());
-        lost.map_or(Ok(()), |i| Err(Error::Ode(format!("box {} is nowhere: the simulation diverged", i + 1))))
+        lost.map_or(Ok(()), |i| {
+            Err(Error::Ode(format!("body {} is nowhere: the simulation diverged", i + 1)))
+        })
     }
 
-    /// The boxes.
-    pub fn boxes(&self) -> &[VirtualBox] {
-        &self.boxes
+    /// The bodies.
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
     }
 
     /// Seconds since the beginning.
@@ -183,9 +197,9 @@ impl Simulation {
         self.time
     }
 
-    /// Where the boxes are.
+    /// Where the bodies are.
     pub fn states(&self) -> Vec<State> {
-        let state = |one: &VirtualBox| {
+        let state = |one: &Body| {
             let body = self.world.body(one.body);
             State {
                 pose: body.pose(),
@@ -193,20 +207,20 @@ impl Simulation {
                 angular_velocity: body.angular_velocity(),
             }
         };
-        self.boxes.iter().map(state).collect()
+        self.bodies.iter().map(state).collect()
     }
 
-    /// What holds each box up, directly or through others; the subject counts before the floor.
+    /// What holds each body up, directly or through others; the subject counts before the floor.
     pub fn supports(&self) -> Vec<Support> {
-        let direct = |one: &VirtualBox| match &one.touched {
+        let direct = |one: &Body| match &one.touched {
             Touched { hull: true, .. } => Support::Subject,
             Touched { floor: true, .. } => Support::Floor,
             _ => Support::Nothing,
         };
-        let mut supports: Vec<_> = self.boxes.iter().map(direct).collect();
-        for _ in 0..self.boxes.len() {
-            for (i, one) in self.boxes.iter().enumerate() {
-                for &below in &one.touched.boxes {
+        let mut supports: Vec<_> = self.bodies.iter().map(direct).collect();
+        for _ in 0..self.bodies.len() {
+            for (i, one) in self.bodies.iter().enumerate() {
+                for &below in &one.touched.bodies {
                     if supports[i] == Support::Nothing {
                         supports[i] = supports[below];
                     }
@@ -216,17 +230,17 @@ impl Simulation {
         supports
     }
 
-    /// The boxes as they are drawn.
+    /// The bodies as they are drawn.
     pub fn drawn(&self) -> Vec<Drawn> {
-        let drawn = |(one, state): (&VirtualBox, State)| Drawn {
-            half: 0.5 * one.sides,
-            world_from_box: state.pose,
+        let drawn = |(one, state): (&Body, State)| Drawn {
+            form: one.form,
+            world_from_body: state.pose,
             colour: one.colour,
         };
-        self.boxes.iter().zip(self.states()).map(drawn).collect()
+        self.bodies.iter().zip(self.states()).map(drawn).collect()
     }
 
-    /// How many boxes rest on what, for the progress bar.
+    /// How many bodies rest on what, for the progress bar.
     pub fn summary(&self) -> String {
         let supports = self.supports();
         let count = |kind| supports.iter().filter(|&&support| support == kind).count();
@@ -239,18 +253,7 @@ impl Simulation {
     }
 }
 
-/// A box to draw.
-#[derive(Debug, Clone, Copy)]
-pub struct Drawn {
-    /// Half its lengths.
-    pub half: Vector3<f64>,
-    /// Where.
-    pub world_from_box: Isometry3<f64>,
-    /// Red, green, blue.
-    pub colour: [u8; 3],
-}
-
-/// How far `rotation` tilts the vertical, in degrees, taking the nearest of the box's axes as upright.
+/// How far `rotation` tilts the vertical, in degrees, taking the nearest of the body's axes as upright.
 pub fn lean_deg(rotation: &UnitQuaternion<f64>) -> f64 {
     let up = rotation.inverse_transform_vector(&Vector3::z());
     up.amax().clamp(-1.0, 1.0).acos().to_degrees()

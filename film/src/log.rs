@@ -1,15 +1,16 @@
-//! What happened: every box's state in every frame.
+//! What happened: every body's state in every frame.
 
-use super::simulation::{Simulation, State, Support};
+use crate::simulation::{Body, Simulation, State, Support};
 use ode_visual_hull::{Error, Result};
 use std::fmt::Write;
 use std::path::Path;
 
 /// One frame.
+#[derive(Debug, Clone)]
 pub struct Entry {
     /// In seconds, at the frame's end.
     pub time: f64,
-    /// Of the boxes.
+    /// Of the bodies.
     pub states: Vec<State>,
     /// What holds them up.
     pub supports: Vec<Support>,
@@ -18,17 +19,22 @@ pub struct Entry {
 }
 
 /// All frames.
+#[derive(Debug, Clone)]
 pub struct Log {
-    /// Red, green, blue of each box.
-    pub colours: Vec<[u8; 3]>,
+    /// What the real subject is called.
+    pub subject: String,
+    /// Of each body: what it is called; red, green, blue.
+    pub bodies: Vec<(String, [u8; 3])>,
     /// In the order of time.
     pub entries: Vec<Entry>,
 }
 
 impl Log {
-    /// An empty log of the boxes of `simulation`.
-    pub fn new(simulation: &Simulation) -> Self {
-        Self { colours: simulation.boxes().iter().map(|one| one.colour).collect(), entries: Vec::new() }
+    /// An empty log of the bodies of `simulation` and the subject of this name.
+    pub fn new(simulation: &Simulation, subject: &str) -> Self {
+        let named = |(i, one): (usize, &Body)| (format!("{} {}", one.form.name(), i + 1), one.colour);
+        let bodies = simulation.bodies().iter().enumerate().map(named).collect();
+        Self { subject: subject.into(), bodies, entries: Vec::new() }
     }
 
     /// Notes the present states.
@@ -46,9 +52,13 @@ impl Log {
         self.entries.iter().filter(move |entry| entry.time >= from && entry.time <= to)
     }
 
-    /// Writes one line per frame and box.
+    /// Writes one line per frame and body, by number from 1: time, position, rotation (quaternion, real part first),
+    /// velocity, angular velocity, all in the world's frame.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn write_csv(&self, path: &Path) -> Result<()> {
-        let mut text = String::from("time_s,box,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n");
+        let mut text = String::from("time_s,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n");
         for entry in &self.entries {
             for (i, state) in entry.states.iter().enumerate() {
                 let (p, q) = (state.pose.translation.vector, state.pose.rotation.coords);

@@ -1,0 +1,93 @@
+//! From a capture's first frame to its last: simulate, draw, note, and write the results.
+
+use crate::capture::{Capture, FRAME_RATE};
+use crate::easel::Easel;
+use crate::film::Film;
+use crate::log::Log;
+use crate::report;
+use crate::simulation::Simulation;
+use ode_visual_hull::camera::Ray;
+use ode_visual_hull::hull::HullData;
+use ode_visual_hull::{Error, Result};
+use std::path::Path;
+use std::time::Instant;
+
+/// The longer side of the film, in pixels.
+const FILM_SIZE: u32 = 480;
+
+/// What to shoot, and where to put it.
+#[derive(Debug, Clone, Copy)]
+pub struct Shooting<'s> {
+    /// Folder for the results; made if need be.
+    pub out: &'s Path,
+    /// Name of the film, without an extension.
+    pub name: &'s str,
+    /// Frames to play.
+    pub frames: usize,
+    /// The camera whose view is drawn; none: no film, which is several times faster.
+    pub view: Option<usize>,
+}
+
+/// Plays `capture`, whose first frame is published to `data` already, and writes the results. The text tells what
+/// became of each body, and which files there are. `shown` is called after each frame, with a few words.
+///
+/// # Errors
+/// A frame that cannot be had, a simulation that diverges: the results of the frames before are written all the same.
+/// A file that cannot be written.
+pub fn shoot(
+    shooting: &Shooting,
+    capture: &mut dyn Capture,
+    data: &HullData,
+    simulation: &mut Simulation,
+    shown: &mut dyn FnMut(String),
+) -> Result<String> {
+    let Shooting { out, name, frames, .. } = *shooting;
+    std::fs::create_dir_all(out)
+        .map_err(|e| Error::file(out, format!("expected to make this folder, found: {e}")))?;
+    let started = Instant::now();
+    let (mut film, mut log) = (Film::new(FRAME_RATE), Log::new(simulation, capture.subject()));
+    let played = play(shooting, capture, data, simulation, (&mut film, &mut log), shown);
+    if log.entries.is_empty() {
+        played?;
+        return Ok(String::new());
+    }
+    let still_until = capture.still_until();
+    let written = report::write(out, name, &film, &log, still_until, &capture.moments())?;
+    played.map_err(|e| {
+        let count = log.entries.len();
+        Error::argument(format!("{e}; the {count} frames before are in {}", out.display()))
+    })?;
+    let mut text = report::table(&log, simulation, still_until, capture.subject());
+    text += &report::summary(frames, capture.cameras().len(), started.elapsed());
+    for (path, what) in written {
+        text += &format!("{what:<12} {}\n", path.display());
+    }
+    Ok(text)
+}
+
+fn play(
+    shooting: &Shooting,
+    capture: &mut dyn Capture,
+    data: &HullData,
+    simulation: &mut Simulation,
+    (film, log): (&mut Film, &mut Log),
+    shown: &mut dyn FnMut(String),
+) -> Result<()> {
+    let easel = |view: usize| {
+        Easel::new(&capture.cameras()[view], capture.window(view, data), FILM_SIZE, capture.lamp())
+    };
+    let easel = shooting.view.map(|view| (view, easel(view)));
+    for frame in 0..shooting.frames {
+        capture.publish(frame, data)?;
+        simulation.advance(1.0 / FRAME_RATE)?;
+        log.record(simulation, capture.real_top(frame));
+        if let Some((view, easel)) = &easel {
+            let picture = capture.picture(frame, *view)?;
+            let hull = data.latest().map(|(_, hull)| hull);
+            let real = |ray: &Ray| hull.as_ref().and_then(|hull| capture.hit(ray, *view, hull));
+            film.push(easel.paint(&picture, &simulation.drawn(), &real));
+        }
+        shown(simulation.summary());
+    }
+    Ok(())
+}

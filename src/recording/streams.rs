@@ -1,0 +1,138 @@
+//! The images of a recording as streams, from folders and videos alike.
+
+use super::Recording;
+use crate::source::{
+    ImageFolder, ReadAhead, Reading, Source, Synchroniser, Times, Video, WhenFull, frames_csv,
+};
+use crate::{Error, Result};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const VIDEO: &str = "video";
+const VIDEOS: &str = "videos";
+const EXTENSIONS: [&str; 12] =
+    ["mp4", "avi", "mov", "mkv", "webm", "m4v", "mpg", "mpeg", "mts", "m2ts", "wmv", "ogv"];
+
+/// So many images are read ahead of each camera.
+const DEPTH: usize = 3;
+
+/// How to read the images of a recording, of all its cameras.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct StreamOptions {
+    /// The number of the first image; earlier ones are passed over.
+    pub first: u32,
+    /// Images a second, number 0 at 0 s. Default: what `frames.csv` lists, else the videos' own rates; folders follow
+    /// the first video, or have 30 a second.
+    pub rate: Option<f64>,
+    /// Within how many seconds images are of one time. Default: half the shortest period.
+    pub bound: Option<f64>,
+}
+
+impl Recording {
+    /// Whether every camera has images in a folder or a video.
+    pub fn has_images(&self) -> bool {
+        self.images.files.iter().zip(&self.videos).all(|(files, video)| !files.is_empty() || video.is_some())
+    }
+
+    /// The images of the camera at position `camera` of the rig, from its folder, or else its video.
+    ///
+    /// # Errors
+    /// No such camera, or one without images; what [`ImageFolder`], [`Video`] and
+    /// [`frames_csv::load`] refuse.
+    pub fn source(&self, camera: usize, options: &StreamOptions) -> Result<Box<dyn Source>> {
+        let n = self.rig.len();
+        let times = self.times(options)?;
+        match times.into_iter().nth(camera) {
+            Some(times) => self.source_with(camera, options, times),
+            None => Err(Error::argument(format!("expected a camera below {n}, found {camera}"))),
+        }
+    }
+
+    /// The images of all cameras, read ahead and put together by their times; in each set in the rig's order.
+    ///
+    /// # Errors
+    /// As [`source`](Self::source); a bound that is negative or not finite.
+    pub fn synchronised(&self, options: &StreamOptions) -> Result<Synchroniser> {
+        let mut sources = Vec::new();
+        for (camera, times) in self.times(options)?.into_iter().enumerate() {
+            sources.push(self.source_with(camera, options, times)?);
+        }
+        let shortest = sources.iter().filter_map(|source| source.period()).fold(f64::INFINITY, f64::min);
+        let default = if shortest.is_finite() { shortest / 2.0 } else { 0.0 };
+        let streams = (0..)
+            .zip(sources)
+            .map(|(camera, source)| ReadAhead::spawn(self.name(camera), source, DEPTH, WhenFull::Wait));
+        Synchroniser::new(streams.collect::<Result<_>>()?, options.bound.unwrap_or(default))
+    }
+
+    fn source_with(
+        &self,
+        camera: usize,
+        options: &StreamOptions,
+        times: Option<Times>,
+    ) -> Result<Box<dyn Source>> {
+        let name = self.name(camera);
+        let reading = Reading { size: Some(self.rig.cameras()[camera].size()), first: options.first, times };
+        let named = |e| Error::view(name, e);
+        match &self.videos[camera] {
+            Some(video) => Ok(Box::new(Video::open(video, reading).map_err(named)?)),
+            None if self.images.files[camera].is_empty() => Err(Error::view(
+                name,
+                format!("expected images in {name}/image or a video {name}/{VIDEO}.mp4, found neither"),
+            )),
+            None => {
+                let files = self.images.files[camera].clone();
+                Ok(Box::new(ImageFolder::of_files(files, reading).map_err(named)?))
+            }
+        }
+    }
+
+    /// When the images of each camera were taken; `None` where the video tells.
+    fn times(&self, options: &StreamOptions) -> Result<Vec<Option<Times>>> {
+        if let Some(rate) = options.rate {
+            return Ok(vec![Some(Times::Rate(rate)); self.rig.len()]);
+        }
+        let path = self.dir.join(frames_csv::NAME);
+        if path.exists() {
+            let names: Vec<_> = (0..self.rig.len()).map(|camera| self.name(camera)).collect();
+            let listed = frames_csv::load(&path, &names)?;
+            return Ok(listed.into_iter().map(|times| Some(Times::Listed(Arc::new(times)))).collect());
+        }
+        let first_video = self.videos.iter().flatten().next();
+        let rate = first_video.map(|video| Video::rate(video)).transpose()?.flatten();
+        let of_folder = |video: &Option<PathBuf>| match video {
+            Some(_) => None,
+            None => rate.map(Times::Rate),
+        };
+        Ok(self.videos.iter().map(of_folder).collect())
+    }
+}
+
+/// The video of a camera in the recording at `dir`.
+pub(super) fn video_of(dir: &Path, camera: &str) -> Result<Option<PathBuf>> {
+    let places = [dir.join(camera).join(VIDEO), dir.join(VIDEOS).join(camera)];
+    let mut found = None;
+    for path in places.iter().flat_map(|place| with_extensions(place)).filter(|path| path.is_file()) {
+        if let Some(other) = found.replace(path.clone()) {
+            let problem = format!("expected one video, found also {}; remove one", other.display());
+            return Err(Error::file(path, problem));
+        }
+    }
+    Ok(found)
+}
+
+/// `place` with each extension of a video, in small and capital letters.
+fn with_extensions(place: &Path) -> impl Iterator<Item = PathBuf> {
+    EXTENSIONS.iter().flat_map(move |extension| {
+        [(*extension).to_owned(), extension.to_uppercase()].map(|extension| {
+            // Not `set_extension`, which would cut a camera's name at its dot.
+            let mut name = place.as_os_str().to_owned();
+            name.push(".");
+            name.push(extension);
+            PathBuf::from(name)
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,229 @@
+//! Cameras that are connected now, through `ffmpeg`.
+
+use super::ffmpeg::Ffmpeg;
+use super::{Frame, Reading, Source, Stopper};
+use crate::{Error, Result};
+use image::RgbImage;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// What to ask of a camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeviceOptions {
+    /// ffmpeg's name for the kind of device. Default: `v4l2`, Linux's cameras.
+    pub format: String,
+    /// Width and height, in pixels: those at which the camera is calibrated. Default: what the camera gives.
+    pub size: Option<(u32, u32)>,
+    /// Images a second. Default: what the camera gives.
+    pub rate: Option<f64>,
+    /// ffmpeg's name for how images travel, such as `mjpeg`; many cameras give their full size only so. Default: what
+    /// the camera gives.
+    pub pixels: Option<String>,
+}
+
+impl Default for DeviceOptions {
+    fn default() -> Self {
+        Self { format: "v4l2".into(), size: None, rate: None, pixels: None }
+    }
+}
+
+impl DeviceOptions {
+    fn input(&self) -> Vec<String> {
+        let size = self.size.map(|(width, height)| format!("{width}x{height}"));
+        let options = [
+            ("-f", Some(self.format.clone())),
+            ("-input_format", self.pixels.clone()),
+            ("-video_size", size),
+            ("-framerate", self.rate.map(|rate| rate.to_string())),
+        ];
+        let given = options.into_iter().filter_map(|(name, value)| Some([name.to_owned(), value?]));
+        given.flatten().collect()
+    }
+}
+
+/// A live camera. Its images are numbered from 0 and carry the time of their arrival.
+///
+/// It never ends by itself. An image that arrives late, on a slow line, carries a late time: bounds for sets of several
+/// cameras must allow for it.
+#[derive(Debug)]
+pub struct Device {
+    path: PathBuf,
+    reading: Reading,
+    rate: Option<f64>,
+    epoch: Instant,
+    /// `None` once it has failed.
+    ffmpeg: Option<Ffmpeg>,
+    first: Option<(RgbImage, f64)>,
+    next: u32,
+}
+
+impl Device {
+    /// Opens the camera `device`, such as `/dev/video0`, and waits for its first image. Times count from `epoch`; give
+    /// all cameras of a rig the same.
+    ///
+    /// # Errors
+    /// No `ffmpeg`; a device that is missing, in use, or refuses what it is asked for, with what ffmpeg says of it; a
+    /// camera that gives another size than the one it was asked for; a rate that is not positive.
+    pub fn open(device: impl Into<PathBuf>, options: &DeviceOptions, epoch: Instant) -> Result<Self> {
+        let path = device.into();
+        if let Some(rate) = options.rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
+            return Err(Error::argument(format!(
+                "expected a positive number of images per second, found {rate}"
+            )));
+        }
+        let input = options.input();
+        let input: Vec<_> = input.iter().map(String::as_str).collect();
+        let mut ffmpeg = Ffmpeg::start(&path, &input, "", path.as_os_str())?;
+        let Some(image) = ffmpeg.next_picture()? else {
+            let problem = format!(
+                "expected a camera that gives images, found none; {}; check that it is connected, that no other \
+                 program uses it, and that it has this size and rate",
+                ffmpeg.end().quoted()
+            );
+            return Err(Error::file(path, problem));
+        };
+        let first = Some((image, epoch.elapsed().as_secs_f64()));
+        let reading = Reading { size: options.size, ..Reading::default() };
+        let device = Self { path, reading, rate: options.rate, epoch, ffmpeg: Some(ffmpeg), first, next: 0 };
+        device.first.iter().try_for_each(|(image, _)| device.check_size(image))?;
+        Ok(device)
+    }
+
+    fn check_size(&self, image: &RgbImage) -> Result<()> {
+        self.reading.check_size(&self.path, "", image.dimensions())
+    }
+
+    fn picture(&mut self) -> Result<(RgbImage, f64)> {
+        if let Some(first) = self.first.take() {
+            return Ok(first);
+        }
+        let Some(ffmpeg) = &mut self.ffmpeg else { return Err(self.lost("it has failed before")) };
+        if let Some(image) = ffmpeg.next_picture()? {
+            return Ok((image, self.epoch.elapsed().as_secs_f64()));
+        }
+        let said = ffmpeg.end().quoted();
+        Err(self.lost(&said))
+    }
+
+    fn lost(&self, said: &str) -> Error {
+        Error::file(
+            &self.path,
+            format!("expected image {}, found that the camera is gone; {said}", self.next),
+        )
+    }
+}
+
+impl Source for Device {
+    fn next_frame(&mut self) -> Option<Result<Frame>> {
+        self.ffmpeg.as_ref()?;
+        let number = self.next;
+        self.next += 1;
+        let frame = self.picture().and_then(|(image, time)| {
+            self.check_size(&image)?;
+            Ok(Frame { number, time, image })
+        });
+        if frame.is_err() {
+            self.ffmpeg = None;
+        }
+        Some(frame)
+    }
+
+    fn period(&self) -> Option<f64> {
+        self.rate.map(|rate| 1.0 / rate)
+    }
+
+    fn stopper(&self) -> Stopper {
+        self.ffmpeg.as_ref().map(Ffmpeg::stopper).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::assert_says;
+    use super::super::{ReadAhead, WhenFull};
+    use super::*;
+
+    /// A camera that never stops, drawn by ffmpeg itself.
+    fn endless() -> Device {
+        let options = DeviceOptions { format: "lavfi".into(), ..DeviceOptions::default() };
+        Device::open("testsrc=s=32x24", &options, Instant::now()).unwrap()
+    }
+
+    fn is_running(process: u32) -> bool {
+        std::path::Path::new(&format!("/proc/{process}")).exists()
+    }
+
+    #[test]
+    fn times_of_a_live_camera_grow_from_the_epoch() {
+        let before = Instant::now();
+        let mut device = endless();
+        let frames = [(); 5].map(|()| device.next_frame().unwrap().unwrap());
+        let times = frames.each_ref().map(|frame| frame.time);
+        assert!(
+            times.is_sorted() && times[0] > 0.0 && times[4] <= before.elapsed().as_secs_f64(),
+            "{times:?}"
+        );
+        assert_eq!(frames.map(|frame| frame.number), [0, 1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn a_dropped_camera_leaves_no_process_behind() {
+        let mut device = endless();
+        let process = device.ffmpeg.as_ref().unwrap().process_id();
+        assert!(device.next_frame().unwrap().is_ok());
+        assert!(is_running(process));
+        drop(device);
+        assert!(!is_running(process));
+    }
+
+    #[test]
+    fn a_slow_reader_of_a_live_camera_loses_the_oldest_images_and_leaves_nothing_behind() {
+        let device = endless();
+        let process = device.ffmpeg.as_ref().unwrap().process_id();
+        let mut ahead = ReadAhead::spawn("live", device, 2, WhenFull::DropOldest).unwrap();
+        while ahead.dropped() < 3 {
+            std::thread::yield_now();
+        }
+        assert!(ahead.next().unwrap().unwrap().number >= 3);
+        drop(ahead);
+        assert!(!is_running(process));
+    }
+
+    #[test]
+    fn a_reader_that_waits_for_nobody_ends_too() {
+        let device = endless();
+        let process = device.ffmpeg.as_ref().unwrap().process_id();
+        drop(ReadAhead::spawn("live", device, 1, WhenFull::Wait).unwrap());
+        assert!(!is_running(process));
+    }
+
+    #[test]
+    fn a_camera_that_is_lost_is_an_error_and_then_the_end() {
+        let mut device = endless();
+        device.stopper().stop();
+        let lost = std::iter::from_fn(|| device.next_frame()).find(Result::is_err).unwrap();
+        assert_says(lost, &["testsrc", "camera is gone", "ffmpeg said"]);
+        assert!(device.next_frame().is_none());
+    }
+
+    #[test]
+    fn a_camera_that_is_absent_or_of_another_size_is_told() {
+        let open = |path: &str, options: &DeviceOptions| Device::open(path, options, Instant::now());
+        let absent = open("/dev/video-none", &DeviceOptions::default());
+        assert_says(absent, &["/dev/video-none", "found none", "ffmpeg said", "No such file", "connected"]);
+        let rate = DeviceOptions { rate: Some(0.0), ..DeviceOptions::default() };
+        assert_says(open("/dev/video-none", &rate), &["positive", "found 0"]);
+    }
+
+    #[test]
+    fn a_camera_is_asked_for_its_size_and_rate() {
+        let options = DeviceOptions {
+            size: Some((640, 480)),
+            rate: Some(29.97),
+            pixels: Some("mjpeg".into()),
+            ..DeviceOptions::default()
+        };
+        let asked = options.input().join(" ");
+        assert_eq!(asked, "-f v4l2 -input_format mjpeg -video_size 640x480 -framerate 29.97");
+    }
+}

@@ -1,0 +1,239 @@
+//! `ffmpeg` as a process of its own: pictures on its standard output, complaints on its standard error.
+
+use super::Stopper;
+use crate::lock::lock;
+use crate::{Error, Result};
+use image::RgbImage;
+use std::collections::VecDeque;
+use std::ffi::{OsStr, OsString};
+use std::io::{BufRead, BufReader, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+
+/// So many lines of what ffmpeg complains of are kept, the last ones.
+const LINES_KEPT: usize = 4;
+
+/// A running ffmpeg. It ends when this is dropped, and leaves no process behind.
+#[derive(Debug)]
+pub(super) struct Ffmpeg {
+    /// The file or device that it reads.
+    path: PathBuf,
+    child: Arc<Mutex<Child>>,
+    pictures: BufReader<ChildStdout>,
+    /// Empties the pipe of complaints, without which ffmpeg would wait once it is full.
+    complaints: Option<JoinHandle<Vec<String>>>,
+}
+
+/// How ffmpeg ended.
+pub(super) struct End {
+    pub(super) success: bool,
+    /// The last lines on its standard error.
+    pub(super) complaints: Vec<String>,
+}
+
+impl Ffmpeg {
+    /// Starts `ffmpeg` on `path`; `input` is what stands before `-i` on its command line, `filter` goes before the
+    /// numbering of the pictures.
+    ///
+    /// The pictures are numbered anew, at a rate that does not matter: ffmpeg's own clock would drop and repeat
+    /// pictures where a file's rate and its time stamps disagree. Each comes as a ppm, whose header says how large it
+    /// is: devices do not always give the size that they were asked for, and phones' videos are turned.
+    pub(super) fn start(path: &Path, input: &[&str], filter: &str, name: &OsStr) -> Result<Self> {
+        let filter = format!("{filter}settb=1/25,setpts=N");
+        let before = ["-nostdin", "-hide_banner", "-loglevel", "error"];
+        let after = ["-map", "0:v:0", "-vf", &filter, "-r", "25", "-f", "image2pipe", "-c:v", "ppm"];
+        let mut command = Command::new("ffmpeg");
+        command
+            .args(before)
+            .args(input)
+            .arg("-i")
+            .arg(name)
+            .args(after)
+            .args(["-pix_fmt", "rgb24", "pipe:1"]);
+        Self::run(path, &mut command)
+    }
+
+    fn run(path: &Path, command: &mut Command) -> Result<Self> {
+        let piped = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = piped.spawn().map_err(|e| cannot_start("ffmpeg", path, &e))?;
+        let (Some(out), Some(errors)) = (child.stdout.take(), child.stderr.take()) else {
+            return Err(Error::file(path, "expected ffmpeg's output, found none"));
+        };
+        let child = Arc::new(Mutex::new(child));
+        let complaints =
+            std::thread::Builder::new().name("ffmpeg's errors".into()).spawn(|| last_lines(errors));
+        let pictures = BufReader::with_capacity(1 << 16, out);
+        // Made before a thread may fail to start, so that the process ends then.
+        let mut ffmpeg = Self { path: path.to_owned(), child, pictures, complaints: None };
+        let complaints =
+            complaints.map_err(|e| Error::file(path, format!("expected to start a thread, found: {e}")))?;
+        ffmpeg.complaints = Some(complaints);
+        Ok(ffmpeg)
+    }
+
+    /// The next picture, `None` when ffmpeg has ended or broke off; [`end`](Self::end) tells which.
+    pub(super) fn next_picture(&mut self) -> Result<Option<RgbImage>> {
+        let Some((width, height)) = self.header()? else { return Ok(None) };
+        let mut bytes = vec![0; width as usize * height as usize * 3];
+        match self.pictures.read_exact(&mut bytes) {
+            Ok(()) => Ok(RgbImage::from_raw(width, height, bytes)),
+            Err(e) if e.kind() == ErrorKind::UnexpectedEof => Ok(None),
+            Err(e) => Err(self.unreadable(&e)),
+        }
+    }
+
+    /// Width and height from the three lines `P6`, `640 480`, `255`; `None` at the end of the stream.
+    fn header(&mut self) -> Result<Option<(u32, u32)>> {
+        let mut lines = [const { String::new() }; 3];
+        for line in &mut lines {
+            let read = (&mut self.pictures).take(32).read_line(line).map_err(|e| self.unreadable(&e))?;
+            if read == 0 {
+                return Ok(None);
+            }
+        }
+        let size = lines[1].trim().split_once(' ');
+        let size = size.and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+        let sound = |size: &(u32, u32)| size.0 <= 65_535 && size.1 <= 65_535;
+        match size.filter(sound) {
+            Some(size) if lines[0].trim() == "P6" && lines[2].trim() == "255" => Ok(Some(size)),
+            _ => Err(self.unreadable(&format!("a picture that begins {:?}", lines.concat()))),
+        }
+    }
+
+    fn unreadable(&self, found: &dyn std::fmt::Display) -> Error {
+        Error::file(&self.path, format!("expected pictures from ffmpeg, found: {found}"))
+    }
+
+    /// Waits until ffmpeg, whose pictures have ended, is gone.
+    pub(super) fn end(&mut self) -> End {
+        let success = lock(&self.child).wait().is_ok_and(|status| status.success());
+        let complaints = self.complaints.take().map(|thread| thread.join().unwrap_or_default());
+        End { success, complaints: complaints.unwrap_or_default() }
+    }
+
+    /// Ends ffmpeg, and so a read that waits for it.
+    pub(super) fn stopper(&self) -> Stopper {
+        let child = Arc::clone(&self.child);
+        Stopper::new(move || {
+            // Fails only where it has ended.
+            let _ = lock(&child).kill();
+        })
+    }
+
+    #[cfg(test)]
+    pub(super) fn process_id(&self) -> u32 {
+        lock(&self.child).id()
+    }
+}
+
+impl Drop for Ffmpeg {
+    fn drop(&mut self) {
+        let _ = lock(&self.child).kill();
+        self.end();
+    }
+}
+
+impl End {
+    /// What ffmpeg complained of, or that it said nothing.
+    pub(super) fn quoted(&self) -> String {
+        match self.complaints.as_slice() {
+            [] => "ffmpeg said nothing".into(),
+            lines => format!("ffmpeg said: {}", lines.join("; ")),
+        }
+    }
+}
+
+/// What to say where `program` does not start.
+pub(super) fn cannot_start(program: &str, path: &Path, e: &std::io::Error) -> Error {
+    let problem = match e.kind() {
+        ErrorKind::NotFound => format!(
+            "expected the program {program} to read it with, found none; install ffmpeg (Debian, Ubuntu: apt-get \
+             install ffmpeg) or put it on the PATH"
+        ),
+        _ => format!("expected to start {program}, found: {e}"),
+    };
+    Error::file(path, problem)
+}
+
+/// A path as ffmpeg takes it: one with a colon would be a protocol, one with a dash an option.
+pub(super) fn file_name(path: &Path) -> OsString {
+    let mut name = OsString::from("file:");
+    name.push(path);
+    name
+}
+
+/// The last lines of a program's complaints, without the addresses that ffmpeg puts before them, alike ones once.
+pub(super) fn last_lines(errors: impl Read) -> Vec<String> {
+    let mut kept = VecDeque::new();
+    let mut errors = BufReader::new(errors);
+    let mut line = Vec::new();
+    while errors.read_until(b'\n', &mut line).is_ok_and(|read| read > 0) {
+        let text = String::from_utf8_lossy(&line);
+        let text = without_address(text.trim());
+        if !text.is_empty() && kept.back() != Some(&text) {
+            kept.push_back(text);
+            if kept.len() > LINES_KEPT {
+                kept.pop_front();
+            }
+        }
+        line.clear();
+    }
+    kept.into()
+}
+
+/// `[h264 @ 0x55d0] error` becomes `h264: error`.
+fn without_address(line: &str) -> String {
+    let parts = line.strip_prefix('[').and_then(|rest| rest.split_once(" @ 0x"));
+    match parts.and_then(|(who, rest)| Some((who, rest.split_once("] ")?.1))) {
+        Some((who, what)) => format!("{who}: {what}"),
+        None => line.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::assert_says;
+    use super::*;
+
+    #[test]
+    fn a_missing_program_says_what_to_install() {
+        let started = Ffmpeg::run(Path::new("clip.mp4"), &mut Command::new("/nowhere/ffmpeg"));
+        assert_says(started, &["clip.mp4", "program ffmpeg", "found none", "apt-get install ffmpeg", "PATH"]);
+    }
+
+    #[test]
+    fn what_is_no_picture_is_no_picture() {
+        let read = |output: &str| {
+            let mut command = Command::new("printf");
+            Ffmpeg::run(Path::new("clip.mp4"), command.arg(output)).unwrap().next_picture()
+        };
+        assert_says(read("GIF89a\\n1 1\\n255\\nabc"), &["clip.mp4", "GIF89a"]);
+        assert_says(read("P6\\n99999 1\\n255\\nabc"), &["99999"]);
+        assert_says(read("P6\\n-1 1\\n255\\nabc"), &["-1"]);
+        // Ended, or broken off within a picture.
+        for cut in ["", "P6\\n", "P6\\n2 2\\n255\\nabc"] {
+            assert_eq!(read(cut).unwrap(), None, "{cut}");
+        }
+        assert_eq!(read("P6\\n1 1\\n255\\nabc").unwrap().unwrap().get_pixel(0, 0).0, *b"abc");
+    }
+
+    #[test]
+    fn the_last_complaints_are_kept_and_alike_ones_once() {
+        let text = "1\n2\n\n[h264 @ 0x55d0c] broken\n[h264 @ 0x55d0d] broken\n[AVIOContext] odd\n5\n";
+        assert_eq!(last_lines(text.as_bytes()), ["2", "h264: broken", "[AVIOContext] odd", "5"]);
+        assert_eq!(last_lines(&b"\xff"[..]), ["\u{fffd}"]);
+    }
+
+    #[test]
+    fn a_program_that_complains_more_than_a_pipe_holds_does_not_hang() {
+        let mut command = Command::new("sh");
+        command.args(["-c", "seq 100000 >&2; exit 3"]);
+        let mut ffmpeg = Ffmpeg::run(Path::new("clip.mp4"), &mut command).unwrap();
+        assert_eq!(ffmpeg.next_picture().unwrap(), None);
+        let end = ffmpeg.end();
+        assert!(!end.success);
+        assert_eq!(end.quoted(), "ffmpeg said: 99997; 99998; 99999; 100000");
+    }
+}

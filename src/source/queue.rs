@@ -1,0 +1,108 @@
+//! A bounded queue between a thread that reads images and one that wants them.
+
+use super::{Frame, WhenFull};
+use crate::Result;
+use crate::lock::lock;
+use std::collections::VecDeque;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+pub(super) struct Queue {
+    state: Mutex<State>,
+    /// The queue has become longer, shorter, or has ended.
+    changed: Condvar,
+    depth: usize,
+    when_full: WhenFull,
+}
+
+#[derive(Default)]
+struct State {
+    frames: VecDeque<Result<Frame>>,
+    dropped: u64,
+    /// Nothing more will come; this is to be known about what came.
+    ended: Option<Vec<String>>,
+    /// Nobody will take anything more.
+    closed: bool,
+}
+
+/// What a queue had to give.
+pub(super) enum Taken {
+    Frame(Result<Frame>),
+    Ended,
+    /// Nothing until the deadline.
+    Silence,
+}
+
+impl Queue {
+    pub(super) fn new(depth: usize, when_full: WhenFull) -> Self {
+        Self { state: Mutex::default(), changed: Condvar::new(), depth, when_full }
+    }
+
+    /// Puts a frame in; false if nobody wants it any more.
+    pub(super) fn put(&self, frame: Result<Frame>) -> bool {
+        let mut state = lock(&self.state);
+        while state.frames.len() >= self.depth && !state.closed {
+            if self.when_full == WhenFull::DropOldest && state.drop_oldest() {
+                break;
+            }
+            state = self.wait(state);
+        }
+        if !state.closed {
+            state.frames.push_back(frame);
+            self.changed.notify_all();
+        }
+        !state.closed
+    }
+
+    pub(super) fn end(&self, notes: Vec<String>) {
+        lock(&self.state).ended = Some(notes);
+        self.changed.notify_all();
+    }
+
+    pub(super) fn close(&self) {
+        lock(&self.state).closed = true;
+        self.changed.notify_all();
+    }
+
+    /// The next frame, for which it waits until `deadline` at most.
+    pub(super) fn take(&self, deadline: Option<Instant>) -> Taken {
+        let mut state = lock(&self.state);
+        loop {
+            if let Some(frame) = state.frames.pop_front() {
+                self.changed.notify_all();
+                return Taken::Frame(frame);
+            }
+            if state.ended.is_some() {
+                return Taken::Ended;
+            }
+            state = match deadline.map(|deadline| deadline.saturating_duration_since(Instant::now())) {
+                None => self.wait(state),
+                Some(left) if left.is_zero() => return Taken::Silence,
+                Some(left) => {
+                    self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0
+                }
+            };
+        }
+    }
+
+    pub(super) fn dropped(&self) -> u64 {
+        lock(&self.state).dropped
+    }
+
+    pub(super) fn notes(&self) -> Vec<String> {
+        lock(&self.state).ended.clone().unwrap_or_default()
+    }
+
+    fn wait<'a>(&self, state: MutexGuard<'a, State>) -> MutexGuard<'a, State> {
+        self.changed.wait(state).unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State {
+    /// Drops and counts the oldest image. Errors stay: each is told once, and none may be lost.
+    fn drop_oldest(&mut self) -> bool {
+        let oldest = self.frames.iter().position(Result::is_ok);
+        self.dropped += u64::from(oldest.is_some());
+        oldest.is_some_and(|at| self.frames.remove(at).is_some())
+    }
+}

@@ -1,0 +1,217 @@
+//! A source on a thread of its own.
+
+use super::queue::{Queue, Taken};
+use super::{Frame, Source, Stopper};
+use crate::{Error, Result};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+/// What a thread that reads does when nobody takes what it has read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WhenFull {
+    /// It waits: nothing is lost. For recordings.
+    Wait,
+    /// It drops the oldest image and counts it: what is taken next is fresh. For live cameras.
+    DropOldest,
+}
+
+/// Reads a source on a thread of its own, some images ahead.
+///
+/// Errors name the view. Dropping it ends the thread and what the source waits for.
+///
+/// ```no_run
+/// use ode_visual_hull::source::{ImageFolder, ReadAhead, Reading, WhenFull};
+///
+/// let folder = ImageFolder::open("left/image", Reading::default())?;
+/// for frame in ReadAhead::spawn("left", folder, 4, WhenFull::Wait)? {
+///     let frame = frame?;
+///     println!("{} at {} s: {:?}", frame.number, frame.time, frame.image.dimensions());
+/// }
+/// # Ok::<(), ode_visual_hull::Error>(())
+/// ```
+pub struct ReadAhead {
+    name: String,
+    frames_left: Option<u32>,
+    period: Option<f64>,
+    queue: Arc<Queue>,
+    stopper: Stopper,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl ReadAhead {
+    /// Starts to read `source`, whose view is called `name`, at most `depth` images ahead.
+    ///
+    /// # Errors
+    /// A depth of zero; a system without room for another thread.
+    pub fn spawn(
+        name: impl Into<String>,
+        source: impl Source + 'static,
+        depth: usize,
+        when_full: WhenFull,
+    ) -> Result<Self> {
+        let name = name.into();
+        if depth == 0 {
+            return Err(Error::argument("expected to read at least one image ahead, found 0"));
+        }
+        let queue = Arc::new(Queue::new(depth, when_full));
+        let (frames_left, period) = (source.frames_left(), source.period());
+        let stopper = source.stopper();
+        let reader = Reader { name: name.clone(), queue: Arc::clone(&queue), source };
+        let thread = std::thread::Builder::new().name(format!("reads {name}")).spawn(move || reader.run());
+        let thread =
+            thread.map_err(|e| Error::view(&name, format!("expected to start a thread, found: {e}")))?;
+        Ok(Self { name, frames_left, period, queue, stopper, thread: Some(thread) })
+    }
+
+    /// The view's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// How many images the source had when it was opened, where that is known.
+    pub fn frames_expected(&self) -> Option<u32> {
+        self.frames_left
+    }
+
+    /// The seconds from one image to the next, where that is known.
+    pub fn period(&self) -> Option<f64> {
+        self.period
+    }
+
+    /// How many images were dropped because nobody took them in time; always 0 for [`WhenFull::Wait`].
+    pub fn dropped(&self) -> u64 {
+        self.queue.dropped()
+    }
+
+    /// What the source has to say after its last image, see [`Source::notes`].
+    pub fn notes(&self) -> Vec<String> {
+        self.queue.notes()
+    }
+
+    pub(super) fn take_until(&self, deadline: Option<Instant>) -> Taken {
+        self.queue.take(deadline)
+    }
+}
+
+impl Iterator for ReadAhead {
+    type Item = Result<Frame>;
+
+    fn next(&mut self) -> Option<Result<Frame>> {
+        match self.take_until(None) {
+            Taken::Frame(frame) => Some(frame),
+            Taken::Ended | Taken::Silence => None,
+        }
+    }
+}
+
+impl Drop for ReadAhead {
+    fn drop(&mut self) {
+        self.queue.close();
+        self.stopper.stop();
+        if let Some(thread) = self.thread.take() {
+            // It has told of its panic as an error.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl std::fmt::Debug for ReadAhead {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ReadAhead").field("name", &self.name).field("dropped", &self.dropped()).finish()
+    }
+}
+
+/// What runs on the thread.
+struct Reader<S: Source> {
+    name: String,
+    queue: Arc<Queue>,
+    source: S,
+}
+
+impl<S: Source> Reader<S> {
+    fn run(mut self) {
+        while let Some(frame) = self.source.next_frame() {
+            if !self.queue.put(frame.map_err(|e| Error::view(&self.name, e))) {
+                break;
+            }
+        }
+    }
+}
+
+impl<S: Source> Drop for Reader<S> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.queue.put(Err(Error::view(&self.name, "expected an image, found that its source panicked")));
+            self.queue.end(Vec::new());
+        } else {
+            self.queue.end(self.source.notes());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{Fed, assert_says, frame};
+    use super::*;
+
+    fn numbers(ahead: ReadAhead) -> Vec<u32> {
+        ahead.map(|frame| frame.unwrap().number).collect()
+    }
+
+    #[test]
+    fn a_reader_that_waits_loses_nothing_and_keeps_the_order() {
+        let fed = Fed::with((0..100).map(|n| Ok(frame(n, f64::from(n)))));
+        let ahead = ReadAhead::spawn("left", fed, 3, WhenFull::Wait).unwrap();
+        assert_eq!(numbers(ahead), (0..100).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_reader_that_drops_keeps_the_newest_and_counts_the_rest() {
+        let fed = Fed::default();
+        let ahead = ReadAhead::spawn("left", fed.clone(), 3, WhenFull::DropOldest).unwrap();
+        (0..10).for_each(|n| fed.give(Ok(frame(n, 0.0))));
+        fed.wait_until_starved();
+        assert_eq!(ahead.dropped(), 7);
+        fed.end();
+        assert_eq!(numbers(ahead), [7, 8, 9]);
+    }
+
+    #[test]
+    fn errors_name_the_view_and_are_never_dropped() {
+        let fed = Fed::default();
+        let mut ahead = ReadAhead::spawn("left", fed.clone(), 2, WhenFull::DropOldest).unwrap();
+        fed.give(Err(Error::argument("broken")));
+        (0..5).for_each(|n| fed.give(Ok(frame(n, 0.0))));
+        fed.wait_until_starved();
+        fed.end();
+        assert_says(ahead.next().unwrap(), &["view \"left\"", "broken"]);
+        assert_eq!(ahead.dropped(), 4);
+        assert_eq!(numbers(ahead), [4]);
+    }
+
+    #[test]
+    fn a_reader_that_is_dropped_ends_a_source_that_waits() {
+        let fed = Fed::default();
+        let ahead = ReadAhead::spawn("left", fed.clone(), 2, WhenFull::Wait).unwrap();
+        fed.wait_until_starved();
+        drop(ahead);
+        // And one whose thread waits for room.
+        let full = Fed::with((0..9).map(|n| Ok(frame(n, 0.0))));
+        drop(ReadAhead::spawn("left", full, 1, WhenFull::Wait).unwrap());
+    }
+
+    #[test]
+    fn a_source_that_panics_is_an_error_and_the_end() {
+        struct Panics;
+        impl Source for Panics {
+            fn next_frame(&mut self) -> Option<Result<Frame>> {
+                std::panic::resume_unwind(Box::new("silent"))
+            }
+        }
+        let mut ahead = ReadAhead::spawn("left", Panics, 1, WhenFull::Wait).unwrap();
+        assert_says(ahead.next().unwrap(), &["view \"left\"", "panicked"]);
+        assert!(ahead.next().is_none());
+        assert_says(ReadAhead::spawn("left", Panics, 0, WhenFull::Wait), &["at least one"]);
+    }
+}

@@ -1,0 +1,226 @@
+//! Images of several cameras, put together by their times.
+
+use super::queue::Taken;
+use super::{Frame, ReadAhead};
+use crate::{Error, Result};
+use std::time::{Duration, Instant};
+
+/// What the cameras saw at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImageSet {
+    /// An image of each camera, in the streams' order; `None` of a camera that has none at this time.
+    pub images: Vec<Option<Frame>>,
+    /// The mean of the images' times, in seconds.
+    pub time: f64,
+    /// From the earliest image to the latest, in seconds; at most the synchroniser's bound.
+    pub spread: f64,
+}
+
+impl ImageSet {
+    /// Whether every camera has an image.
+    pub fn is_complete(&self) -> bool {
+        self.images.iter().all(Option::is_some)
+    }
+
+    /// The cameras without an image.
+    pub fn missing(&self) -> impl Iterator<Item = usize> {
+        (0..self.images.len()).filter(|&camera| self.images[camera].is_none())
+    }
+
+    /// The number of the image of the first camera that has one.
+    pub fn number(&self) -> u32 {
+        self.images.iter().flatten().next().map_or(0, |frame| frame.number)
+    }
+}
+
+/// Puts the images of several streams together into sets, in the order of time.
+///
+/// A set begins with the earliest image that is left, and takes of every other stream the next image if it is within
+/// the bound after that one. So with a bound of half a period no image can fit two sets. A camera that has no such
+/// image is missing from the set, which is given all the same: no image is left out of all sets but those that come
+/// [too late](Self::set_patience).
+///
+/// An error of a stream takes the place of a set; what the other streams have read is kept, and comes with the sets
+/// that follow.
+///
+/// ```no_run
+/// use ode_visual_hull::source::{ReadAhead, Reading, Synchroniser, Video, WhenFull};
+///
+/// let streams = ["left", "right"].map(|name| {
+///     let video = Video::open(format!("{name}.mp4"), Reading::default())?;
+///     ReadAhead::spawn(name, video, 4, WhenFull::Wait)
+/// });
+/// let streams = streams.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// for set in Synchroniser::new(streams, 0.5 / 30.0)? {
+///     let set = set?;
+///     println!("{} s, within {} s; without {:?}", set.time, set.spread, set.missing().collect::<Vec<_>>());
+/// }
+/// # Ok::<(), ode_visual_hull::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Synchroniser {
+    streams: Vec<Stream>,
+    bound: f64,
+    patience: Option<Duration>,
+    /// The end of the last set that was given without waiting for somebody.
+    passed: f64,
+}
+
+#[derive(Debug)]
+struct Stream {
+    ahead: ReadAhead,
+    head: Head,
+    /// The time of the last image that it gave.
+    last: f64,
+    /// It has let a set pass without a sign, and is not waited for until it gives one.
+    is_silent: bool,
+    late: u64,
+}
+
+/// The next image of a stream.
+#[derive(Debug)]
+enum Head {
+    Unread,
+    Read(Frame),
+    Ended,
+}
+
+impl Synchroniser {
+    /// Sets of the images of `streams` whose times lie within `bound` seconds; half a period suits cameras that are
+    /// triggered together.
+    ///
+    /// # Errors
+    /// No streams; a bound that is negative or not finite.
+    pub fn new(streams: Vec<ReadAhead>, bound: f64) -> Result<Self> {
+        if streams.is_empty() {
+            return Err(Error::argument("expected at least one stream of images, found none"));
+        }
+        if !(bound.is_finite() && bound >= 0.0) {
+            return Err(Error::argument(format!("expected a bound of 0 or more seconds, found {bound}")));
+        }
+        let stream =
+            |ahead| Stream { ahead, head: Head::Unread, last: f64::NEG_INFINITY, is_silent: false, late: 0 };
+        let streams = streams.into_iter().map(stream).collect();
+        Ok(Self { streams, bound, patience: None, passed: f64::NEG_INFINITY })
+    }
+
+    /// How long a set that has images waits for a camera that gives none: for live cameras, of which one may stall.
+    /// Default `None`: for ever, as suits recordings.
+    ///
+    /// A camera that lets a set pass is not waited for again until it gives an image. Images that come when their set
+    /// has been given are [counted](Self::late) and dropped.
+    pub fn set_patience(&mut self, patience: Option<Duration>) {
+        self.patience = patience;
+    }
+
+    /// The streams, in the order of the sets' images.
+    pub fn streams(&self) -> impl ExactSizeIterator<Item = &ReadAhead> {
+        self.streams.iter().map(|stream| &stream.ahead)
+    }
+
+    /// The bound, in seconds.
+    pub fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// How many images of the stream at position `stream` came when their set had been given; 0 where there is none.
+    pub fn late(&self, stream: usize) -> u64 {
+        self.streams.get(stream).map_or(0, |stream| stream.late)
+    }
+
+    /// How many images of the stream at position `stream` were dropped because nobody took them; 0 where there is none.
+    pub fn dropped(&self, stream: usize) -> u64 {
+        self.streams.get(stream).map_or(0, |stream| stream.ahead.dropped())
+    }
+
+    /// Waits until of each stream is known what comes next, or patience ends while another has an image.
+    fn look(&mut self) -> Result<()> {
+        loop {
+            let deadline = self.patience.map(|patience| Instant::now() + patience);
+            let is_alone = !self.streams.iter().any(|stream| matches!(stream.head, Head::Read(_)));
+            for stream in &mut self.streams {
+                let deadline = if stream.is_silent && !is_alone { Some(Instant::now()) } else { deadline };
+                stream.look(deadline, self.passed)?;
+            }
+            let has = |state: fn(&Head) -> bool| self.streams.iter().any(|stream| state(&stream.head));
+            if has(|head| matches!(head, Head::Read(_))) || !has(|head| matches!(head, Head::Unread)) {
+                return Ok(());
+            }
+        }
+    }
+}
+
+impl Stream {
+    fn look(&mut self, deadline: Option<Instant>, passed: f64) -> Result<()> {
+        while matches!(self.head, Head::Unread) {
+            match self.ahead.take_until(deadline) {
+                Taken::Ended => self.head = Head::Ended,
+                Taken::Silence => {
+                    self.is_silent = true;
+                    return Ok(());
+                }
+                Taken::Frame(frame) => {
+                    let frame = self.check(frame?)?;
+                    if self.is_silent && frame.time <= passed {
+                        self.late += 1;
+                    } else {
+                        self.head = Head::Read(frame);
+                        self.is_silent = false;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check(&mut self, frame: Frame) -> Result<Frame> {
+        let (number, time, last) = (frame.number, frame.time, self.last);
+        if time.is_finite() && time > last {
+            self.last = time;
+            return Ok(frame);
+        }
+        let problem = format!(
+            "frame {number}: expected a time after the last image's, {last} s, found {time} s; check its times"
+        );
+        Err(Error::view(self.ahead.name(), problem))
+    }
+
+    fn time(&self) -> Option<f64> {
+        match &self.head {
+            Head::Read(frame) => Some(frame.time),
+            Head::Unread | Head::Ended => None,
+        }
+    }
+
+    /// Its next image, if that is taken until `end`.
+    fn take_until(&mut self, end: f64) -> Option<Frame> {
+        if self.time().is_none_or(|time| time > end) {
+            return None;
+        }
+        match std::mem::replace(&mut self.head, Head::Unread) {
+            Head::Read(frame) => Some(frame),
+            Head::Unread | Head::Ended => None,
+        }
+    }
+}
+
+impl Iterator for Synchroniser {
+    type Item = Result<ImageSet>;
+
+    fn next(&mut self) -> Option<Result<ImageSet>> {
+        if let Err(e) = self.look() {
+            return Some(Err(e));
+        }
+        let begin = self.streams.iter().filter_map(Stream::time).min_by(f64::total_cmp)?;
+        let end = begin + self.bound;
+        let images: Vec<_> = self.streams.iter_mut().map(|stream| stream.take_until(end)).collect();
+        self.passed = end;
+        let times = || images.iter().flatten().map(|frame: &Frame| frame.time);
+        let spread = times().fold(begin, f64::max) - begin;
+        let time = times().map(|time| time - begin).sum::<f64>() / times().count() as f64 + begin;
+        Some(Ok(ImageSet { images, time, spread }))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,150 @@
+use super::super::testing::{Fed, assert_says, frame};
+use super::super::{Source, WhenFull};
+use super::*;
+
+fn streams<S: Source + 'static>(sources: impl IntoIterator<Item = S>) -> Vec<ReadAhead> {
+    let names = ["a", "b", "c"].into_iter();
+    names
+        .zip(sources)
+        .map(|(name, source)| ReadAhead::spawn(name, source, 4, WhenFull::Wait).unwrap())
+        .collect()
+}
+
+/// Sources of images at these times.
+fn at(times: &[&[f64]]) -> Vec<ReadAhead> {
+    streams(times.iter().map(|times| Fed::with((0..).zip(*times).map(|(n, &time)| Ok(frame(n, time))))))
+}
+
+fn times(set: &ImageSet) -> Vec<Option<f64>> {
+    set.images.iter().map(|frame| frame.as_ref().map(|frame| frame.time)).collect()
+}
+
+fn sets(streams: Vec<ReadAhead>, bound: f64) -> Vec<Vec<Option<f64>>> {
+    Synchroniser::new(streams, bound).unwrap().map(|set| times(&set.unwrap())).collect()
+}
+
+#[test]
+fn images_within_the_bound_are_a_set_and_every_image_is_in_one() {
+    let streams = at(&[&[0.0, 1.0, 2.0, 3.0], &[0.2, 1.4, 3.1], &[0.9, 2.1, 2.9]]);
+    let (some, none) = (Some, None);
+    assert_eq!(
+        sets(streams, 0.5),
+        [
+            [some(0.0), some(0.2), none],
+            [some(1.0), some(1.4), some(0.9)],
+            [some(2.0), none, some(2.1)],
+            [some(3.0), some(3.1), some(2.9)],
+        ]
+    );
+}
+
+#[test]
+fn the_bound_itself_is_within_the_bound() {
+    assert_eq!(sets(at(&[&[1.0], &[1.5]]), 0.5).len(), 1);
+    assert_eq!(sets(at(&[&[1.0], &[1.51]]), 0.5).len(), 2);
+    assert_eq!(sets(at(&[&[1.0, 2.0], &[1.0, 2.0]]), 0.0).len(), 2);
+}
+
+#[test]
+fn a_set_tells_its_time_its_spread_and_who_is_missing() {
+    let mut synchroniser = Synchroniser::new(at(&[&[2.0], &[10.0, 11.0], &[10.5]]), 0.5).unwrap();
+    let first = synchroniser.next().unwrap().unwrap();
+    assert_eq!((first.is_complete(), first.missing().collect::<Vec<_>>()), (false, vec![1, 2]));
+    assert_eq!((first.time, first.spread, first.number()), (2.0, 0.0, 0));
+    let second = synchroniser.next().unwrap().unwrap();
+    assert_eq!((second.time, second.spread), (10.25, 0.5));
+    assert_eq!(second.missing().collect::<Vec<_>>(), [0]);
+    assert_eq!(synchroniser.next().unwrap().unwrap().number(), 1);
+    assert!(synchroniser.next().is_none() && synchroniser.next().is_none());
+}
+
+#[test]
+fn streams_of_unequal_length_end_with_flagged_sets() {
+    let sets = sets(at(&[&[0.0, 1.0, 2.0], &[0.0]]), 0.5);
+    assert_eq!(sets, [[Some(0.0), Some(0.0)], [Some(1.0), None], [Some(2.0), None]]);
+}
+
+#[test]
+fn no_image_is_in_two_sets_or_in_none() {
+    // Every 3 ms to 11 ms an image, in each stream on its own.
+    let mut state = 1_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        0.003 + (state >> 33) as f64 / f64::from(1_u32 << 31) * 0.008
+    };
+    let mut stream = || {
+        (0..200)
+            .scan(0.0, |time, _| {
+                *time += random();
+                Some(*time)
+            })
+            .collect::<Vec<f64>>()
+    };
+    let (a, b, c) = (stream(), stream(), stream());
+    let synchroniser = Synchroniser::new(at(&[&a, &b, &c]), 0.004).unwrap();
+    let mut seen = [const { Vec::new() }; 3];
+    let mut last = 0.0;
+    for set in synchroniser.map(Result::unwrap) {
+        let present: Vec<f64> = times(&set).into_iter().flatten().collect();
+        let (least, greatest) =
+            (present.iter().copied().fold(f64::MAX, f64::min), present.iter().copied().fold(0.0, f64::max));
+        assert!(greatest - least <= 0.004 && set.spread == greatest - least, "{set:?}");
+        assert!((least..=greatest).contains(&set.time) && least > last, "{set:?}");
+        last = least;
+        times(&set).into_iter().zip(&mut seen).for_each(|(time, seen)| seen.extend(time));
+    }
+    assert_eq!(seen, [a, b, c]);
+}
+
+#[test]
+fn an_error_of_one_stream_costs_its_image_alone() {
+    let broken = [Ok(frame(0, 0.0)), Err(Error::argument("corrupt")), Ok(frame(2, 2.0))];
+    let sound = (0..3).map(|n| Ok(frame(n, f64::from(n))));
+    let mut synchroniser = Synchroniser::new(streams([Fed::with(sound), Fed::with(broken)]), 0.5).unwrap();
+    assert!(synchroniser.next().unwrap().unwrap().is_complete());
+    assert_says(synchroniser.next().unwrap(), &["view \"b\"", "corrupt"]);
+    let rest: Vec<_> = synchroniser.map(|set| times(&set.unwrap())).collect();
+    assert_eq!(rest, [[Some(1.0), None], [Some(2.0), Some(2.0)]]);
+}
+
+#[test]
+fn times_that_do_not_grow_are_errors() {
+    for bad in [1.0, 0.5, f64::NAN, f64::INFINITY] {
+        let mut synchroniser = Synchroniser::new(at(&[&[0.0, 1.0, bad, 3.0]]), 0.5).unwrap();
+        let mut next = || synchroniser.next().unwrap();
+        assert!(next().is_ok() && next().is_ok());
+        assert_says(next(), &["view \"a\"", "frame 2", "1 s", &format!("found {bad} s")]);
+        assert_eq!(next().unwrap().time, 3.0);
+    }
+}
+
+#[test]
+fn a_camera_that_stalls_is_flagged_and_its_late_images_are_counted() {
+    let (lively, stalled) = (Fed::default(), Fed::default());
+    let mut synchroniser = Synchroniser::new(streams([lively.clone(), stalled.clone()]), 0.5).unwrap();
+    synchroniser.set_patience(Some(Duration::from_millis(1)));
+    let mut next = || {
+        let set = synchroniser.next().unwrap().unwrap();
+        (times(&set), synchroniser.late(1))
+    };
+    (0..2).for_each(|n| lively.give(Ok(frame(n, f64::from(n)))));
+    assert_eq!(next(), (vec![Some(0.0), None], 0));
+    assert_eq!(next(), (vec![Some(1.0), None], 0));
+    // Two images come when their sets have been given; then it is in step again.
+    stalled.wait_until_starved();
+    (0..3).for_each(|n| stalled.give(Ok(frame(n, f64::from(n)))));
+    stalled.wait_until_starved();
+    lively.give(Ok(frame(2, 2.0)));
+    assert_eq!(next(), (vec![Some(2.0), Some(2.0)], 2));
+    (lively.end(), stalled.end());
+    assert!(synchroniser.next().is_none());
+    assert_eq!((synchroniser.late(0), synchroniser.late(7), synchroniser.dropped(0)), (0, 0, 0));
+}
+
+#[test]
+fn no_streams_or_a_bound_that_is_none_are_refused() {
+    assert_says(Synchroniser::new(Vec::new(), 0.1), &["at least one", "none"]);
+    for bound in [-0.1, f64::NAN, f64::INFINITY] {
+        assert_says(Synchroniser::new(at(&[&[]]), bound), &["bound", &bound.to_string()]);
+    }
+}

@@ -1,0 +1,114 @@
+//! What the tests of several sources need.
+
+use super::{Frame, Source, Stopper};
+use crate::Result;
+use image::{Rgb, RgbImage};
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Arc, Condvar, Mutex};
+
+/// A folder of its own for one test, gone when it ends.
+pub struct Folder(PathBuf);
+
+impl Folder {
+    pub fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("ode-visual-hull-source-{}-{test}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    pub fn path(&self, path: &str) -> PathBuf {
+        self.0.join(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// An image of one grey.
+pub fn paint(value: u8, (width, height): (u32, u32)) -> RgbImage {
+    RgbImage::from_pixel(width, height, Rgb([value; 3]))
+}
+
+pub fn frame(number: u32, time: f64) -> Frame {
+    Frame { number, time, image: paint(number as u8, (2, 1)) }
+}
+
+#[track_caller]
+pub fn assert_says<T>(result: Result<T>, parts: &[&str]) {
+    let message = result.err().expect("an error").to_string();
+    parts.iter().for_each(|part| assert!(message.contains(part), "{message:?} lacks {part:?}"));
+}
+
+/// Makes a video of `frames` images of one grey each, 10, 12, 14, .., at 25 a second, without loss.
+pub fn write_video(path: &Path, frames: u32, (width, height): (u32, u32)) {
+    let source = format!("color=black:s={width}x{height}:r=25,format=gray,geq=lum=10+2*N");
+    let done = Command::new("ffmpeg")
+        .args(["-nostdin", "-loglevel", "error", "-y", "-f", "lavfi", "-i", &source])
+        .args(["-frames:v", &frames.to_string(), "-c:v", "ffv1"])
+        .arg(path)
+        .status()
+        .expect("ffmpeg, which scripts/setup installs");
+    assert!(done.success());
+}
+
+/// A source that gives what the test hands it, and waits for more until it is told that there is none.
+#[derive(Clone, Default)]
+pub struct Fed(Arc<(Mutex<Feed>, Condvar)>);
+
+#[derive(Default)]
+struct Feed {
+    frames: VecDeque<Result<Frame>>,
+    ended: bool,
+    waits: bool,
+}
+
+impl Fed {
+    /// Gives `frames` and ends.
+    pub fn with(frames: impl IntoIterator<Item = Result<Frame>>) -> Self {
+        let fed = Self::default();
+        frames.into_iter().for_each(|frame| fed.give(frame));
+        fed.end();
+        fed
+    }
+
+    pub fn give(&self, frame: Result<Frame>) {
+        self.0.0.lock().unwrap().frames.push_back(frame);
+        self.0.1.notify_all();
+    }
+
+    pub fn end(&self) {
+        self.0.0.lock().unwrap().ended = true;
+        self.0.1.notify_all();
+    }
+
+    /// Returns when all that was given has been taken and somebody waits for more.
+    pub fn wait_until_starved(&self) {
+        let feed = self.0.0.lock().unwrap();
+        let starved = |feed: &mut Feed| !(feed.frames.is_empty() && feed.waits);
+        drop(self.0.1.wait_while(feed, starved).unwrap());
+    }
+}
+
+impl Source for Fed {
+    fn next_frame(&mut self) -> Option<Result<Frame>> {
+        let mut feed = self.0.0.lock().unwrap();
+        while feed.frames.is_empty() && !feed.ended {
+            feed.waits = true;
+            self.0.1.notify_all();
+            feed = self.0.1.wait(feed).unwrap();
+        }
+        feed.waits = false;
+        feed.frames.pop_front()
+    }
+
+    fn stopper(&self) -> Stopper {
+        let fed = self.clone();
+        Stopper::new(move || fed.end())
+    }
+}

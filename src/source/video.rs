@@ -1,0 +1,155 @@
+//! Video files, through `ffmpeg`.
+
+use super::ffmpeg::{Ffmpeg, file_name};
+use super::probe::{self, Header};
+use super::{Frame, Reading, Source, Stopper, Times};
+use crate::{Error, Result};
+use image::RgbImage;
+use std::path::{Path, PathBuf};
+
+/// The images of a video file of any kind that the installed `ffmpeg` reads.
+///
+/// They are numbered from 0 as they are decoded, none left out or repeated to suit a clock. A video that was taken
+/// upright is turned as its header says. Times come from the number and the video's mean rate, unless they are listed.
+#[derive(Debug)]
+pub struct Video {
+    path: PathBuf,
+    reading: Reading,
+    times: Times,
+    header: Header,
+    /// `None` after the last image.
+    ffmpeg: Option<Ffmpeg>,
+    /// Read already, when it was opened.
+    first: Option<RgbImage>,
+    size: (u32, u32),
+    next: u32,
+    notes: Vec<String>,
+}
+
+impl Video {
+    /// Opens the video at `path` and decodes its first image.
+    ///
+    /// # Errors
+    /// No `ffmpeg`; a file that is missing or that it cannot read, with what it says; a video of another size than
+    /// `reading` asks for, or without its first image; a rate that is not positive, or neither told nor given.
+    pub fn open(path: impl AsRef<Path>, reading: Reading) -> Result<Self> {
+        let path = path.as_ref().to_owned();
+        if !path.is_file() {
+            return Err(Error::file(path, "expected a video file, found none; check the path"));
+        }
+        let header = probe::header(&path)?;
+        let Some(times) = reading.times.clone().or(header.rate.map(Times::Rate)) else {
+            return Err(Error::file(
+                path,
+                "expected a rate in the header, found none; give the rate or the times",
+            ));
+        };
+        times.check()?;
+        let filter = match reading.first {
+            0 => String::new(),
+            first => format!("select=gte(n\\,{first}),"),
+        };
+        let mut ffmpeg = Ffmpeg::start(&path, &[], &filter, &file_name(&path))?;
+        let Some(first) = ffmpeg.next_picture()? else {
+            let (end, number) = (ffmpeg.end(), reading.first);
+            let problem = format!("expected an image as frame {number}, found none; {}", end.quoted());
+            return Err(Error::file(path, problem));
+        };
+        let size = first.dimensions();
+        reading.check_size(&path, "", size)?;
+        let next = reading.first;
+        let (ffmpeg, first) = (Some(ffmpeg), Some(first));
+        Ok(Self { path, reading, times, header, ffmpeg, first, size, next, notes: Vec::new() })
+    }
+
+    /// How many images a second the video at `path` has, as far as its header tells.
+    ///
+    /// # Errors
+    /// No `ffprobe`, which comes with ffmpeg; a file that it cannot read.
+    pub fn rate(path: impl AsRef<Path>) -> Result<Option<f64>> {
+        Ok(probe::header(path.as_ref())?.rate)
+    }
+
+    /// Width and height of its images, in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    fn picture(&mut self) -> Result<Option<RgbImage>> {
+        match (self.first.take(), &mut self.ffmpeg) {
+            (None, Some(ffmpeg)) => ffmpeg.next_picture(),
+            (first, _) => Ok(first),
+        }
+    }
+
+    /// What is to be said after the last image; an error where it came too early.
+    fn end(&mut self) -> Result<()> {
+        let Some(mut ffmpeg) = self.ffmpeg.take() else { return Ok(()) };
+        let (end, found, path) = (ffmpeg.end(), self.next, &self.path);
+        let kept = "the images before are good";
+        if !end.success {
+            let problem = format!("expected frame {found}, found an end; {}; {kept}", end.quoted());
+            return Err(Error::file(path, problem));
+        }
+        if let Some(promised) = self.header.frames.filter(|&promised| found < promised) {
+            // Encoders that leave out images that look like the last one still count them.
+            if probe::packets(path)?.is_some_and(|held| held < promised) {
+                let problem = format!(
+                    "expected {promised} images as its header says, found an end after {found}; {}; copy the file \
+                     again if it was cut off; {kept}",
+                    end.quoted()
+                );
+                return Err(Error::file(path, problem));
+            }
+            let left_out = promised - found;
+            self.notes.push(format!(
+                "{}: {found} images, {left_out} fewer than its header says: they repeat others, and count in no number",
+                path.display()
+            ));
+        }
+        if !end.complaints.is_empty() {
+            self.notes.push(format!("{}: some images may be damaged: {}", path.display(), end.quoted()));
+        }
+        Ok(())
+    }
+
+    fn frame(&mut self, image: RgbImage) -> Result<Frame> {
+        let number = self.next;
+        self.next += 1;
+        self.reading.check_size(&self.path, &format!("frame {number}: "), image.dimensions())?;
+        let time = self.times.of(number).map_err(|problem| Error::file(&self.path, problem))?;
+        Ok(Frame { number, time, image })
+    }
+}
+
+impl Source for Video {
+    fn next_frame(&mut self) -> Option<Result<Frame>> {
+        match self.picture() {
+            Ok(Some(image)) => Some(self.frame(image)),
+            Ok(None) => self.end().err().map(Err),
+            Err(e) => {
+                self.ffmpeg = None;
+                Some(Err(e))
+            }
+        }
+    }
+
+    fn frames_left(&self) -> Option<u32> {
+        Some(self.header.frames?.saturating_sub(self.next))
+    }
+
+    fn period(&self) -> Option<f64> {
+        self.times.period()
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    fn stopper(&self) -> Stopper {
+        self.ffmpeg.as_ref().map(Ffmpeg::stopper).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests;

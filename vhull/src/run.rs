@@ -1,0 +1,211 @@
+//! `vhull run`: virtual bodies and a recorded subject in one simulation.
+
+mod landing;
+mod obstacle;
+mod playback;
+
+use crate::arguments::{VolumeOptions, numbers};
+use crate::{Outcome, progress};
+use clap::ValueEnum;
+use nalgebra::{Isometry3, Vector3};
+use ode_visual_hull::hull::HullData;
+use ode_visual_hull::ode::set_random_seed;
+use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::{Capture, Form, Shooting, Simulation, shoot, view_of};
+use playback::Playback;
+use std::io::Write;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Drop virtual bodies on a recorded subject, or let it knock over a stack of boxes.
+///
+/// The recording's masks collide, frame by frame; its first frame stands still until the bodies have come to rest.
+/// World z is up, the floor at z = 0. Writes a film (GIF) and three stills of it, the state of each body in each
+/// frame (CSV) and a plot of their heights, and prints what became of them.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    /// Folder of a recording: rig.toml, and masks in <camera>/mask/000000.png.
+    recording: PathBuf,
+    /// Folder for the results; made if need be.
+    #[arg(long, value_name = "DIR", default_value = "vhull_run")]
+    out: PathBuf,
+
+    /// What falls on the subject [default: boxes].
+    #[arg(long, value_enum, value_name = "KIND", conflicts_with = "stack", help_heading = "Bodies")]
+    drop: Option<Kind>,
+    /// How many fall [default: 6].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=200), conflicts_with = "stack", help_heading = "Bodies")]
+    count: Option<u16>,
+    /// Stack so many boxes on the floor where the subject will knock them over; on a subject that keeps still, on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=40), help_heading = "Bodies")]
+    stack: Option<u16>,
+    /// Where the stack stands, on whatever is there, in metres [default: found].
+    #[arg(long, value_name = "X,Y", value_parser = parse_place, allow_hyphen_values = true, requires = "stack", help_heading = "Bodies")]
+    at: Option<[f64; 2]>,
+    /// Edge of the boxes and diameter of the balls, in metres [default: 0.1, of a stack 0.2].
+    #[arg(long, value_name = "METRES", value_parser = parse_side, help_heading = "Bodies")]
+    side: Option<f64>,
+
+    #[command(flatten)]
+    volume: VolumeOptions,
+
+    /// Recorded frames to play, from A to before B; either may be left out [default: all].
+    #[arg(long, value_name = "A..B", value_parser = parse_frames, help_heading = "Film")]
+    frames: Option<Range<u32>>,
+    /// How often each recorded frame is shown, at 30 a second [default: so that all of them last 5 seconds].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Film")]
+    repeat: Option<u16>,
+    /// Seconds for which the first frame stands still.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_hold, default_value = "3", help_heading = "Film")]
+    hold: f64,
+    /// Camera whose view is drawn, by name or by number from 0 [default: the nearest].
+    #[arg(long, value_name = "CAMERA", help_heading = "Film")]
+    view: Option<String>,
+    /// Do not draw: several times faster, states and plot only.
+    #[arg(long, help_heading = "Film")]
+    no_gif: bool,
+    /// Seed of ODE's solver: the same seed gives the same run.
+    #[arg(long, default_value_t = 1, help_heading = "Film")]
+    seed: u32,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  vhull run my_recording                                     six boxes fall on the subject
+  vhull run my_recording --drop mix --count 20 --side 0.08   boxes and balls
+  vhull run my_recording --stack 5 --view left --repeat 1    the subject knocks over five boxes, seen from `left`
+  vhull run my_recording --stack 3 --at 0.4,-0.2             they stand where you say
+  vhull run my_recording --no-gif --out states               the states alone
+
+Images without masks: `vhull segment` first.";
+
+/// What falls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// Cubes.
+    Boxes,
+    /// Balls.
+    Spheres,
+    /// Cubes and balls by turns.
+    Mix,
+}
+
+const COLOURS: [[u8; 3]; 6] =
+    [[222, 86, 62], [66, 118, 202], [240, 188, 60], [146, 92, 186], [236, 236, 228], [64, 168, 160]];
+
+/// Bodies in a stack stand this far apart, in metres.
+const GAP: f64 = 0.001;
+
+pub fn run(options: &Options) -> Result<Outcome> {
+    set_random_seed(options.seed);
+    let data = Arc::new(HullData::new());
+    let mut playback = Playback::open(options, &data)?;
+    let view = view_of(&playback, options.view.as_deref(), &data)?;
+    let mut simulation = Simulation::new(&data, playback.pixel_size())?;
+    let place = match options.stack {
+        Some(count) => stack(options, count.into(), &mut playback, &data, &mut simulation)?,
+        None => drop(options, &playback, &data, &mut simulation)?,
+    };
+    let shooting = Shooting {
+        out: &options.out,
+        name: "run",
+        frames: playback.frames(),
+        view: (!options.no_gif).then_some(view),
+    };
+    let bar = progress::bar(shooting.frames, "frames");
+    let text = shoot(&shooting, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
+    bar.finish_and_clear();
+    // A reader who has seen enough may close the pipe.
+    let _ = std::io::stdout().write_all(format!("{place}\n{}", text?).as_bytes());
+    Ok(Outcome::Done)
+}
+
+/// Lets bodies fall on the subject.
+fn drop(
+    options: &Options,
+    playback: &Playback,
+    data: &Arc<HullData>,
+    simulation: &mut Simulation,
+) -> Result<String> {
+    let (kind, count) = (options.drop.unwrap_or(Kind::Boxes), options.count.unwrap_or(6).into());
+    let side = options.side.unwrap_or(0.1);
+    let poses = landing::poses(data, count, side, playback.pixel_size())?;
+    if poses.is_empty() {
+        return Err(Error::argument(
+            "expected a place above 0.3 m for a body to land, found none; check that the world's z is up and the \
+             floor at z = 0, or take a smaller --side",
+        ));
+    }
+    for (i, pose) in poses.iter().enumerate() {
+        let ball = kind == Kind::Spheres || kind == Kind::Mix && i % 2 == 1;
+        let form = if ball { Form::Ball { radius: 0.5 * side } } else { Form::cube(side) };
+        simulation.add(form, pose, COLOURS[i % COLOURS.len()])?;
+    }
+    let fewer = if poses.len() < count {
+        format!(", there is room for no more of the {count}")
+    } else {
+        String::new()
+    };
+    Ok(format!("{} bodies fall on the subject{fewer}", poses.len()))
+}
+
+/// Stacks boxes in the way of the subject, or on it.
+fn stack(
+    options: &Options,
+    count: usize,
+    playback: &mut Playback,
+    data: &Arc<HullData>,
+    simulation: &mut Simulation,
+) -> Result<String> {
+    let side = options.side.unwrap_or(0.2);
+    let (foot, found) = match options.at {
+        Some([x, y]) => (obstacle::ground(playback.first(), x, y), "on what is there"),
+        None => match obstacle::in_the_way(playback.survey(), side, side * count as f64) {
+            Some(foot) => (foot, "on the floor, in the subject's way"),
+            None => {
+                let places = landing::poses(data, 1, side, playback.pixel_size())?;
+                let place = places.first().ok_or_else(|| {
+                    Error::argument(
+                        "expected a place in the subject's way or on it, found none; say where the stack stands with \
+                         --at, or take a smaller --side",
+                    )
+                })?;
+                let top = place.translation.vector - Vector3::z() * (0.5 * side + landing::DROP);
+                (top.into(), "on the subject")
+            }
+        },
+    };
+    for i in 0..count {
+        let height = (i as f64 + 0.5) * side + (i as f64 + 1.0) * GAP;
+        // Boxes that are turned a little against one another look like boxes.
+        let turn = Vector3::z() * [0.05, -0.12, 0.20, -0.06, 0.30][i % 5];
+        let pose = Isometry3::new(foot.coords + Vector3::z() * height, turn);
+        simulation.add(Form::cube(side), &pose, COLOURS[i % COLOURS.len()])?;
+    }
+    playback.show(&foot, side, side * count as f64);
+    Ok(format!("{count} boxes stand at ({:.2}, {:.2}, {:.2}) m, {found}", foot.x, foot.y, foot.z))
+}
+
+fn parse_place(text: &str) -> std::result::Result<[f64; 2], String> {
+    numbers(text, "x,y")
+}
+
+fn parse_side(text: &str) -> std::result::Result<f64, String> {
+    let side = text.parse().ok().filter(|side| (0.05..=2.0).contains(side));
+    side.ok_or_else(|| format!("expected 0.05 to 2 m, found {text}"))
+}
+
+fn parse_hold(text: &str) -> std::result::Result<f64, String> {
+    let hold = text.parse().ok().filter(|hold| (0.0..=3600.0).contains(hold));
+    hold.ok_or_else(|| format!("expected 0 to 3600 s, found {text}"))
+}
+
+fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
+    let number = |part: &str, open: u32| if part.is_empty() { Ok(open) } else { part.parse() };
+    let range = text.split_once("..").and_then(|(a, b)| Some(number(a, 0).ok()?..number(b, u32::MAX).ok()?));
+    range
+        .filter(|range| range.start < range.end)
+        .ok_or_else(|| format!("expected A..B with A below B, as in 20..60, 20.. or ..60, found {text}"))
+}

@@ -1,0 +1,66 @@
+//! Where on the floor a stack stands in the way of a moving subject.
+
+use nalgebra::Point3;
+use ode_visual_hull::camera::Ray;
+use ode_visual_hull::hull::{Aabb, Hull};
+use std::sync::Arc;
+
+/// Grid of the places that are looked at, in metres.
+const CELL: f64 = 0.04;
+
+/// The subject keeps so far away in the first frame, in metres.
+const CLEAR: f64 = 0.04;
+
+/// The part of the stack's upper two thirds into which the subject comes at a time: the least that knocks it over for
+/// sure, and the best. More of it makes the boxes fly.
+const LEAST: f64 = 0.05;
+const BEST: f64 = 0.15;
+
+/// The foot of a stack of this `side` and `height` where the subject is not in the first of `hulls`, and comes in the
+/// later ones: high up, so that the stack falls. `None` where it comes nowhere.
+pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<f64>> {
+    let (first, later) = hulls.split_first()?;
+    let whole =
+        later.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty()).reduce(|a, b| a.union(&b))?;
+    let size = (whole.max - whole.min) / CELL;
+    let places = (0..=size.y as usize).flat_map(|y| (0..=size.x as usize).map(move |x| (x, y)));
+    let foot = |(x, y): (usize, usize)| {
+        Point3::new(whole.min.x + (x as f64 + 0.5) * CELL, whole.min.y + (y as f64 + 0.5) * CELL, 0.0)
+    };
+    let struck = |foot: Point3<f64>| {
+        let upper = column(&foot, 0.5 * side, height / 3.0, height);
+        let most = later.iter().map(|hull| part_inside(hull, &upper)).fold(0.0, f64::max);
+        let is_clear = || part_inside(first, &column(&foot, 0.5 * side + CLEAR, 0.0, height + CLEAR)) == 0.0;
+        (most >= LEAST && is_clear()).then_some(((most - BEST).abs(), foot))
+    };
+    let best = places.map(foot).filter_map(struck).min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, foot)| foot)
+}
+
+/// What is at `(x, y)`: the top of `hull`, else the floor.
+pub fn ground(hull: &Hull, x: f64, y: f64) -> Point3<f64> {
+    let top = hull.aabb().max.z + 0.01;
+    let ray = Ray { origin: Point3::new(x, y, top), direction: -nalgebra::Vector3::z() };
+    let entry = hull.first_span(&ray).and_then(|(entry, _)| entry);
+    Point3::new(x, y, entry.map_or(0.0, |entry| (top - entry.t).max(0.0)))
+}
+
+/// Points all over a column about the vertical through `foot`, between two heights.
+fn column(foot: &Point3<f64>, half: f64, bottom: f64, top: f64) -> Vec<Point3<f64>> {
+    const ACROSS: [f64; 3] = [-1.0, 0.0, 1.0];
+    let layers = ((top - bottom) / CELL).ceil().max(1.0);
+    let heights = (0..=layers as usize).map(|i| bottom + (top - bottom) * i as f64 / layers);
+    let layer = |z: f64| {
+        let along = move |y: f64| ACROSS.map(|x| Point3::new(foot.x + x * half, foot.y + y * half, z));
+        ACROSS.into_iter().flat_map(along)
+    };
+    heights.flat_map(layer).collect()
+}
+
+fn part_inside(hull: &Hull, points: &[Point3<f64>]) -> f64 {
+    let around = Aabb::of_points(points);
+    if around.intersection(hull.aabb()).is_empty() {
+        return 0.0;
+    }
+    points.iter().filter(|point| hull.inside(point)).count() as f64 / points.len() as f64
+}

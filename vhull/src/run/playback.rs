@@ -1,0 +1,234 @@
+//! A real recording, played after its first frame has stood still for a while.
+
+use super::Options;
+use image::RgbImage;
+use nalgebra::{Point3, Vector3};
+use ode_visual_hull::camera::{Camera, Ray};
+use ode_visual_hull::hull::{Aabb, Hull, HullData};
+use ode_visual_hull::recording::Recording;
+use ode_visual_hull::synthetic::Hit;
+use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::{Capture, FRAME_RATE, Window};
+use std::path::Path;
+use std::sync::Arc;
+
+/// How long all frames last together at least, unless told otherwise, in seconds.
+const DURATION: f64 = 5.0;
+
+/// How much around the subject is drawn, in metres.
+const MARGIN: f64 = 0.4;
+
+/// How many frames are looked at beforehand, to know where the subject will be.
+const SURVEYED: usize = 24;
+
+/// A recording that plays.
+pub struct Playback {
+    recording: Recording,
+    /// The recorded frames that are played.
+    frames: Vec<u32>,
+    hold: usize,
+    repeat: usize,
+    /// The hulls of some frames, the first one's first.
+    survey: Vec<Arc<Hull>>,
+    /// What the film shows.
+    shown: Aabb,
+    /// The recorded frame whose masks are in force.
+    published: Option<u32>,
+    /// The last picture read: recorded frame, view.
+    picture: Option<(u32, usize, RgbImage)>,
+}
+
+impl Playback {
+    /// Opens the recording, adds its cameras to `data` and publishes its first frame.
+    pub fn open(options: &Options, data: &HullData) -> Result<Self> {
+        let dir = &options.recording;
+        let recording = Recording::open(dir)?;
+        let frames = frames_of(&recording, dir, options)?;
+        prepare(data, &recording, options)?;
+        let survey = survey(&recording, &frames, options)?;
+        check_hull(dir, frames[0], &survey[0])?;
+        let repeat = (DURATION * FRAME_RATE / frames.len() as f64).round().max(1.0) as usize;
+        let shown = survey.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
+        let mut playback = Self {
+            recording,
+            frames,
+            hold: (options.hold * FRAME_RATE) as usize,
+            repeat: options.repeat.map_or(repeat, usize::from),
+            shown: shown.reduce(|a, b| a.union(&b)).unwrap_or(*survey[0].aabb()).grown(MARGIN),
+            survey,
+            published: None,
+            picture: None,
+        };
+        playback.publish(0, data)?;
+        Ok(playback)
+    }
+
+    /// Metres that a pixel covers at the subject.
+    pub fn pixel_size(&self) -> f64 {
+        self.first().pixel_size(&self.first().aabb().centre())
+    }
+
+    /// The hull of the first frame.
+    pub fn first(&self) -> &Hull {
+        &self.survey[0]
+    }
+
+    /// The hulls of frames all over the recording, the first one's first.
+    pub fn survey(&self) -> &[Arc<Hull>] {
+        &self.survey
+    }
+
+    /// Shows a stack too.
+    pub fn show(&mut self, foot: &Point3<f64>, side: f64, height: f64) {
+        let head = foot + Vector3::z() * height;
+        self.shown = self.shown.union(&Aabb::of_points([foot, &head]).grown(side));
+    }
+
+    /// The recorded frame to show in `frame`.
+    fn recorded(&self, frame: usize) -> u32 {
+        self.frames[(frame.saturating_sub(self.hold) / self.repeat).min(self.frames.len() - 1)]
+    }
+}
+
+/// The recorded frames to play; at least one.
+fn frames_of(recording: &Recording, dir: &Path, options: &Options) -> Result<Vec<u32>> {
+    let all = recording.frames();
+    let (Some(first), Some(last)) = (all.first(), all.last()) else {
+        let problem =
+            format!("expected masks, found images alone; make them first: vhull segment {}", dir.display());
+        return Err(Error::file(dir, problem));
+    };
+    let wanted = options.frames.clone().unwrap_or(0..u32::MAX);
+    let frames: Vec<u32> = all.iter().copied().filter(|frame| wanted.contains(frame)).collect();
+    if frames.is_empty() {
+        return Err(Error::argument(format!(
+            "--frames: expected frames of the recording, which has masks from {first} to {last}, found none from {} \
+             to before {}",
+            wanted.start, wanted.end
+        )));
+    }
+    Ok(frames)
+}
+
+/// Adds the recording's cameras and the work volume.
+fn prepare(data: &HullData, recording: &Recording, options: &Options) -> Result<()> {
+    for camera in recording.rig().cameras() {
+        data.add_view(camera.clone())?;
+    }
+    data.set_unseen(options.volume.unseen.into())?;
+    data.set_bounds(options.volume.of(recording.rig())?)
+}
+
+/// The hulls of frames all over the recording, the first one's first.
+fn survey(recording: &Recording, frames: &[u32], options: &Options) -> Result<Vec<Arc<Hull>>> {
+    let count = frames.len().min(SURVEYED);
+    let chosen = (0..count).map(|i| frames[i * (frames.len() - 1) / count.saturating_sub(1).max(1)]);
+    let hull = |frame: u32| {
+        let data = HullData::new();
+        prepare(&data, recording, options)?;
+        for (view, mask) in recording.masks(frame)?.iter().enumerate() {
+            data.set_mask(view, mask)?;
+        }
+        data.update(0.0)?;
+        data.latest().map(|(_, hull)| hull).ok_or_else(|| Error::argument("expected a frame, found none"))
+    };
+    chosen.map(hull).collect()
+}
+
+fn check_hull(dir: &Path, frame: u32, hull: &Hull) -> Result<()> {
+    let Some(why) = hull.emptiness() else { return Ok(()) };
+    let problem = format!(
+        "expected a subject in frame {frame}, found an empty hull ({why:?}); set --bounds, or --unseen abstain where no \
+         point is in sight of all cameras"
+    );
+    Err(Error::file(dir, problem))
+}
+
+impl Capture for Playback {
+    fn subject(&self) -> &str {
+        "subject"
+    }
+
+    fn cameras(&self) -> &[Camera] {
+        self.recording.rig().cameras()
+    }
+
+    /// The nearest.
+    fn best_view(&self, _: &HullData) -> usize {
+        let middle = self.first().aabb().centre();
+        let distance = |&view: &usize| (self.cameras()[view].centre() - middle).norm();
+        (0..self.cameras().len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    }
+
+    fn frames(&self) -> usize {
+        self.hold + self.frames.len() * self.repeat
+    }
+
+    fn still_until(&self) -> f64 {
+        self.hold as f64 / FRAME_RATE
+    }
+
+    fn moments(&self) -> [f64; 3] {
+        let (still_until, end) = (self.still_until(), self.frames() as f64 / FRAME_RATE);
+        [0.2, still_until - 0.1, 0.5 * (still_until + end)]
+    }
+
+    fn publish(&mut self, frame: usize, data: &HullData) -> Result<()> {
+        let recorded = self.recorded(frame);
+        if self.published != Some(recorded) {
+            for (view, mask) in self.recording.masks(recorded)?.iter().enumerate() {
+                data.set_mask(view, mask)?;
+            }
+            self.published = Some(recorded);
+            data.update(frame as f64 / FRAME_RATE)?;
+        }
+        Ok(())
+    }
+
+    /// The nearest recorded image, else the mask.
+    fn picture(&mut self, frame: usize, view: usize) -> Result<RgbImage> {
+        let masked = self.recorded(frame);
+        let nearest =
+            self.recording.image_frames().iter().copied().min_by_key(|image| image.abs_diff(masked));
+        let key = nearest.unwrap_or(masked);
+        if let Some((of, from, picture)) = &self.picture
+            && (*of, *from) == (key, view)
+        {
+            return Ok(picture.clone());
+        }
+        let picture = match nearest {
+            Some(image) => self.recording.images(image)?.swap_remove(view),
+            None => image::DynamicImage::from(self.recording.masks(masked)?.swap_remove(view)).into_rgb8(),
+        };
+        self.picture = Some((key, view, picture.clone()));
+        Ok(picture)
+    }
+
+    /// Around where the subject comes and where bodies fall.
+    fn window(&self, view: usize, _: &HullData) -> Window {
+        let mut around = self.shown;
+        around.min.z = 0.0;
+        Window::around(&self.cameras()[view], &around.corners())
+    }
+
+    /// The hull stands for the subject.
+    fn hit(&self, ray: &Ray, view: usize, hull: &Hull) -> Option<Hit> {
+        // Most rays miss: those beside the camera's own silhouette, and those beside the box around the hull.
+        let view = hull.views().get(view)?;
+        let (i, j) = view.pixel(&ray.at(1.0))?;
+        if !view.silhouette().is_subject(i, j) {
+            return None;
+        }
+        let (near, _, _) = hull.aabb().span(&ray.origin, &ray.direction)?;
+        let (entry, _) = hull.first_span(&Ray { origin: ray.at(near), ..*ray })?;
+        entry.map(|entry| Hit { t: near + entry.t, normal: entry.normal })
+    }
+
+    fn real_top(&self, _: usize) -> Option<f64> {
+        None
+    }
+
+    fn lamp(&self) -> Point3<f64> {
+        Point3::new(1.5, -1.0, 4.0)
+    }
+}

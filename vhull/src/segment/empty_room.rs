@@ -1,0 +1,129 @@
+//! Images of the empty room, of each camera.
+
+use super::Options;
+use image::{ImageBuffer, RgbImage};
+use ode_visual_hull::recording::{Recording, StreamOptions};
+use ode_visual_hull::source::{Reading, Source, Video};
+use ode_visual_hull::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// So many images are taken of a longer clip, evenly spread: enough for a mean and its noise.
+const IMAGES: u32 = 24;
+
+/// Images without the subject.
+pub struct EmptyRoom {
+    /// Per camera at least one, all of the camera's size.
+    pub images: Vec<Vec<RgbImage>>,
+}
+
+impl EmptyRoom {
+    /// The images that the options name, else those that lie in the recording.
+    pub fn find(options: &Options, recording: &Recording, streaming: &StreamOptions) -> Result<Self> {
+        let cameras = recording.rig().cameras();
+        let of_camera = |(camera, calibrated): (usize, &ode_visual_hull::camera::Camera)| {
+            let name = calibrated.name();
+            if let Some(count) = options.empty {
+                let mut source = recording.source(camera, streaming)?;
+                return spread(&mut *source, count).map_err(|e| Error::view(name, e));
+            }
+            let path = background(options, name).map_err(|e| Error::view(name, e))?;
+            read(&path, calibrated.size()).map_err(|e| Error::view(name, e))
+        };
+        // Videos are decoded side by side.
+        let images = std::thread::scope(|scope| {
+            let threads: Vec<_> =
+                cameras.iter().enumerate().map(|at| scope.spawn(move || of_camera(at))).collect();
+            threads
+                .into_iter()
+                .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+                .collect::<Result<_>>()
+        })?;
+        Ok(Self { images })
+    }
+}
+
+/// The picture or video of a camera's empty room.
+fn background(options: &Options, camera: &str) -> Result<PathBuf> {
+    let in_recording = options.recording.join(camera);
+    let (folder, stems) = match &options.background {
+        None => (in_recording, vec![PathBuf::from("background")]),
+        Some(folder) if folder.is_dir() => {
+            (folder.clone(), vec![PathBuf::from(camera), Path::new(camera).join("background")])
+        }
+        Some(file) => {
+            let path = in_recording.join(file);
+            return if path.is_file() { Ok(path) } else { Err(Error::file(path, ABSENT)) };
+        }
+    };
+    for stem in &stems {
+        let place = folder.join(stem);
+        let beside = place.parent().and_then(|parent| std::fs::read_dir(parent).ok());
+        let mut found: Vec<_> = beside.into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+        // A picture goes before a video: names in order, png and jpg being nobody's idea of a video.
+        found.retain(|path| path.is_file() && path.with_extension("") == place);
+        found.sort_by_key(|path| (!is_picture(path), path.clone()));
+        if let Some(path) = found.into_iter().next() {
+            return Ok(path);
+        }
+    }
+    Err(Error::file(folder.join(&stems[0]), ABSENT))
+}
+
+const ABSENT: &str = "expected a picture or a video of the empty room, found none; put one there (background.png), \
+                      name it with --background, or say with --empty how many of the first images show it";
+
+fn is_picture(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    ["png", "jpg", "jpeg", "ppm", "pnm"].contains(&extension.to_ascii_lowercase().as_str())
+}
+
+fn read(path: &Path, size: (u32, u32)) -> Result<Vec<RgbImage>> {
+    if !is_picture(path) {
+        let mut video = Video::open(path, Reading { size: Some(size), ..Reading::default() })?;
+        let count = video.frames_left().unwrap_or(u32::MAX);
+        return spread(&mut video, count);
+    }
+    let image = image::ImageReader::open(path)
+        .and_then(image::ImageReader::with_guessed_format)
+        .map_err(image::ImageError::IoError)
+        .and_then(image::ImageReader::decode)
+        .map_err(|e| Error::file(path, format!("expected a picture of the empty room, found: {e}")))?
+        .into_rgb8();
+    if image.dimensions() == size {
+        return Ok(vec![image]);
+    }
+    let ((w, h), (width, height)) = (image.dimensions(), size);
+    let problem = format!(
+        "expected {width} x {height} pixels as the calibration says, found {w} x {h}; scale the picture"
+    );
+    Err(Error::file(path, problem))
+}
+
+/// At most [`IMAGES`] of the first `count` images, evenly spread; of a clip whose length is not known the first ones.
+fn spread(source: &mut dyn Source, count: u32) -> Result<Vec<RgbImage>> {
+    let step = if count == u32::MAX { 1 } else { count.div_ceil(IMAGES).max(1) };
+    let mut images = Vec::new();
+    for at in 0..count.min(step * IMAGES) {
+        match source.next_frame() {
+            Some(frame) if at % step == 0 => images.push(frame?.image),
+            Some(frame) => drop(frame?),
+            None => break,
+        }
+    }
+    Ok(images)
+}
+
+/// The mean of images of one size, which has less noise than any of them.
+pub fn mean(images: &[RgbImage]) -> Result<RgbImage> {
+    let Some(first) = images.first() else {
+        return Err(Error::argument("expected an image of the empty room, found none"));
+    };
+    let mut sums = vec![0_u32; first.len()];
+    for image in images {
+        sums.iter_mut().zip(image.iter()).for_each(|(sum, &value)| *sum += u32::from(value));
+    }
+    let n = images.len() as u32;
+    let bytes = sums.into_iter().map(|sum| ((sum + n / 2) / n) as u8).collect();
+    ImageBuffer::from_raw(first.width(), first.height(), bytes)
+        .ok_or_else(|| Error::argument("expected images of the empty room of one size, found several"))
+}

@@ -1,0 +1,221 @@
+//! `vhull run` on small recordings of known subjects, as people call it.
+
+use image::{GrayImage, RgbImage};
+use nalgebra::{Isometry3, Point3, Vector3};
+use ode_visual_hull::recording::Recording;
+use ode_visual_hull::rig::Rig;
+use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, layout, silhouette};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const TABLE_TOP: f64 = 0.4;
+
+/// Six cameras at the height of the table's top.
+fn rig() -> Rig {
+    Rig::new(layout::ring(6, 3.0, TABLE_TOP, Point3::new(0.0, 0.0, 0.4), (200, 160), 0.6).unwrap()).unwrap()
+}
+
+fn placed(solid: Solid, x: f64, z: f64) -> Subject {
+    Subject::new(vec![Placed::new(solid, Isometry3::translation(x, 0.0, z), Paint::plain([180, 40, 40]))])
+}
+
+fn table(_: u32) -> Subject {
+    placed(Solid::cuboid(Vector3::new(0.5, 0.5, TABLE_TOP)).unwrap(), 0.0, 0.5 * TABLE_TOP)
+}
+
+/// A ball that comes along x, at 1.2 m/s where each frame is shown once.
+fn rolling(frame: u32) -> Subject {
+    placed(Solid::sphere(0.25).unwrap(), -0.6 + 0.04 * f64::from(frame), 0.35)
+}
+
+/// An empty folder for a test.
+fn folder(name: &str) -> PathBuf {
+    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("run").join(name);
+    let _ = std::fs::remove_dir_all(&dir);
+    dir
+}
+
+fn record(name: &str, subject: fn(u32) -> Subject, frames: u32) -> PathBuf {
+    let dir = folder(name);
+    let rig = rig();
+    let mut recording = Recording::create(&dir, &rig).unwrap();
+    for frame in 0..frames {
+        let masks: Vec<GrayImage> = rig.cameras().iter().map(|c| silhouette(c, &subject(frame))).collect();
+        recording.write_masks(frame, &masks).unwrap();
+    }
+    dir
+}
+
+fn run(recording: &Path, arguments: &[&str]) -> Output {
+    let out = recording.join("out");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vhull"));
+    command.arg("run").arg(recording).arg("--out").arg(out).args(arguments).output().unwrap()
+}
+
+/// What a run that fails says, and its exit code.
+fn failure(recording: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let output = run(recording, arguments);
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
+fn success(recording: &Path, arguments: &[&str]) -> String {
+    let output = run(recording, arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The numbers of states.csv: per frame and body time, body, x, y, z, ...
+fn states(recording: &Path) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(recording.join("out/states.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next().unwrap(), "time_s,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz");
+    lines.map(|line| line.split(',').map(|number| number.parse().unwrap()).collect()).collect()
+}
+
+#[test]
+fn a_box_falls_on_the_subject_and_stays() {
+    let recording = record("table", table, 3);
+    let text = success(&recording, &["--count", "1", "--hold", "1.5", "--repeat", "1"]);
+    assert!(text.contains("fall on the subject") && text.contains("box 1"), "{text}");
+    let states = states(&recording);
+    assert_eq!(states.len(), 48, "1.5 s of 30 frames and 3 recorded ones, one body");
+    let height = states.last().unwrap()[4];
+    // A pixel covers 9 mm here.
+    assert!((height - TABLE_TOP - 0.05).abs() < 0.015, "{height}");
+    let film = std::fs::read(recording.join("out/run.gif")).unwrap();
+    assert_eq!(&film[..6], b"GIF89a");
+    assert!(recording.join("out/run.png").is_file() && recording.join("out/heights.svg").is_file());
+}
+
+#[test]
+fn boxes_and_balls_take_turns_and_nothing_is_drawn_where_nobody_asks() {
+    let recording = record("mix", table, 1);
+    let arguments = ["--drop", "mix", "--count", "3", "--hold", "0.2", "--repeat", "2", "--no-gif"];
+    let text = success(&recording, &arguments);
+    assert!(["box 1", "ball 2", "box 3"].iter().all(|name| text.contains(name)), "{text}");
+    assert_eq!(states(&recording).len(), 3 * 8);
+    assert!(!recording.join("out/run.gif").exists());
+}
+
+#[test]
+fn a_moving_subject_knocks_a_stack_over_and_the_same_seed_does_it_again() {
+    let recording = record("rolling", rolling, 30);
+    let arguments =
+        ["--stack", "3", "--hold", "0.5", "--repeat", "1", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
+    let text = success(&recording, &arguments);
+    assert!(text.contains("in the subject's way"), "{text}");
+    let first = states(&recording);
+    let heights: Vec<f64> = first.iter().filter(|row| row[1] == 3.0).map(|row| row[4]).collect();
+    let (standing, fallen) = (heights[14], heights[heights.len() - 1]);
+    assert!((standing - 0.5).abs() < 0.01, "the third of three boxes of 20 cm: {standing}");
+    assert!(fallen < 0.4, "{fallen}");
+    success(&recording, &arguments);
+    assert_eq!(first, states(&recording));
+}
+
+#[test]
+fn a_stack_stands_where_it_is_told_to_on_what_is_there() {
+    let recording = record("told", table, 2);
+    for (at, foot) in [("0.05,-0.05", TABLE_TOP), ("0.6,0.3", 0.0)] {
+        let arguments =
+            ["--stack", "2", "--side", "0.1", "--hold", "0.5", "--repeat", "1", "--no-gif", "--at", at];
+        success(&recording, &arguments);
+        let last = states(&recording).pop().unwrap();
+        assert!((last[4] - foot - 0.15).abs() < 0.02, "the second box, at {at}: {last:?}");
+    }
+}
+
+#[test]
+fn on_a_subject_that_keeps_still_the_stack_stands_on_it() {
+    let recording = record("still", table, 4);
+    let arguments = ["--stack", "2", "--side", "0.15", "--hold", "0.5", "--repeat", "1", "--no-gif"];
+    let text = success(&recording, &arguments);
+    assert!(text.contains("on the subject"), "{text}");
+    assert!((states(&recording).pop().unwrap()[4] - TABLE_TOP - 0.225).abs() < 0.02);
+}
+
+#[test]
+fn of_the_frames_those_asked_for_are_played() {
+    let recording = record("frames", table, 6);
+    success(&recording, &["--count", "1", "--frames", "2..5", "--hold", "0", "--repeat", "2", "--no-gif"]);
+    assert_eq!(states(&recording).len(), 6);
+    let (code, text) = failure(&recording, &["--frames", "9.."]);
+    assert_eq!(code, Some(1));
+    assert!(text.contains("--frames") && text.contains("from 0 to 5"), "{text}");
+}
+
+#[test]
+fn images_without_masks_are_to_be_segmented_first() {
+    let dir = folder("images");
+    let rig = rig();
+    let mut recording = Recording::create(&dir, &rig).unwrap();
+    let images = vec![RgbImage::new(200, 160); rig.len()];
+    recording.write_images(0, &images).unwrap();
+    let (code, text) = failure(&dir, &[]);
+    assert_eq!(code, Some(1));
+    assert!(text.contains("expected masks") && text.contains("vhull segment"), "{text}");
+}
+
+#[test]
+fn a_missing_camera_folder_an_unknown_view_and_an_empty_hull_are_named() {
+    let recording = record("wrong", table, 1);
+    let camera = rig().cameras()[2].name().to_owned();
+    let (code, text) = failure(&recording, &["--view", "nobody"]);
+    assert_eq!(code, Some(1));
+    assert!(text.contains("--view: expected 0 to 5") && text.contains(&camera), "{text}");
+    let (code, text) = failure(&recording, &["--bounds", "2,3,2,3,0,1"]);
+    assert_eq!(code, Some(1));
+    assert!(text.contains("empty hull") && text.contains("--bounds"), "{text}");
+    std::fs::remove_dir_all(recording.join(&camera)).unwrap();
+    let (code, text) = failure(&recording, &[]);
+    assert_eq!(code, Some(1));
+    assert!(text.contains(&camera) && text.contains("expected the folder"), "{text}");
+    let (code, text) = failure(&recording.join("nowhere"), &[]);
+    assert_eq!(code, Some(1));
+    assert!(text.contains("expected the folder of a recording"), "{text}");
+}
+
+#[test]
+fn a_command_line_that_means_nothing_is_told_from_an_error() {
+    let recording = folder("unused");
+    for (arguments, told) in [
+        (&["--bounds", "1,2,3"][..], "x0,x1,y0,y1,z0,z1"),
+        (&["--bounds", "1,0,0,1,0,1"], "--bounds"),
+        (&["--side", "7"], "0.05 to 2 m"),
+        (&["--hold=-1"], "0 to 3600 s"),
+        (&["--hold", "NaN"], "0 to 3600 s"),
+        (&["--frames", "5..5"], "A below B"),
+        (&["--frames", "x..y"], "20..60"),
+        (&["--stack", "2", "--at", "1"], "x,y"),
+        (&["--at", "1,2"], "--stack"),
+        (&["--drop", "boxes", "--stack", "3"], "cannot be used with"),
+        (&["--drop", "cats"], "spheres"),
+        (&["--count", "0"], "--count"),
+        (&["--unseen", "maybe"], "abstain"),
+    ] {
+        let (code, text) = failure(&recording, arguments);
+        assert_eq!(code, Some(2), "{arguments:?}: {text}");
+        assert!(text.contains(told), "{arguments:?}: {text}");
+    }
+}
+
+#[test]
+fn what_was_played_before_a_broken_mask_is_kept() {
+    let recording = record("broken", table, 40);
+    // Of 40 frames 24 are looked at beforehand; this is not one of them.
+    let broken = recording.join(rig().cameras()[1].name()).join("mask/000021.png");
+    std::fs::write(&broken, b"no image").unwrap();
+    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--repeat", "1", "--no-gif"]);
+    assert_eq!(code, Some(1));
+    assert!(text.contains("000021.png") && text.contains("the 21 frames before"), "{text}");
+    assert_eq!(states(&recording).len(), 21);
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_named() {
+    let recording = record("unwritable", table, 1);
+    std::fs::write(recording.join("out"), b"a file").unwrap();
+    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--repeat", "1", "--no-gif"]);
+    assert_eq!(code, Some(1));
+    assert!(text.contains("expected to make this folder"), "{text}");
+}

@@ -5,9 +5,9 @@ use super::landing;
 use super::options::Options;
 use super::simulation::Simulation;
 use image::RgbImage;
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
-use ode_visual_hull::hull::{Aabb, Hull, HullData};
+use ode_visual_hull::hull::{Hull, HullData};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::synthetic::Hit;
 use ode_visual_hull::{Error, Result};
@@ -55,7 +55,7 @@ impl Playback {
             data.add_view(camera.clone())?;
         }
         data.set_unseen(options.unseen.into())?;
-        let bounds = options.bounds.map_or_else(|| work_volume(recording.rig().cameras()), Ok)?;
+        let bounds = options.bounds.map_or_else(|| recording.rig().work_volume(), Ok)?;
         data.set_bounds(bounds)?;
         let repeat = (DURATION * FRAME_RATE / count as f64).round().max(1.0) as usize;
         let mut playback = Self {
@@ -200,25 +200,4 @@ impl Capture for Playback {
     fn lamp(&self) -> Point3<f64> {
         Point3::new(1.5, -1.0, 4.0)
     }
-}
-
-/// Around the point that the cameras look at, as far as the nearest of them stands from it, and above the floor.
-fn work_volume(cameras: &[Camera]) -> Result<Aabb> {
-    // The point nearest to all optical axes: the sum of (1 - d d^T) (x - c) is zero.
-    let (mut matrix, mut vector) = (Matrix3::zeros(), Vector3::zeros());
-    for camera in cameras {
-        let across = Matrix3::identity() - camera.forward() * camera.forward().transpose();
-        matrix += across;
-        vector += across * camera.centre().coords;
-    }
-    let focus = matrix.try_inverse().map(|inverse| Point3::from(inverse * vector)).ok_or_else(|| {
-        Error::argument(
-            "expected cameras that look in different directions, found parallel ones; set --bounds",
-        )
-    })?;
-    let reach = cameras.iter().map(|camera| (camera.centre() - focus).norm()).fold(f64::INFINITY, f64::min);
-    let reach = Vector3::repeat(0.9 * reach);
-    let (mut min, max) = (focus - reach, focus + reach);
-    min.z = 0.0;
-    Aabb::new(min, max)
 }

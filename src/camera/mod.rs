@@ -248,6 +248,12 @@ impl Camera {
         Some(Pixel { u: image.x, v: image.y, depth: cam.z })
     }
 
+    /// Whether `world` appears in the image, lens distortion included.
+    pub fn sees(&self, world: &Point3<f64>) -> bool {
+        let (w, h) = (f64::from(self.width), f64::from(self.height));
+        self.project(world).is_some_and(|p| (0.0..w).contains(&p.u) && (0.0..h).contains(&p.v))
+    }
+
     /// The world point at `depth` metres behind image position `(u, v)`; `None` outside the distortion model's range.
     pub fn unproject(&self, u: f64, v: f64, depth: f64) -> Option<Point3<f64>> {
         let image = self.intrinsics_inverse * Vector3::new(u, v, 1.0);

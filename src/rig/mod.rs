@@ -5,6 +5,7 @@
 //! work" are in another frame or unit, and that shows in where the cameras stand and look.
 
 mod calibration;
+mod coverage;
 mod pose;
 mod source;
 mod toml;

@@ -1,6 +1,8 @@
 //! `vhull`: from cameras to a visual hull. A verb, a file.
 
+mod arguments;
 mod convert;
+mod progress;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -1,0 +1,95 @@
+//! Options that several verbs share, and the forms in which people write numbers.
+
+use clap::ValueEnum;
+use nalgebra::Point3;
+use ode_visual_hull::Result;
+use ode_visual_hull::hull::{Aabb, Unseen};
+use ode_visual_hull::rig::{Hints, Rig};
+
+/// What a calibration does not tell.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+pub struct HintOptions {
+    /// Metres per unit of length of the calibration, instead of its format's own.
+    #[arg(long, value_name = "METRES")]
+    pub unit: Option<f64>,
+    /// Size of the images, where the calibration does not tell.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
+    pub size: Option<(u32, u32)>,
+}
+
+impl HintOptions {
+    /// As the library takes them.
+    pub fn hints(self) -> Hints {
+        Hints { size: self.size, metres_per_unit: self.unit }
+    }
+}
+
+/// Where the subject may be, and what a camera says of what it does not see.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct VolumeOptions {
+    /// Work volume, in metres [default: around the spot that the cameras look at, as far as they stand from it].
+    #[arg(
+        long,
+        value_name = "X0,X1,Y0,Y1,Z0,Z1",
+        value_parser = parse_bounds,
+        allow_hyphen_values = true
+    )]
+    pub bounds: Option<Aabb>,
+    /// What a camera says of points beyond its image.
+    #[arg(long, value_enum, default_value_t = UnseenPolicy::Outside)]
+    pub unseen: UnseenPolicy,
+}
+
+impl VolumeOptions {
+    /// The work volume: as given, else as the cameras stand.
+    pub fn of(&self, rig: &Rig) -> Result<Aabb> {
+        self.bounds.map_or_else(|| rig.work_volume(), Ok)
+    }
+}
+
+/// [`Unseen`] by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum UnseenPolicy {
+    /// They are outside the hull.
+    Outside,
+    /// Nothing; two cameras must see a point of the hull.
+    Abstain,
+}
+
+impl From<UnseenPolicy> for Unseen {
+    fn from(policy: UnseenPolicy) -> Self {
+        match policy {
+            UnseenPolicy::Outside => Self::Outside,
+            UnseenPolicy::Abstain => Self::ABSTAIN,
+        }
+    }
+}
+
+/// A work volume from six numbers between commas.
+pub fn parse_bounds(text: &str) -> std::result::Result<Aabb, String> {
+    let [x0, x1, y0, y1, z0, z1] = numbers(text, "x0,x1,y0,y1,z0,z1")?;
+    Aabb::new(Point3::new(x0, y0, z0), Point3::new(x1, y1, z1)).map_err(|error| error.to_string())
+}
+
+/// An image's width and height.
+pub fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
+    let numbers = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    numbers
+        .filter(|&(w, h)| w > 0 && h > 0)
+        .ok_or_else(|| format!("expected two whole numbers above zero as in 640x480, found {text}"))
+}
+
+/// A length in metres above zero.
+pub fn parse_length(text: &str) -> std::result::Result<f64, String> {
+    let length = text.parse().ok().filter(|&length: &f64| length.is_finite() && length > 0.0);
+    length.ok_or_else(|| format!("expected a number of metres above zero, found {text}"))
+}
+
+/// `N` finite numbers between commas, in the order `named`.
+pub fn numbers<const N: usize>(text: &str, named: &str) -> std::result::Result<[f64; N], String> {
+    let parse = |part: &str| part.trim().parse().ok().filter(|x: &f64| x.is_finite());
+    let numbers: Option<Vec<f64>> = text.split(',').map(parse).collect();
+    let numbers = numbers.ok_or_else(|| format!("expected numbers between commas, {named}, found {text}"))?;
+    let count = numbers.len();
+    numbers.try_into().map_err(|_| format!("expected {N} numbers, {named}, found {count}"))
+}

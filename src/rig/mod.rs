@@ -7,10 +7,12 @@
 mod calibration;
 mod coverage;
 mod pose;
+mod reading;
 mod source;
 mod toml;
 
 pub use calibration::{Calibration, Hints};
+pub use reading::Reading;
 
 use crate::camera::Camera;
 use crate::{Error, Result};

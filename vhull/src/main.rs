@@ -1,8 +1,12 @@
 //! `vhull`: from cameras to a visual hull. A verb, a file.
 
 mod arguments;
+mod capture;
+mod check;
 mod convert;
+mod mesh;
 mod progress;
+mod synth;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -17,7 +21,10 @@ struct Options {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    Check(check::Options),
     Convert(convert::Options),
+    Mesh(mesh::Options),
+    Synth(synth::Options),
 }
 
 const EXIT_CODES: &str = "\
@@ -31,13 +38,15 @@ Exit codes:
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Outcome {
     Done,
-    #[expect(dead_code, reason = "no verb checks yet")]
     Doubts,
 }
 
 fn main() -> ExitCode {
     let outcome = match Options::parse().verb {
+        Verb::Check(options) => check::run(&options),
         Verb::Convert(options) => convert::run(&options),
+        Verb::Mesh(options) => mesh::run(&options),
+        Verb::Synth(options) => synth::run(&options),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -63,7 +63,20 @@ impl Recording {
                 "expected the recording's rig file, found none; write the cameras' calibration there";
             return Err(Error::file(dir.join(RIG), problem));
         }
-        let rig = Rig::load(dir.join(RIG))?;
+        Self::open_with(dir, Rig::load(dir.join(RIG))?)
+    }
+
+    /// Opens the recording in folder `dir` with another calibration of its cameras than its own rig file, which need
+    /// not be there.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_with(dir: impl AsRef<Path>, rig: Rig) -> Result<Self> {
+        let dir = dir.as_ref();
+        if !dir.is_dir() {
+            let problem = "expected the folder of a recording, found none; check the path";
+            return Err(Error::file(dir, problem));
+        }
         check_names(&rig)?;
         let recording = Self::list(dir, rig)?;
         let Self { rig, images, masks, videos, .. } = &recording;

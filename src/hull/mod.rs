@@ -12,6 +12,7 @@
 
 mod aabb;
 mod batch;
+mod consistency;
 mod data;
 mod exact;
 mod exit;
@@ -27,10 +28,12 @@ mod search;
 mod sighting;
 mod slot;
 mod sweep;
+mod tangents;
 mod view;
 
 pub use aabb::Aabb;
 pub use batch::{Body, BodyResponse, Inside, PointResponse, Workspace};
+pub use consistency::Fit;
 pub use data::HullData;
 pub(crate) use exact::{Memory, Start};
 pub use march::EdgeModel;
@@ -38,6 +41,7 @@ pub use points::Points;
 pub use ray::RayHit;
 pub use response::{Push, Response};
 pub use search::NearestEdge;
+pub use tangents::{Shift, Tangents};
 pub use view::{Verdict, View};
 
 use crate::silhouette::{Border, Silhouette};

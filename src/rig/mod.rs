@@ -13,11 +13,13 @@ mod length;
 mod opencv;
 mod pixels;
 mod pose;
+mod reading;
 mod ros;
 mod source;
 mod toml;
 
 pub use calibration::{Calibration, Hints};
+pub use reading::Reading;
 
 use crate::camera::Camera;
 use crate::{Error, Result};

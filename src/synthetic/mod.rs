@@ -16,32 +16,18 @@
 //! # Trying a layout
 //!
 //! Above a flat table the visual hull is a tent unless a camera looks along the table top. How high is it with
-//! six cameras that look down at 30 degrees, and with six at the height of the top?
+//! six cameras that look down at 30 degrees on a cube of 40 cm, and with six at the height of its top?
 //!
 //! ```
-//! use nalgebra::{Isometry3, Point3, Vector3};
-//! use ode_visual_hull::camera::Camera;
-//! use ode_visual_hull::synthetic::{layout, silhouette, Paint, Placed, Solid, Subject};
+//! use nalgebra::Point3;
+//! use ode_visual_hull::synthetic::{Tent, layout};
 //!
-//! let table = Solid::cuboid(Vector3::new(0.4, 0.4, 0.4))?;
-//! let table = Subject::new(vec![Placed::new(table, Isometry3::translation(0.0, 0.0, 0.2), Paint::plain([180, 40, 40]))]);
 //! let top = Point3::new(0.0, 0.0, 0.4);
-//!
-//! let tent_height = |cameras: &[Camera]| {
-//!     let masks: Vec<_> = cameras.iter().map(|camera| silhouette(camera, &table)).collect();
-//!     let in_hull = |point: &Point3<f64>| {
-//!         cameras.iter().zip(&masks).all(|(camera, mask)| {
-//!             let pixel = camera.project(point).expect("in front of every camera");
-//!             mask.get_pixel(pixel.u as u32, pixel.v as u32).0[0] >= 128
-//!         })
-//!     };
-//!     (0..200).map(|mm| f64::from(mm) * 1e-3).find(|&h| !in_hull(&(top + Vector3::z() * h))).unwrap()
-//! };
 //! let size = (96, 72);
 //! let looking_down = layout::ring(6, 2.6, 0.4 + 1.5, top, size, 0.5)?;
 //! let grazing = layout::ring(6, 3.0, 0.4, top, size, 0.5)?;
-//! assert!(tent_height(&looking_down) > 0.10);
-//! assert!(tent_height(&grazing) < 0.02); // a pixel's footprint, at this size
+//! assert!(Tent::above(&looking_down, top, 0.4)?.middle > 0.10);
+//! assert!(Tent::above(&grazing, top, 0.4)?.middle < 1e-6);
 //! # Ok::<(), ode_visual_hull::Error>(())
 //! ```
 
@@ -56,6 +42,7 @@ mod room;
 mod silhouette;
 mod solid;
 mod subject;
+mod tent;
 mod torus;
 
 pub use noise::{add_noise, flip_boundary};
@@ -66,6 +53,7 @@ pub use room::Room;
 pub use silhouette::{coverage, silhouette};
 pub use solid::{Hit, Solid};
 pub use subject::{Placed, Subject};
+pub use tent::Tent;
 
 #[cfg(test)]
 mod tests;

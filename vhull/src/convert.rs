@@ -7,13 +7,15 @@ use ode_visual_hull::rig::Calibration;
 use ode_visual_hull::{Error, Result};
 use std::path::PathBuf;
 
-/// Write a calibration of any known format as a rig file in TOML.
+/// Write a calibration of any known format as a rig file.
+///
+/// Written is TOML alone, which anipose, Pose2Sim and caliscope read too.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Calibration file or folder.
     rig: PathBuf,
-    /// Rig file to write.
+    /// Rig file to write; its name ends in .toml.
     out: PathBuf,
     #[command(flatten)]
     hints: HintOptions,
@@ -44,6 +46,12 @@ struct Shift {
 
 pub fn run(options: &Options) -> Result<Outcome> {
     let Options { rig, out, hints, scale, shift, force } = options;
+    if out.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("toml")) {
+        return Err(Error::file(
+            out,
+            "expected a name that ends in .toml, the one format that is written; rename it",
+        ));
+    }
     if out.exists() && !force {
         return Err(Error::file(out, "expected no file yet, found one; choose another name or give --force"));
     }

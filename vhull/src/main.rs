@@ -1,10 +1,14 @@
 //! `vhull`: from cameras to a visual hull. A verb, a file.
 
 mod arguments;
+mod capture;
+mod check;
 mod convert;
+mod mesh;
 mod progress;
 mod run;
 mod segment;
+mod synth;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -19,9 +23,12 @@ struct Options {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    Check(check::Options),
     Convert(convert::Options),
+    Mesh(mesh::Options),
     Run(run::Options),
     Segment(segment::Options),
+    Synth(synth::Options),
 }
 
 const EXIT_CODES: &str = "\
@@ -35,15 +42,17 @@ Exit codes:
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Outcome {
     Done,
-    #[expect(dead_code, reason = "no verb checks yet")]
     Doubts,
 }
 
 fn main() -> ExitCode {
     let outcome = match Options::parse().verb {
+        Verb::Check(options) => check::run(&options),
         Verb::Convert(options) => convert::run(&options),
+        Verb::Mesh(options) => mesh::run(&options),
         Verb::Run(options) => run::run(&options),
         Verb::Segment(options) => segment::run(&options),
+        Verb::Synth(options) => synth::run(&options),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

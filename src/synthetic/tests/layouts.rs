@@ -1,23 +1,7 @@
 use super::*;
 
-/// How far above the middle of a 0.4 m cube's top the hull reaches, by exact rays: no pixels, no masks.
 fn tent_height(cameras: &[Camera]) -> f64 {
-    let cube = Solid::cuboid(Vector3::new(0.4, 0.4, 0.4)).unwrap();
-    let cube =
-        Subject::new(vec![Placed::new(cube, Isometry3::translation(0.0, 0.0, 0.2), Paint::plain([0; 3]))]);
-    let in_hull = |height: f64| {
-        let point = Point3::new(0.0, 0.0, 0.4 + height);
-        cameras.iter().all(|camera| {
-            let origin = camera.centre();
-            cube.is_hit(&Ray { origin, direction: (point - origin).normalize() })
-        })
-    };
-    let (mut inside, mut outside) = (0.0, 0.5);
-    for _ in 0..40 {
-        let middle = 0.5 * (inside + outside);
-        if in_hull(middle) { inside = middle } else { outside = middle }
-    }
-    outside
+    Tent::above(cameras, Point3::new(0.0, 0.0, 0.4), 0.4).unwrap().middle
 }
 
 fn ring_at_elevation(degrees: f64) -> Vec<Camera> {

@@ -1,0 +1,122 @@
+//! What becomes of each view's silhouette in the hull: how much of it the hull fills, and which other view cuts off the
+//! rest.
+
+use super::{Hull, View};
+use crate::camera::Ray;
+use image::{GrayImage, Luma};
+use imageproc::distance_transform::euclidean_squared_distance_transform;
+use nalgebra::Point3;
+
+/// Stretches of a ray inside the hull that are looked at, and points along each.
+const MOST_SPANS: usize = 4;
+const STEPS: usize = 8;
+
+/// How far a ray goes on behind a stretch before the next one may begin, in metres.
+const BETWEEN: f64 = 1e-6;
+
+/// How one view's silhouette fits the hull.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Fit {
+    /// Pixels of its silhouette that were looked at.
+    pub pixels: usize,
+    /// Of these, those whose viewing ray meets the hull. The hull of silhouettes that fit fills all of them.
+    pub filled: usize,
+    /// Pixels of the other views' silhouettes that are not filled because of this view alone.
+    pub cuts: usize,
+    /// By how many pixels of this view its silhouette would have to be wider for half of these: the median, since a
+    /// part that its mask has lost lies far from the rest.
+    pub cut_depth_px: f64,
+}
+
+impl Fit {
+    /// The share of its silhouette that the hull fills; 1 where there is no silhouette.
+    pub fn filled_share(&self) -> f64 {
+        if self.pixels == 0 { 1.0 } else { self.filled as f64 / self.pixels as f64 }
+    }
+}
+
+impl Hull {
+    /// How each view's silhouette fits the hull, by the rays of every `step`-th pixel of every `step`-th row.
+    /// Disabled views neither fit nor cut.
+    pub fn fits(&self, step: usize) -> Vec<Fit> {
+        let n = self.views().len();
+        let mut fits = vec![Fit::default(); n];
+        let mut missing = Vec::new();
+        for (index, view) in self.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
+            for ray in rays(view, step) {
+                fits[index].pixels += 1;
+                if self.first_span(&ray).is_some() {
+                    fits[index].filled += 1;
+                } else {
+                    missing.push((index, ray));
+                }
+            }
+        }
+        for (index, view) in self.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
+            let others = self.without(index);
+            let cut = missing.iter().filter(|(of, _)| *of != index);
+            let stretches: Vec<_> =
+                cut.map(|(_, ray)| points_inside(&others, ray)).filter(|points| !points.is_empty()).collect();
+            fits[index].cuts = stretches.len();
+            fits[index].cut_depth_px = depth_px(view, &stretches);
+        }
+        fits
+    }
+
+    /// The hull of the other views.
+    fn without(&self, view: usize) -> Self {
+        let views = self.views().iter().cloned().enumerate();
+        let views = views.map(|(k, v)| {
+            let enabled = v.is_enabled() && k != view;
+            v.with_enabled(enabled)
+        });
+        Self::new(views.collect(), *self.bounds(), self.unseen(), self.time())
+    }
+}
+
+/// The rays of a silhouette's pixels, through their centres.
+fn rays(view: &View, step: usize) -> impl Iterator<Item = Ray> {
+    let rect = view.silhouette().rect();
+    let step = step.max(1);
+    let subject = move |&(i, j): &(i32, i32)| view.silhouette().is_subject(i, j) && view.sees(i, j);
+    let pixels = (rect.y0..rect.y1)
+        .step_by(step)
+        .flat_map(move |j| (rect.x0..rect.x1).step_by(step).map(move |i| (i, j)));
+    pixels.filter(subject).filter_map(|(i, j)| view.camera().ray(f64::from(i) + 0.5, f64::from(j) + 0.5))
+}
+
+/// Points of `ray` inside the hull.
+fn points_inside(hull: &Hull, ray: &Ray) -> Vec<Point3<f64>> {
+    let (mut points, mut start) = (Vec::new(), 0.0);
+    for _ in 0..MOST_SPANS {
+        let Some((entry, exit)) = hull.first_span(&Ray { origin: ray.at(start), ..*ray }) else { break };
+        let (from, to) = (start + entry.map_or(0.0, |entry| entry.t), start + exit.t);
+        let at = |k: usize| ray.at(from + (to - from) * (k as f64 + 0.5) / STEPS as f64);
+        points.extend((0..STEPS).map(at));
+        start = to + BETWEEN;
+    }
+    points
+}
+
+/// How far from a view's silhouette stretches of rays pass, in pixels: the median.
+fn depth_px(view: &View, stretches: &[Vec<Point3<f64>>]) -> f64 {
+    let rect = view.silhouette().image();
+    if stretches.is_empty() || view.silhouette().rect().is_empty() {
+        return 0.0;
+    }
+    let subject = GrayImage::from_fn(rect.x1 as u32, rect.y1 as u32, |i, j| {
+        Luma([if view.silhouette().is_subject(i as i32, j as i32) { 255 } else { 0 }])
+    });
+    let squares = euclidean_squared_distance_transform(&subject);
+    let distance = |point: &Point3<f64>| {
+        let (i, j) = view.pixel(point)?;
+        Some(squares.get_pixel(i as u32, j as u32).0[0].sqrt())
+    };
+    let nearest = |points: &Vec<Point3<f64>>| points.iter().filter_map(distance).min_by(f64::total_cmp);
+    let mut depths: Vec<f64> = stretches.iter().filter_map(nearest).collect();
+    depths.sort_by(f64::total_cmp);
+    depths.get(depths.len() / 2).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests;

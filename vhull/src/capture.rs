@@ -1,0 +1,48 @@
+//! A recording on its way into a hull: its cameras, their masks frame by frame.
+
+use crate::arguments::VolumeOptions;
+use ode_visual_hull::hull::{Hull, HullData};
+use ode_visual_hull::recording::Recording;
+use ode_visual_hull::{Error, Result};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A recording with masks, and the data object that takes them.
+pub struct Capture {
+    pub recording: Recording,
+    data: HullData,
+}
+
+impl Capture {
+    /// Gets ready to take the masks of the recording from `dir`.
+    pub fn new(recording: Recording, dir: &Path, volume: &VolumeOptions) -> Result<Self> {
+        if recording.frames().is_empty() {
+            let problem = "expected masks, found images alone; segment them into <camera>/mask/000000.png \
+                           first (vhull segment)";
+            return Err(Error::file(dir, problem));
+        }
+        let data = HullData::new();
+        data.add_views(recording.rig().cameras())?;
+        data.set_unseen(volume.unseen.into())?;
+        data.set_bounds(volume.of(recording.rig())?)?;
+        Ok(Self { recording, data })
+    }
+
+    /// The hull of a frame.
+    pub fn hull(&self, frame: u32) -> Result<Arc<Hull>> {
+        for (view, mask) in self.recording.masks(frame)?.iter().enumerate() {
+            self.data.set_mask(view, mask)?;
+        }
+        // Frames may be asked in any order, so none has a time of its own.
+        self.data.update(0.0)
+    }
+
+    /// At most `most` of the frames, evenly spread, the first and the last among them.
+    pub fn spread(&self, most: usize) -> Vec<u32> {
+        let frames = self.recording.frames();
+        let count = frames.len().min(most);
+        (0..count)
+            .map(|k| frames[if count == 1 { 0 } else { k * (frames.len() - 1) / (count - 1) }])
+            .collect()
+    }
+}

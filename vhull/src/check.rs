@@ -1,0 +1,145 @@
+//! `vhull check`: what a rig sees, whether its calibration and masks fit together, and what to mend.
+
+mod pictures;
+mod placement;
+mod silhouettes;
+
+use crate::Outcome;
+use crate::arguments::{HintOptions, VolumeOptions, numbers};
+use crate::capture::Capture;
+use nalgebra::Point3;
+use ode_visual_hull::recording::Recording;
+use ode_visual_hull::rig::{Calibration, Rig};
+use ode_visual_hull::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// Report on a rig, and on a recording's silhouettes: what is seen, what fits, what is to be mended.
+///
+/// Of the rig: where each camera stands and looks, whether they look at one place, how much of the work volume they
+/// see, how high the hull stands above a table. Of a recording with masks: whether one view's silhouettes are shifted
+/// against the others', and which view cuts away what the others see.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    /// Calibration file or folder of any known format, or the folder of a recording.
+    rig: PathBuf,
+    /// Folder of a recording with masks [default: RIG where that is one].
+    recording: Option<PathBuf>,
+    #[command(flatten)]
+    hints: HintOptions,
+    #[command(flatten)]
+    volume: VolumeOptions,
+    /// A table of which the hull's height is told: the middle of its top and the edge length of a cube under it,
+    /// in metres; may be given again.
+    #[arg(long, value_name = "X,Y,Z,SIZE", value_parser = parse_table, allow_hyphen_values = true)]
+    table: Vec<Table>,
+    /// How far a view's silhouettes may be shifted, in pixels.
+    #[arg(long, value_name = "PIXELS", default_value_t = 3.0)]
+    tolerance: f64,
+    /// Look at so many frames at most, evenly spread.
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
+    frames: u32,
+    /// Write each view's image with its silhouette and the hull's over it into this folder, which is made if need be.
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
+    /// The frame of the pictures, and of all else if --frames is 1 [default: the middle one].
+    #[arg(long, value_name = "N")]
+    frame: Option<u32>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  vhull check calibration.toml
+  vhull check calibration.toml --table 0,0,0.4,0.5
+  vhull check my_recording --pictures overlays
+  vhull check other_rig.toml my_recording --tolerance 2
+
+Ends with code 3 where something is to be mended.";
+
+/// The middle of its top and the edge length of a cube under it, in metres.
+#[derive(Debug, Clone, Copy)]
+struct Table {
+    top: Point3<f64>,
+    side: f64,
+}
+
+fn parse_table(text: &str) -> std::result::Result<Table, String> {
+    let [x, y, z, side] = numbers(text, "x,y,z,size")?;
+    if side <= 0.0 {
+        return Err(format!("expected a size above zero, found {side}"));
+    }
+    Ok(Table { top: Point3::new(x, y, z), side })
+}
+
+/// What has been found so far.
+#[derive(Debug, Default)]
+struct Report {
+    /// What to mend, a sentence each.
+    faults: Vec<String>,
+}
+
+impl Report {
+    fn fault(&mut self, sentence: impl Into<String>) {
+        self.faults.push(sentence.into());
+    }
+}
+
+pub fn run(options: &Options) -> Result<Outcome> {
+    if !(options.tolerance.is_finite() && options.tolerance > 0.0) {
+        let found = options.tolerance;
+        return Err(Error::argument(format!("--tolerance: expected pixels above zero, found {found}")));
+    }
+    let (rig, folder) = load(options)?;
+    let mut report = Report::default();
+    print!("{}", rig.describe());
+    println!();
+    placement::report(&rig, options, &mut report)?;
+    if let Some(folder) = &folder {
+        let capture = Capture::new(Recording::open_with(folder, rig)?, folder, &options.volume)?;
+        println!();
+        silhouettes::report(&capture, options, &mut report)?;
+        if let Some(out) = &options.pictures {
+            pictures::write(&capture, options.frame, out)?;
+        }
+    } else if options.pictures.is_some() || options.frame.is_some() {
+        return Err(Error::argument(
+            "--pictures, --frame: expected a recording, found none; give its folder after the calibration",
+        ));
+    }
+    Ok(verdict(&report))
+}
+
+/// The rig, and the folder of the recording if there is one.
+fn load(options: &Options) -> Result<(Rig, Option<PathBuf>)> {
+    let own = options.rig.join("rig.toml");
+    let (calibration, folder) = match &options.recording {
+        Some(folder) => (own.is_file().then_some(own), Some(folder.clone())),
+        None if own.is_file() => (Some(own), has_pictures(&options.rig)?.then(|| options.rig.clone())),
+        None => (None, None),
+    };
+    let calibration =
+        Calibration::load(calibration.as_ref().unwrap_or(&options.rig), &options.hints.hints())?;
+    println!("{} cameras, read as {}", calibration.rig.len(), calibration.format);
+    for note in &calibration.notes {
+        println!("note: {note}");
+    }
+    Ok((calibration.rig, folder))
+}
+
+/// Whether the folder beside a rig file holds more than that.
+fn has_pictures(folder: &Path) -> Result<bool> {
+    let fail = |e: std::io::Error| Error::file(folder, format!("expected a readable folder, found: {e}"));
+    let mut entries = std::fs::read_dir(folder).map_err(fail)?;
+    Ok(entries.any(|entry| entry.is_ok_and(|entry| entry.path().is_dir())))
+}
+
+fn verdict(report: &Report) -> Outcome {
+    println!();
+    if report.faults.is_empty() {
+        println!("verdict: content");
+        return Outcome::Done;
+    }
+    println!("verdict: to be mended");
+    report.faults.iter().for_each(|fault| println!("- {fault}"));
+    Outcome::Doubts
+}

@@ -1,0 +1,70 @@
+//! Each view's image with its silhouette and the hull's over it.
+
+use crate::capture::Capture;
+use crate::progress;
+use image::{DynamicImage, GrayImage, Rgb, RgbImage};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::hull::Hull;
+use ode_visual_hull::silhouette::SUBJECT;
+use ode_visual_hull::{Error, Result};
+use std::path::Path;
+
+/// What the hull fills, what of the silhouette it does not, and the silhouette's edge.
+const FILLED: [f64; 3] = [60.0, 200.0, 90.0];
+const CUT: [f64; 3] = [235.0, 50.0, 40.0];
+const EDGE: [f64; 3] = [255.0, 230.0, 60.0];
+
+/// How strongly these cover the image.
+const STRENGTH: f64 = 0.55;
+
+/// Writes a picture for each view of a frame, the middle one unless told.
+pub fn write(capture: &Capture, frame: Option<u32>, out: &Path) -> Result<()> {
+    let recording = &capture.recording;
+    let frames = recording.frames();
+    let frame = frame.unwrap_or(frames[frames.len() / 2]);
+    let hull = capture.hull(frame)?;
+    std::fs::create_dir_all(out)
+        .map_err(|e| Error::file(out, format!("expected to make this folder, found: {e}")))?;
+    let masks = recording.masks(frame)?;
+    let images = recording.image_frames().contains(&frame).then(|| recording.images(frame)).transpose()?;
+    let bar = progress::bar(masks.len(), "pictures");
+    for (k, (camera, mask)) in recording.rig().cameras().iter().zip(&masks).enumerate() {
+        let mut picture = match &images {
+            Some(images) => images[k].clone(),
+            None => DynamicImage::from(mask.clone()).into_rgb8(),
+        };
+        paint(&mut picture, camera, mask, &hull);
+        let path = out.join(format!("{}_{frame:06}.png", camera.name()));
+        picture
+            .save(&path)
+            .map_err(|e| Error::file(&path, format!("expected to write a png, found: {e}")))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    println!(
+        "  pictures of frame {frame} in {}: green the hull, red what it lacks, yellow the",
+        out.display()
+    );
+    println!("  silhouette's edge");
+    Ok(())
+}
+
+fn paint(picture: &mut RgbImage, camera: &Camera, mask: &GrayImage, hull: &Hull) {
+    let is_subject = |x: u32, y: u32| mask.get_pixel_checked(x, y).is_some_and(|p| p.0[0] >= SUBJECT);
+    for (x, y, pixel) in picture.enumerate_pixels_mut() {
+        let subject = is_subject(x, y);
+        let around = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
+        let ray = || camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let colour = if subject && around.iter().any(|&(x, y)| !is_subject(x, y)) {
+            EDGE
+        } else if !subject {
+            continue;
+        } else if ray().is_some_and(|ray| hull.first_span(&ray).is_some()) {
+            FILLED
+        } else {
+            CUT
+        };
+        let mixed = |c: usize| f64::from(pixel.0[c]) * (1.0 - STRENGTH) + colour[c] * STRENGTH;
+        *pixel = Rgb([mixed(0) as u8, mixed(1) as u8, mixed(2) as u8]);
+    }
+}

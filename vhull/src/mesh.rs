@@ -1,0 +1,129 @@
+//! `vhull mesh`: hulls as closed triangle meshes, for programs that want one.
+
+mod field;
+mod surface;
+
+use crate::Outcome;
+use crate::arguments::{VolumeOptions, parse_length};
+use crate::capture::Capture;
+use crate::progress;
+use field::Field;
+use ode_visual_hull::recording::Recording;
+use ode_visual_hull::{Error, Result};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use surface::Surface;
+
+/// Write the hull of a recording's frames as a closed triangle mesh, PLY or OBJ, in metres.
+///
+/// Triangles are counter-clockwise as seen from outside, vertices carry outward normals. A sequence is numbered:
+/// hull.ply becomes hull_000000.ply and so on.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    /// Folder of a recording with masks.
+    recording: PathBuf,
+    /// The frame to take [default: the first].
+    #[arg(long, value_name = "N", conflicts_with = "frames")]
+    frame: Option<u32>,
+    /// The frames to take, the last one not.
+    #[arg(long, value_name = "A..B", value_parser = parse_range)]
+    frames: Option<std::ops::Range<u32>>,
+    /// Edge of the cells.
+    #[arg(long, value_name = "METRES", default_value = "0.01", value_parser = parse_length)]
+    resolution: f64,
+    /// File to write: its name ends in .ply (binary) or .obj.
+    #[arg(short, long, value_name = "FILE")]
+    out: PathBuf,
+    #[command(flatten)]
+    volume: VolumeOptions,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  vhull mesh my_recording -o hull.ply
+  vhull mesh my_recording --frames 0..100 --resolution 0.02 -o meshes/hull.obj";
+
+fn parse_range(text: &str) -> std::result::Result<std::ops::Range<u32>, String> {
+    let ends = text.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    let range = ends.map(|(first, end)| first..end).filter(|range| !range.is_empty());
+    range.ok_or_else(|| format!("expected two frame numbers as in 0..100, the second larger, found {text}"))
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Ply,
+    Obj,
+}
+
+pub fn run(options: &Options) -> Result<Outcome> {
+    let format = format_of(&options.out)?;
+    let recording = Recording::open(&options.recording)?;
+    let capture = Capture::new(recording, &options.recording, &options.volume)?;
+    let frames = frames(options, &capture)?;
+    let bar = progress::bar(frames.len(), "meshes");
+    for &frame in &frames {
+        let hull = capture.hull(frame)?;
+        let surface = Surface::of(&Field::of(&hull, options.resolution)?);
+        if surface.triangles.is_empty() {
+            let problem = format!(
+                "expected a subject in frame {frame}, found a hull without points at {} m; take a finer \
+                 --resolution, or let vhull check tell why",
+                options.resolution
+            );
+            return Err(Error::file(&options.recording, problem));
+        }
+        let path = if options.frames.is_some() { numbered(&options.out, frame) } else { options.out.clone() };
+        let bytes = match format {
+            Format::Ply => surface.to_ply(),
+            Format::Obj => surface.to_obj().into_bytes(),
+        };
+        std::fs::write(&path, bytes)
+            .map_err(|e| Error::file(&path, format!("expected to write a mesh, found: {e}")))?;
+        bar.suspend(|| {
+            println!(
+                "{}: {} vertices, {} triangles, {:.4} m3",
+                path.display(),
+                surface.points.len(),
+                surface.triangles.len(),
+                surface.volume()
+            );
+        });
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(Outcome::Done)
+}
+
+fn format_of(path: &Path) -> Result<Format> {
+    match path.extension().map(|extension| extension.to_ascii_lowercase()) {
+        Some(extension) if extension == "ply" => Ok(Format::Ply),
+        Some(extension) if extension == "obj" => Ok(Format::Obj),
+        _ => Err(Error::file(path, "expected a name that ends in .ply or .obj, found another; rename it")),
+    }
+}
+
+fn frames(options: &Options, capture: &Capture) -> Result<Vec<u32>> {
+    let all = capture.recording.frames();
+    let Some(range) = &options.frames else {
+        // A frame that is not there is refused when its masks are asked for.
+        return Ok(vec![options.frame.unwrap_or(all[0])]);
+    };
+    let frames: Vec<u32> = all.iter().copied().filter(|frame| range.contains(frame)).collect();
+    if frames.is_empty() {
+        let (first, last) = (all[0], all[all.len() - 1]);
+        return Err(Error::argument(format!(
+            "--frames: expected some of frames {first} to {last}, found {}..{}",
+            range.start, range.end
+        )));
+    }
+    Ok(frames)
+}
+
+/// `hull.ply` of frame 7 is `hull_000007.ply`.
+fn numbered(path: &Path, frame: u32) -> PathBuf {
+    let mut name = OsString::from(path.file_stem().unwrap_or_default());
+    name.push(format!("_{frame:06}."));
+    name.push(path.extension().unwrap_or_default());
+    path.with_file_name(name)
+}

@@ -44,7 +44,7 @@ pub(super) fn read(folder: &Source) -> Result<(Vec<Found>, Vec<String>)> {
         }
         found.iter_mut().for_each(|camera| camera.name.clone_from(&name));
         cameras.extend(found);
-        notes.extend(more);
+        notes.extend(more.into_iter().map(|note| format!("{name}/{note}")));
     }
     Ok((cameras, notes))
 }

@@ -18,7 +18,7 @@ const FITTED: usize = 8;
 const FEW_PLANES: usize = 4;
 
 /// Undoing a shift has to lessen the gaps by this share of the tolerance: of some shifts the pairs of cameras tell little.
-const LEAST_GAIN: f64 = 1.0 / 3.0;
+const LEAST_GAIN: f64 = 0.1;
 
 /// A view of whose silhouettes the hull fills less than this share has something wrong with it or with the others.
 const LEAST_FILLED: f64 = 0.75;

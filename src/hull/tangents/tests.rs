@@ -75,7 +75,7 @@ fn a_part_that_one_view_alone_sees_does_not_count() {
     for (view, camera) in cameras.iter().enumerate() {
         let mut mask = silhouette(camera, &Subject::person_at(0.0));
         if view == 1 {
-            // A quarter of the person's area, in a corner that no other view confirms.
+            // A large patch in a corner that no other view confirms.
             (0..40).for_each(|x| (250..310).for_each(|y| mask.put_pixel(5 + x, y, Luma([255]))));
         }
         data.set_mask(view, &mask).unwrap();

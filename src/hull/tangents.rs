@@ -39,9 +39,6 @@ const FINE: f64 = 0.5;
 /// that follow a motion of the subject change no gap: of those the ones with the fewest views shifted are taken.
 const RELUCTANCE: f64 = 0.1;
 
-/// The weight of a view that must not be shifted.
-const FIXED: f64 = 1e9;
-
 /// What silhouettes of several frames say of how the views' images lie to one another.
 #[derive(Debug, Clone, Default)]
 pub struct Tangents {
@@ -69,8 +66,8 @@ pub struct Shift {
     pub gap: f64,
     /// The same after all views have been shifted.
     pub gap_after: f64,
-    /// By how many pixels this shift lessens the disagreement on average, beside what shifts of the other views alone
-    /// would do. Pairs of cameras tell little of some shifts: a long one that gains little means nothing.
+    /// By how many pixels the mean disagreement would grow if of all shifts this one were left out. Pairs of cameras
+    /// tell little of some shifts: a long one that gains little means nothing.
     pub gain: f64,
     /// How many planes say so; with none, nothing is known.
     pub planes: usize,
@@ -101,26 +98,26 @@ impl Tangents {
     /// foot do not count for more than those that do not; and of the shifts that do equally well those of the fewest
     /// views.
     pub fn shifts(&self) -> Vec<Shift> {
-        let shifts = self.solve(None);
+        let shifts = self.solve();
         let none = DVector::zeros(2 * self.views);
         let of = |view: usize| {
             let own = || self.planes.iter().filter(move |plane| plane.views.contains(&view));
-            let others = self.solve(Some(view));
-            let gap =
-                |shifts: &DVector<f64>| self.planes.iter().map(|p| p.gap_with(shifts).abs()).sum::<f64>();
+            let mut others = shifts.clone();
+            others.fixed_rows_mut::<2>(2 * view).fill(0.0);
+            let sum = |shifts: &DVector<f64>| own().map(|plane| plane.gap_with(shifts).abs()).sum::<f64>();
             Shift {
                 shift: shifts.fixed_rows::<2>(2 * view).into(),
                 gap: median(own().map(|plane| plane.gap_with(&none).abs())),
                 gap_after: median(own().map(|plane| plane.gap_with(&shifts).abs())),
-                gain: (gap(&others) - gap(&shifts)) / own().count().max(1) as f64,
+                gain: (sum(&others) - sum(&shifts)) / own().count().max(1) as f64,
                 planes: own().count(),
             }
         };
         (0..self.views).map(of).collect()
     }
 
-    /// All views' shifts, but for one that stays, by least squares weighted anew with each round.
-    fn solve(&self, stays: Option<usize>) -> DVector<f64> {
+    /// All views' shifts, by least squares weighted anew with each round.
+    fn solve(&self) -> DVector<f64> {
         let n = 2 * self.views;
         let mut shifts = DVector::<f64>::zeros(n);
         let reluctance = RELUCTANCE * 2.0 * self.planes.len() as f64 / self.views.max(1) as f64;
@@ -128,7 +125,7 @@ impl Tangents {
             let (mut matrix, mut vector) = (DMatrix::<f64>::identity(n, n) * 1e-9, DVector::<f64>::zeros(n));
             for view in 0..self.views {
                 let length = shifts.fixed_rows::<2>(2 * view).norm();
-                let weight = if stays == Some(view) { FIXED } else { reluctance / length.max(0.1 * FINE) };
+                let weight = reluctance / length.max(0.1 * FINE);
                 (0..2).for_each(|axis| matrix[(2 * view + axis, 2 * view + axis)] += weight);
             }
             for plane in &self.planes {

@@ -62,3 +62,57 @@ fn the_description_says_when_the_origin_is_behind_or_beside() {
     assert!(text.lines().next().unwrap().ends_with("origin behind it"), "{text}");
     assert!(text.lines().nth(1).unwrap().ends_with("px, outside its image"), "{text}");
 }
+
+#[test]
+fn the_work_volume_lies_around_the_spot_that_all_look_at() {
+    let rig = rig();
+    let focus = rig.focus().unwrap();
+    assert!((focus - Point3::new(0.0, 0.0, 1.0)).norm() < 1e-9, "{focus}");
+    assert_eq!(rig.seeing_focus().unwrap(), [0, 1]);
+    let volume = rig.work_volume().unwrap();
+    // The nearest camera stands (0, 2.5, 0.5) off; the floor cuts what lies below.
+    let reach = 0.9 * 6.5_f64.sqrt();
+    assert!((volume.max.x - reach).abs() < 1e-9 && volume.min.z == 0.0, "{volume:?}");
+    let below = rig.transformed(&Isometry3::translation(0.0, 0.0, -5.0)).unwrap();
+    assert!(below.work_volume().unwrap().min.z < -5.0, "no floor above the cameras");
+}
+
+#[test]
+fn cameras_that_look_one_way_share_no_spot() {
+    let beside = |name: &str, x: f64| {
+        let (eye, target) = (Point3::new(x, 0.0, 1.0), Point3::new(x, 1.0, 1.0));
+        Camera::look_at(name, (640, 480), 1.0, eye, target, Vector3::z()).unwrap()
+    };
+    let rig = Rig::new(vec![beside("a", 0.0), beside("b", 1.0)]).unwrap();
+    assert!(rig.work_volume().unwrap_err().to_string().contains("found parallel ones"));
+}
+
+#[test]
+fn coverage_counts_what_each_number_of_cameras_sees() {
+    let rig = rig();
+    let near = crate::hull::Aabb::new(Point3::new(-0.1, -0.1, 0.9), Point3::new(0.1, 0.1, 1.1)).unwrap();
+    assert_eq!(rig.coverage(&near, 4), [0.0, 0.0, 1.0]);
+    let shares = rig.coverage(&rig.work_volume().unwrap(), 12);
+    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12 && shares.iter().all(|&share| share > 0.0));
+    let own: f64 = rig.cameras().iter().map(|c| Rig::coverage_of(c, &rig.work_volume().unwrap(), 12)).sum();
+    assert!((own - shares[1] - 2.0 * shares[2]).abs() < 1e-12);
+}
+
+#[test]
+fn the_reading_that_makes_a_foreign_pose_right_is_the_one_it_was_written_in() {
+    let right = rig();
+    for reading in Reading::ALL {
+        // Each is its own inverse but the last, which undoes its parts in the other order.
+        let wrong = match reading {
+            Reading::CameraToWorldOpenGl => {
+                right.read_as(Reading::OpenGl).unwrap().read_as(Reading::CameraToWorld).unwrap()
+            }
+            other => right.read_as(other).unwrap(),
+        };
+        let back = wrong.read_as(reading).unwrap();
+        for (a, b) in right.cameras().iter().zip(back.cameras()) {
+            assert!((a.centre() - b.centre()).norm() < 1e-12 && (a.forward() - b.forward()).norm() < 1e-12);
+        }
+        assert!(wrong.seeing_focus().map_or(true, |seeing| seeing.len() < 2), "{reading:?}");
+    }
+}

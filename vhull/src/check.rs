@@ -33,8 +33,8 @@ pub struct Options {
     /// in metres; may be given again.
     #[arg(long, value_name = "X,Y,Z,SIZE", value_parser = parse_table, allow_hyphen_values = true)]
     table: Vec<Table>,
-    /// How far a view's silhouettes may be shifted, in pixels.
-    #[arg(long, value_name = "PIXELS", default_value_t = 3.0)]
+    /// How far a view's silhouettes may be shifted, in pixels; masks of real people leave 3 to 5 px open, exact ones none.
+    #[arg(long, value_name = "PIXELS", default_value_t = 5.0)]
     tolerance: f64,
     /// Look at so many frames at most, evenly spread.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
@@ -93,8 +93,10 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let mut report = Report::default();
     print!("{}", rig.describe());
     println!();
-    placement::report(&rig, options, &mut report)?;
-    if let Some(folder) = &folder {
+    let comparable = placement::report(&rig, options, &mut report)?;
+    if let Some(folder) = folder.as_ref().filter(|_| !comparable) {
+        println!("\nthe silhouettes in {} are not compared: the cameras come first", folder.display());
+    } else if let Some(folder) = &folder {
         let capture = Capture::new(Recording::open_with(folder, rig)?, folder, &options.volume)?;
         println!();
         silhouettes::report(&capture, options, &mut report)?;

@@ -1,1 +1,65 @@
+use super::*;
+use crate::camera::Camera;
+use crate::hull::{Aabb, HullData};
+use crate::synthetic::{Paint, Placed, Solid, Subject, layout, silhouette};
+use nalgebra::Isometry3;
 
+/// Four cameras around a ball of 0.6 m.
+fn cameras() -> Vec<Camera> {
+    layout::staggered(4, 3.0, &[0.5, 1.5], Point3::new(0.0, 0.0, 1.0), (160, 160), 0.5).unwrap()
+}
+
+fn masks(cameras: &[Camera]) -> Vec<GrayImage> {
+    let ball = Solid::sphere(0.3).unwrap();
+    let ball = Placed::new(ball, Isometry3::translation(0.0, 0.0, 1.0), Paint::plain([0; 3]));
+    let ball = Subject::new(vec![ball]);
+    cameras.iter().map(|camera| silhouette(camera, &ball)).collect()
+}
+
+fn fits(cameras: &[Camera], masks: &[GrayImage]) -> Vec<Fit> {
+    let data = HullData::new();
+    data.add_views(cameras).unwrap();
+    data.set_bounds(Aabb::new(Point3::new(-1.0, -1.0, 0.0), Point3::new(1.0, 1.0, 2.0)).unwrap()).unwrap();
+    masks.iter().enumerate().for_each(|(view, mask)| data.set_mask(view, mask).unwrap());
+    data.update(0.0).unwrap().fits(1)
+}
+
+#[test]
+fn the_hull_of_exact_silhouettes_fills_them() {
+    let cameras = cameras();
+    for fit in fits(&cameras, &masks(&cameras)) {
+        // Rays of pixels at the very edge may pass a hull that is made of pixels.
+        assert!(fit.pixels > 2000 && fit.filled_share() > 0.96, "{fit:?}");
+        assert!(fit.cut_depth_px <= 2.0, "{fit:?}");
+    }
+}
+
+#[test]
+fn the_view_that_lost_a_part_is_the_one_that_cuts() {
+    let cameras = cameras();
+    let mut masks = masks(&cameras);
+    // The lower third of the ball, some 20 rows.
+    let rows: Vec<u32> = (0..160).filter(|&y| (0..160).any(|x| masks[2].get_pixel(x, y).0[0] > 0)).collect();
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    let from = last - (last - first) / 3;
+    (from..=last).for_each(|y| (0..160).for_each(|x| masks[2].put_pixel(x, y, Luma([0]))));
+    let fits = fits(&cameras, &masks);
+    assert!(fits[2].filled_share() > 0.9, "it still fits itself: {:?}", fits[2]);
+    for view in [0, 1, 3] {
+        assert!(fits[view].filled_share() < 0.9 && fits[view].cuts < fits[2].cuts / 4, "{:?}", fits[view]);
+    }
+    // Half of what is missing lies at least a few pixels inside the part, and none deeper than the part is high.
+    let height = f64::from(last - from + 1);
+    assert!(fits[2].cut_depth_px > 2.0 && fits[2].cut_depth_px < height, "{:?}", fits[2]);
+}
+
+#[test]
+fn an_empty_hull_fills_nothing() {
+    let cameras = cameras();
+    let mut masks = masks(&cameras);
+    masks[1] = GrayImage::new(160, 160);
+    let fits = fits(&cameras, &masks);
+    assert_eq!((fits[1].pixels, fits[1].filled_share()), (0, 1.0));
+    assert!([0, 2, 3].iter().all(|&view| fits[view].filled == 0 && fits[view].cuts == 0));
+    assert!(fits[1].cuts > 0, "without it the others agree");
+}

@@ -23,6 +23,28 @@ fn the_tent_above_a_table_shrinks_with_the_cameras_elevation() {
 }
 
 #[test]
+fn tents_are_as_high_as_measured_with_a_camera_above() {
+    // Measured with images: the bulge of the hull of pixels, hence the 5 %.
+    for (degrees, measured) in [(30.0, 0.109), (15.0, 0.051), (5.0, 0.017)] {
+        let mut cameras = ring_at_elevation(degrees);
+        let (eye, top) = (Point3::new(0.0, 0.0, 3.4), Point3::new(0.0, 0.0, 0.4));
+        cameras.push(Camera::look_at("above", (64, 48), 0.6, eye, top, Vector3::y()).unwrap());
+        let tent = Tent::above(&cameras, top, 0.4).unwrap();
+        assert_eq!(tent.cameras.len(), 7);
+        assert!((tent.highest - measured).abs() < 0.05 * measured, "{degrees} degrees: {tent:?}");
+        cameras.push(ring_at_elevation(0.0).swap_remove(0));
+        assert!(Tent::above(&cameras, top, 0.4).unwrap().highest < 1e-6, "one that looks along it is enough");
+    }
+}
+
+#[test]
+fn cameras_that_do_not_see_the_top_bound_no_tent() {
+    let tent = Tent::above(&ring_at_elevation(30.0), Point3::new(50.0, 0.0, 0.4), 0.4).unwrap();
+    assert!(tent.cameras.is_empty() && tent.middle >= 3.9);
+    assert!(Tent::above(&[], Point3::origin(), -1.0).is_err());
+}
+
+#[test]
 fn staggered_cameras_graze_at_each_height() {
     let heights = [0.4, 0.6, 0.8, 1.0];
     let target = Point3::new(0.5, -0.2, 0.7);

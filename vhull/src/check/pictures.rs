@@ -41,11 +41,8 @@ pub fn write(capture: &Capture, frame: Option<u32>, out: &Path) -> Result<()> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    println!(
-        "  pictures of frame {frame} in {}: green the hull, red what it lacks, yellow the",
-        out.display()
-    );
-    println!("  silhouette's edge");
+    println!("  pictures of frame {frame} in {}:", out.display());
+    println!("  green the hull, red what of the silhouette it lacks, yellow the silhouette's edge");
     Ok(())
 }
 

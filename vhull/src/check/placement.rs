@@ -13,15 +13,16 @@ const FINENESS: usize = 48;
 /// A tent that is higher than this share of the table's size is worth a word of advice.
 const HIGH: f64 = 0.05;
 
-pub fn report(rig: &Rig, options: &Options, report: &mut Report) -> Result<()> {
+/// Tells of the cameras' places; true if silhouettes can be compared: there is a work volume, and all see some of it.
+pub fn report(rig: &Rig, options: &Options, report: &mut Report) -> Result<bool> {
     match rig.focus() {
         Ok(focus) => spot(rig, &focus, report)?,
         Err(error) => report.fault(error.to_string()),
     }
-    if options.volume.bounds.is_some() || rig.work_volume().is_ok() {
-        volume(rig, options, report)?;
-    }
-    options.table.iter().try_for_each(|table| tent(rig, table, report))
+    let has_volume = options.volume.bounds.is_some() || rig.work_volume().is_ok();
+    let all_see = has_volume && volume(rig, options, report)?;
+    options.table.iter().try_for_each(|table| tent(rig, table, report))?;
+    Ok(all_see)
 }
 
 /// The place that all look at.
@@ -56,8 +57,8 @@ fn sees_more(rig: &Rig, reading: Reading, than: usize) -> bool {
     seeing.is_ok_and(|seeing| seeing.len() == rig.len() && seeing.len() > than)
 }
 
-/// How much of the work volume is seen by how many.
-fn volume(rig: &Rig, options: &Options, report: &mut Report) -> Result<()> {
+/// How much of the work volume is seen by how many; true if every camera sees some.
+fn volume(rig: &Rig, options: &Options, report: &mut Report) -> Result<bool> {
     let volume = options.volume.of(rig)?;
     println!("work volume {} to {}", place(&volume.min), place(&volume.max));
     let shares = rig.coverage(&volume, FINENESS);
@@ -65,20 +66,23 @@ fn volume(rig: &Rig, options: &Options, report: &mut Report) -> Result<()> {
     let counted = shares.iter().enumerate().filter(|(_, share)| **share > 0.0);
     let counted: Vec<_> = counted.map(|(n, &share)| format!("{} by {n}", percent(share))).collect();
     println!("  seen by so many cameras: {}", counted.join(", "));
-    let of: Vec<_> = rig
-        .cameras()
-        .iter()
-        .map(|camera| {
-            format!("{} by {}", percent(Rig::coverage_of(camera, &volume, FINENESS)), camera.name())
-        })
-        .collect();
-    println!("  seen by each: {}", of.join(", "));
-    if shares.iter().skip(2).sum::<f64>() == 0.0 && rig.len() > 1 {
+    let of: Vec<f64> = rig.cameras().iter().map(|c| Rig::coverage_of(c, &volume, FINENESS)).collect();
+    let named = rig.cameras().iter().zip(&of);
+    let told: Vec<_> =
+        named.clone().map(|(c, &share)| format!("{} by {}", percent(share), c.name())).collect();
+    println!("  seen by each: {}", told.join(", "));
+    let blind: Vec<_> = named.filter(|(_, share)| **share == 0.0).map(|(c, _)| c.name()).collect();
+    if !blind.is_empty() {
+        report.fault(format!(
+            "nothing of the work volume is seen by {}; give --bounds around the subject, or check the poses",
+            blind.join(", ")
+        ));
+    } else if shares.iter().skip(2).sum::<f64>() == 0.0 && rig.len() > 1 {
         report.fault(
             "no part of the work volume is seen by two cameras; give --bounds around the subject, or check the poses",
         );
     }
-    Ok(())
+    Ok(blind.is_empty())
 }
 
 /// The hull above a table.

@@ -18,7 +18,7 @@ const FITTED: usize = 8;
 const FEW_PLANES: usize = 4;
 
 /// Undoing a shift has to lessen the gaps by this share of the tolerance: of some shifts the pairs of cameras tell little.
-const LEAST_GAIN: f64 = 1.0 / 3.0;
+const LEAST_GAIN: f64 = 0.1;
 
 /// A view of whose silhouettes the hull fills less than this share has something wrong with it or with the others.
 const LEAST_FILLED: f64 = 0.75;
@@ -82,7 +82,7 @@ fn table(rig: &Rig, shifts: &[Shift], fits: &[Fit]) {
     for ((camera, shift), fit) in rig.cameras().iter().zip(shifts).zip(fits) {
         let by = match shift.planes {
             0 => "unknown".into(),
-            _ => format!("({:.1}, {:.1})", -shift.shift.x + 0.0, -shift.shift.y + 0.0),
+            _ => format!("({:.1}, {:.1})", tenths(-shift.shift.x), tenths(-shift.shift.y)),
         };
         let cuts = match fit.cuts {
             0 => "nothing".into(),
@@ -91,7 +91,7 @@ fn table(rig: &Rig, shifts: &[Shift], fits: &[Fit]) {
         println!(
             "  {:width$}  {by:>16}  {:>4.1} px  {:>11}  {:>4.0} %  {cuts:>22}",
             camera.name(),
-            shift.gain,
+            tenths(shift.gain),
             format!("{:.1}, {:.1} px", shift.gap, shift.gap_after),
             100.0 * fit.filled_share(),
         );
@@ -102,6 +102,11 @@ fn table(rig: &Rig, shifts: &[Shift], fits: &[Fit]) {
          filled: of its silhouettes by the hull; cuts away: of all silhouettes what this view alone denies, and how \
          deep"
     );
+}
+
+/// Rounded, and no minus before a zero.
+fn tenths(x: f64) -> f64 {
+    (10.0 * x).round() / 10.0 + 0.0
 }
 
 fn judge(rig: &Rig, shifts: &[Shift], fits: &[Fit], options: &Options, report: &mut Report) {

@@ -1,0 +1,141 @@
+use super::{data, folder, studio, vhull};
+use image::GrayImage;
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use ode_visual_hull::camera::{Camera, Distortion};
+use ode_visual_hull::rig::{Reading, Rig};
+use ode_visual_hull::synthetic::layout;
+use std::path::Path;
+
+/// The rig in `folder` with the principal point of one camera moved.
+fn with_camera_moved(folder: &Path, moved: usize, right: f64, down: f64) -> Rig {
+    let rig = Rig::load(folder.join("studio/rig.toml")).unwrap();
+    let camera = |(k, camera): (usize, &Camera)| {
+        let mut matrix: Matrix3<f64> = *camera.intrinsics();
+        if k == moved {
+            matrix[(0, 2)] += right;
+            matrix[(1, 2)] += down;
+        }
+        let pose: Isometry3<f64> = *camera.cam_from_world();
+        Camera::new(camera.name(), camera.size(), matrix, Distortion::none(), pose).unwrap()
+    };
+    Rig::new(rig.cameras().iter().enumerate().map(camera).collect()).unwrap()
+}
+
+/// The last lines, from the verdict on.
+fn verdict(out: &str) -> &str {
+    &out[out.find("verdict").unwrap()..]
+}
+
+#[test]
+fn a_synthetic_recording_is_fine() {
+    let folder = studio("check_fine", "person");
+    let run = vhull(&folder, &["check", "studio", "--pictures", "overlays", "--frame", "1"]);
+    assert_eq!((run.code, verdict(&run.out)), (0, "verdict: content\n"), "{}{}", run.out, run.error);
+    for k in 0..5 {
+        let picture = image::open(folder.join(format!("overlays/cam{k}_000001.png"))).unwrap();
+        assert_eq!((picture.width(), picture.height()), (200, 240));
+    }
+    // The rig alone: its folder, and its file.
+    assert_eq!(vhull(&folder, &["check", "studio/rig.toml"]).code, 0);
+}
+
+#[test]
+fn a_camera_that_is_off_is_named_alone() {
+    let folder = studio("check_off", "person");
+    with_camera_moved(&folder, 3, -7.0, 6.0).save(folder.join("off.toml")).unwrap();
+    let run = vhull(&folder, &["check", "off.toml", "studio"]);
+    let faults = verdict(&run.out);
+    assert_eq!(run.code, 3, "{}", run.out);
+    assert!(faults.contains("- cam3: its silhouettes lie"), "{faults}");
+    assert_eq!(faults.lines().count(), 2, "{faults}");
+}
+
+#[test]
+fn poses_with_opengl_axes_are_recognised() {
+    let folder = studio("check_axes", "person");
+    let rig = Rig::load(folder.join("studio/rig.toml")).unwrap();
+    rig.read_as(Reading::OpenGl).unwrap().save(folder.join("opengl.toml")).unwrap();
+    for words in [&["check", "opengl.toml"][..], &["check", "opengl.toml", "studio"]] {
+        let run = vhull(&folder, words);
+        assert_eq!(run.code, 3, "{}{}", run.out, run.error);
+        let faults = verdict(&run.out);
+        assert!(faults.contains("is behind cam0, cam1, cam2, cam3, cam4"), "{faults}");
+        assert!(faults.contains("y and z of the camera axes flipped (OpenGL"), "{faults}");
+    }
+}
+
+#[test]
+fn an_empty_mask_is_told_as_the_reason_of_an_empty_hull() {
+    let folder = studio("check_empty", "ball");
+    for frame in 0..3 {
+        let path = folder.join(format!("studio/cam2/mask/{frame:06}.png"));
+        GrayImage::new(200, 240).save(path).unwrap();
+    }
+    let run = vhull(&folder, &["check", "studio"]);
+    assert_eq!(run.code, 3, "{}{}", run.out, run.error);
+    assert!(verdict(&run.out).contains("the mask of cam2 holds no subject"), "{}", run.out);
+}
+
+#[test]
+fn tents_are_told_as_high_as_they_are() {
+    let folder = folder("check_tent");
+    let top = Point3::new(0.0, 0.0, 0.4);
+    for (degrees, measured_mm) in [(30.0_f64, 109.0), (15.0, 51.0), (5.0, 17.0), (0.0, 0.0)] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let mut cameras = layout::ring(6, 3.0 * cos, 0.4 + 3.0 * sin, top, (320, 240), 0.6).unwrap();
+        let eye = Point3::new(0.0, 0.0, 3.4);
+        cameras.push(Camera::look_at("above", (320, 240), 0.6, eye, top, Vector3::y()).unwrap());
+        Rig::new(cameras).unwrap().save(folder.join("rig.toml")).unwrap();
+        let run = vhull(&folder, &["check", "rig.toml", "--table", "0,0,0.4,0.4"]);
+        assert_eq!(run.code, 0, "{}{}", run.out, run.error);
+        let line = run.out.lines().find(|line| line.contains("the hull rises")).unwrap();
+        let told: f64 = line.split("rises ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        // Told in whole millimetres.
+        assert!((told - measured_mm).abs() <= 0.05 * measured_mm + 0.5, "{degrees} degrees: {line}");
+    }
+}
+
+#[test]
+fn the_balancing_persons_published_calibration_is_off_in_two_cameras() {
+    let Some(dir) = data::find("balancing_person") else { return };
+    let run = vhull(&dir, &["check", "rig_as_published.toml", "."]);
+    let faults = verdict(&run.out);
+    assert_eq!((run.code, faults.lines().count()), (3, 3), "{}{}", run.out, run.error);
+    assert!(
+        faults.contains("- cam01: its silhouettes") && faults.contains("- cam03: its silhouettes"),
+        "{faults}"
+    );
+    let run = vhull(&dir, &["check", "rig.toml", "."]);
+    assert_eq!((run.code, verdict(&run.out)), (0, "verdict: content\n"), "{}{}", run.out, run.error);
+}
+
+#[test]
+fn the_seated_person_is_fine_through_four_distorting_lenses() {
+    let Some(dir) = data::find("seated_person") else { return };
+    let run = vhull(&dir, &["check", "."]);
+    assert_eq!((run.code, verdict(&run.out)), (0, "verdict: content\n"), "{}{}", run.out, run.error);
+}
+
+#[test]
+fn wrong_input_is_told_with_file_and_next_step() {
+    let folder = studio("check_wrong", "ball");
+    std::fs::write(folder.join("notes.txt"), "cameras: three\n").unwrap();
+    std::fs::write(folder.join("studio/cam1/mask/000001.png"), "not a png").unwrap();
+    std::fs::create_dir(folder.join("nothing")).unwrap();
+    for (words, parts) in [
+        (&["check", "absent.toml"][..], &["absent.toml", "check the path"][..]),
+        (&["check", "notes.txt"], &["notes.txt: expected a calibration", "cameras: three"]),
+        (&["check", "studio/rig.toml", "nothing"], &["view \"cam0\"", "expected the folder nothing/cam0"]),
+        (&["check", "studio"], &["view \"cam1\"", "000001.png: expected an image"]),
+        (
+            &["check", "studio", "--frame", "9", "--frames", "1"],
+            &["expected cam0/mask/000009", "3 frames from 0 to 2"],
+        ),
+        (&["check", "studio/rig.toml", "--pictures", "p"], &["expected a recording"]),
+        (&["check", "studio", "--tolerance", "0"], &["--tolerance: expected pixels above zero"]),
+    ] {
+        let run = vhull(&folder, words);
+        assert_eq!(run.code, 1, "{words:?}: {}{}", run.out, run.error);
+        assert!(parts.iter().all(|part| run.error.contains(part)), "{words:?}: {}", run.error);
+    }
+}

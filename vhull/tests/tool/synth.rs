@@ -1,0 +1,64 @@
+use super::{folder, studio, vhull};
+use ode_visual_hull::recording::Recording;
+
+#[test]
+fn a_recording_has_images_backgrounds_and_masks() {
+    let folder = studio("synth_all", "ring");
+    let recording = Recording::open(folder.join("studio")).unwrap();
+    assert_eq!((recording.rig().len(), recording.frames()), (5, &[0, 1, 2][..]));
+    let (images, masks) = (recording.images(2).unwrap(), recording.masks(2).unwrap());
+    let plate = recording.background(4).unwrap();
+    let (mut inside, mut outside) = ((0.0, 0), (0.0, 0));
+    for (x, y, mask) in masks[4].enumerate_pixels() {
+        let [a, b] = [images[4].get_pixel(x, y), plate.get_pixel(x, y)];
+        let difference: f64 = (0..3).map(|c| f64::from(a.0[c].abs_diff(b.0[c]))).sum();
+        match mask.0[0] {
+            0 => outside = (outside.0 + difference, outside.1 + 1),
+            255 => inside = (inside.0 + difference, inside.1 + 1),
+            _ => {}
+        }
+    }
+    let (inside, outside) = (inside.0 / f64::from(inside.1), outside.0 / f64::from(outside.1));
+    // Two grey levels of noise in each of two images, three channels.
+    assert!(inside > 60.0 && outside < 12.0, "{inside} {outside}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_recording_and_masks_are_left_out_on_demand() {
+    let folder = folder("synth_seed");
+    for (name, seed) in [("a", "3"), ("b", "3"), ("c", "4")] {
+        let words = [
+            "synth",
+            name,
+            "--cameras",
+            "2",
+            "--frames",
+            "1",
+            "--size",
+            "64x48",
+            "--seed",
+            seed,
+            "--no-masks",
+        ];
+        assert_eq!(vhull(&folder, &words).code, 0);
+    }
+    let file = |name: &str| std::fs::read(folder.join(name).join("cam1/image/000000.png")).unwrap();
+    assert_eq!(file("a"), file("b"));
+    assert_ne!(file("a"), file("c"));
+    assert!(Recording::open(folder.join("a")).unwrap().frames().is_empty());
+    let run = vhull(&folder, &["check", "a"]);
+    assert!(run.code == 1 && run.error.contains("segment them"), "{}", run.error);
+}
+
+#[test]
+fn what_is_there_is_not_overwritten_and_absurd_numbers_are_refused() {
+    let folder = studio("synth_wrong", "ball");
+    let again = vhull(&folder, &["synth", "studio"]);
+    assert!(again.code == 1 && again.error.contains("choose another folder"), "{}", again.error);
+    assert_eq!(vhull(&folder, &["synth", "other", "--cameras", "0"]).code, 2);
+    assert_eq!(vhull(&folder, &["synth", "other", "--size", "0x10"]).code, 2);
+    assert_eq!(vhull(&folder, &["synth", "other", "--noise", "-1"]).code, 2);
+    let noisy = vhull(&folder, &["synth", "other", "--noise", "1000"]);
+    assert!(noisy.code == 1 && noisy.error.contains("--noise"), "{}", noisy.error);
+    assert!(!folder.join("other").exists());
+}

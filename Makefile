@@ -15,13 +15,18 @@ INSTALLED := $(INCLUDEDIR)/ode_visual_hull.h $(LIBDIR)/pkgconfig/ode_visual_hull
 	$(addprefix $(LIBDIR)/$(LIBRARY),.a .so .so.$(MAJOR) .so.$(VERSION))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup lib install uninstall demo test figures bench clean
+.PHONY: help setup lib install uninstall demo demo-real test figures bench clean
 
 help: ## this list
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1	\2/p' $(MAKEFILE_LIST) | expand -t 18
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' $(MAKEFILE_LIST) | expand -t 18
 
 demo: setup ## a stack of boxes on a real box that is lifted and tilted: film, table and plot in target/demo
 	cargo run --release --example box_stack
+
+demo-real: ## a real person knocks over such a stack: fetches a recording, film, table and plot in target/demo-real
+	@scripts/setup ffmpeg python3-pip
+	cargo build --release --package vhull
+	@scripts/demo-real $(or $(CARGO_TARGET_DIR),target)
 
 test: setup ## formatting, lints, documentation and all tests
 	@scripts/lints

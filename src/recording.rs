@@ -138,7 +138,7 @@ impl Recording {
         }
         let found = Rig::load(dir.join(RIG))?;
         // As it would be read from there: writing rounds.
-        if found.to_toml() != Rig::from_toml(&rig.to_toml())?.to_toml() {
+        if found != *rig && found.to_toml() != Rig::from_toml(&rig.to_toml())?.to_toml() {
             let problem =
                 "expected the cameras of the recording to go on with, found others; choose another folder";
             return Err(Error::file(dir.join(RIG), problem));

@@ -40,18 +40,28 @@ pub fn poses(data: &Arc<HullData>, n: usize, side: f64, pixel_size: f64) -> Resu
     let mut landings = Heights::of(&hull).landings(side);
     landings.sort_by(|a, b| b.score().total_cmp(&a.score()));
     let places = apart(landings.iter().map(|landing| landing.top), 0.3 * side, TRIALS);
-    let mut poses = Vec::new();
+    let mut chosen: Vec<Isometry3<f64>> = Vec::new();
     let mut unsteady = Vec::new();
     for (i, top) in places.iter().enumerate() {
         let turn = Vector3::z() * 0.15 * (i % 3) as f64;
         let pose = Isometry3::new(top.coords + Vector3::z() * (0.5 * side + DROP), turn);
-        let kept = if is_steady(data, &pose, side, pixel_size)? { &mut poses } else { &mut unsteady };
-        kept.push(pose);
+        if chosen.len() < n && is_apart(&pose, &chosen, side) {
+            let kept = if is_steady(data, &pose, side, pixel_size)? { &mut chosen } else { &mut unsteady };
+            kept.push(pose);
+        }
     }
-    poses.extend(unsteady);
-    let chosen = apart(poses.iter().map(|pose| pose.translation.vector.into()), 1.1 * side, n);
-    poses.retain(|pose| chosen.contains(&pose.translation.vector.into()));
-    Ok(poses)
+    for pose in unsteady {
+        if chosen.len() < n && is_apart(&pose, &chosen, side) {
+            chosen.push(pose);
+        }
+    }
+    Ok(chosen)
+}
+
+/// Whether a box at `pose` has room beside the `others`.
+fn is_apart(pose: &Isometry3<f64>, others: &[Isometry3<f64>], side: f64) -> bool {
+    let offset = |other: &Isometry3<f64>| (other.translation.vector - pose.translation.vector).xy().amax();
+    others.iter().all(|other| offset(other) >= 1.1 * side)
 }
 
 /// Whether a box dropped at `pose` comes to rest on the subject close by.

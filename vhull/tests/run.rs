@@ -107,8 +107,9 @@ fn a_moving_subject_knocks_a_stack_over_and_the_same_seed_does_it_again() {
     let first = states(&recording);
     let third: Vec<_> = first.iter().filter(|row| row[1] == 3.0).collect();
     assert!((third[14][4] - 0.5).abs() < 0.01, "the third of three boxes of 20 cm stands: {:?}", third[14]);
-    let moved = (third[third.len() - 1][2] - third[0][2]).abs();
-    assert!(moved > 0.2, "half a ball's way: {moved}");
+    let (before, after) = (third[14], third[third.len() - 1]);
+    let moved = (after[2] - before[2]).hypot(after[3] - before[3]);
+    assert!(moved > 0.2 && after[4] < 0.45, "it falls off: {after:?}");
     success(&recording, &arguments);
     assert_eq!(first, states(&recording));
 }

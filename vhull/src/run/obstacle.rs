@@ -16,10 +16,12 @@ const CLEAR: f64 = 0.04;
 const LEAST: f64 = 0.05;
 const BEST: f64 = 0.15;
 
-/// The foot of a stack of this `side` and `height` where the subject is not in the first of `hulls`, and comes in the
-/// later ones: high up, so that the stack falls. `None` where it comes nowhere.
+/// The foot of a stack of this `side` and `height` where the subject is not in the first of `hulls`, and comes later:
+/// high up, so that the stack falls, and in the first two thirds, so that there is time to see it. `None` where it
+/// comes nowhere.
 pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<f64>> {
     let (first, later) = hulls.split_first()?;
+    let later = &later[..(2 * later.len()).div_ceil(3)];
     let whole =
         later.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty()).reduce(|a, b| a.union(&b))?;
     let size = (whole.max - whole.min) / CELL;

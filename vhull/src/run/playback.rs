@@ -220,8 +220,10 @@ impl Capture for Playback {
             return None;
         }
         let (near, _, _) = hull.aabb().span(&ray.origin, &ray.direction)?;
-        let (entry, _) = hull.first_span(&Ray { origin: ray.at(near), ..*ray })?;
-        entry.map(|entry| Hit { t: near + entry.t, normal: entry.normal })
+        // A hair before the box: a ray that starts inside the hull has no entry.
+        let start = (near - 0.01).max(0.0);
+        let (entry, _) = hull.first_span(&Ray { origin: ray.at(start), ..*ray })?;
+        entry.map(|entry| Hit { t: start + entry.t, normal: entry.normal })
     }
 
     fn real_top(&self, _: usize) -> Option<f64> {

@@ -124,8 +124,8 @@ impl Recording {
             return Self::create(dir, rig);
         }
         let found = Rig::load(dir.join(RIG))?;
-        // As it would be read from there: writing rounds.
-        if found.to_toml() != Rig::from_toml(&rig.to_toml())?.to_toml() {
+        // Or as it would have been written there, which rounds.
+        if found != *rig && found != Rig::from_toml(&rig.to_toml())? {
             let problem =
                 "expected the cameras of the recording to go on with, found others; choose another folder";
             return Err(Error::file(dir.join(RIG), problem));

@@ -98,12 +98,13 @@ impl Recording {
             let listed = frames_csv::load(&path, &names)?;
             return Ok(listed.into_iter().map(|times| Some(Times::Listed(Arc::new(times)))).collect());
         }
-        let first_video = self.videos.iter().flatten().next();
-        let rate = first_video.map(|video| Video::rate(video)).transpose()?.flatten();
-        let of_folder = |video: &Option<PathBuf>| match video {
-            Some(_) => None,
-            None => rate.map(Times::Rate),
+        // Only the folders that stand beside videos ask these for a rate.
+        let videos = || self.videos.iter().flatten();
+        let rate = match videos().next() {
+            Some(first) if videos().count() < self.videos.len() => Video::rate(first)?,
+            _ => None,
         };
+        let of_folder = |video: &Option<PathBuf>| video.is_none().then(|| rate.map(Times::Rate)).flatten();
         Ok(self.videos.iter().map(of_folder).collect())
     }
 }

@@ -103,7 +103,8 @@ impl Video {
             }
             let left_out = promised - found;
             self.notes.push(format!(
-                "{}: {found} images, {left_out} fewer than its header says: they repeat others, and count in no number",
+                "{}: its header counts {promised} images, of which {left_out} only repeat others and are left out; the \
+                 numbers are those of the other {found}",
                 path.display()
             ));
         }

@@ -14,10 +14,10 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// How many, where `left` are known to come from the first on.
+    /// How many, where `left` are known to come from the first on; 0 where nothing is known.
     pub fn count(self, left: Option<u32>) -> usize {
-        let asked = self.end - self.first;
-        left.unwrap_or(asked).min(asked) as usize
+        let asked = (self.end < u32::MAX).then(|| self.end - self.first);
+        left.into_iter().chain(asked).min().unwrap_or(0) as usize
     }
 }
 
@@ -125,5 +125,6 @@ mod tests {
         }
         assert_eq!(Frames { first: 3, end: 7 }.count(Some(100)), 4);
         assert_eq!(Frames { first: 3, end: 7 }.count(Some(2)), 2);
+        assert_eq!(Frames { first: 3, end: u32::MAX }.count(None), 0);
     }
 }

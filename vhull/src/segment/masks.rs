@@ -8,10 +8,11 @@ use ode_visual_hull::{Error, Result};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// A recording that takes masks.
+/// A recording that takes masks. Where there is none it begins with the first masks.
 pub struct Masks {
     dir: PathBuf,
-    recording: Recording,
+    rig: Rig,
+    recording: Option<Recording>,
     /// Frames that keep the masks they have.
     kept: BTreeSet<u32>,
 }
@@ -23,9 +24,10 @@ impl Masks {
     /// Masks of frames that are asked for, unless the options say what to do with them.
     pub fn open(options: &Options, rig: &Rig) -> Result<Self> {
         let dir = options.out.as_ref().unwrap_or(&options.recording).clone();
-        let recording = Recording::resume(&dir, rig)?;
+        let recording = dir.exists().then(|| Recording::resume(&dir, rig)).transpose()?;
+        let frames = recording.as_ref().map_or(&[][..], Recording::frames);
         let asked = options.frames.first..options.frames.end;
-        let there: BTreeSet<u32> = recording.frames().iter().copied().filter(|n| asked.contains(n)).collect();
+        let there: BTreeSet<u32> = frames.iter().copied().filter(|frame| asked.contains(frame)).collect();
         if !there.is_empty() && !options.resume && !options.force {
             let problem = format!(
                 "expected no masks yet, found those of {} frames; --resume keeps them and does the others, --force \
@@ -35,7 +37,7 @@ impl Masks {
             return Err(Error::file(dir, problem));
         }
         let kept = if options.resume { there } else { BTreeSet::new() };
-        Ok(Self { dir, recording, kept })
+        Ok(Self { dir, rig: rig.clone(), recording, kept })
     }
 
     pub fn dir(&self) -> &Path {
@@ -48,6 +50,10 @@ impl Masks {
     }
 
     pub fn write(&mut self, number: u32, masks: &[GrayImage]) -> Result<()> {
-        self.recording.write_masks(number, masks)
+        let recording = match &mut self.recording {
+            Some(recording) => recording,
+            none => none.insert(Recording::resume(&self.dir, &self.rig)?),
+        };
+        recording.write_masks(number, masks)
     }
 }

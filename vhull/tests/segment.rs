@@ -1,0 +1,281 @@
+//! `vhull segment` from outside: folders, videos, and what can be wrong with them.
+
+use image::{GrayImage, Rgb, RgbImage};
+use nalgebra::{Point3, Vector3};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::recording::Recording;
+use ode_visual_hull::rig::Rig;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const SIZE: (u32, u32) = (320, 240);
+const CAMERAS: [&str; 2] = ["left", "right"];
+
+/// A folder of its own for one test, gone when it ends.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("vhull-segment-{}-{test}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn path(&self, path: &str) -> PathBuf {
+        self.0.join(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The empty room.
+fn room() -> RgbImage {
+    RgbImage::from_fn(SIZE.0, SIZE.1, |x, y| Rgb([60 + (x / 8) as u8, 90, 60 + (y / 8) as u8]))
+}
+
+/// A red square of 64 px that moves 4 px a frame.
+fn is_subject(frame: u32, x: u32, y: u32) -> bool {
+    (40 + 4 * frame..104 + 4 * frame).contains(&x) && (80..144).contains(&y)
+}
+
+fn image(frame: u32) -> RgbImage {
+    let mut image = room();
+    for (x, y, pixel) in image.enumerate_pixels_mut() {
+        if is_subject(frame, x, y) {
+            *pixel = Rgb([220, 40, 30]);
+        }
+    }
+    image
+}
+
+/// A recording whose cameras have folders of `frames` images.
+fn record(folder: &Folder, frames: u32) -> PathBuf {
+    let dir = folder.path("r");
+    let camera = |name: &&str| {
+        Camera::look_at(*name, SIZE, 1.0, Point3::new(3.0, 0.0, 1.0), Point3::origin(), Vector3::z()).unwrap()
+    };
+    let mut recording =
+        Recording::create(&dir, &Rig::new(CAMERAS.iter().map(camera).collect()).unwrap()).unwrap();
+    recording.write_backgrounds(&[room(), room()]).unwrap();
+    for frame in 0..frames {
+        recording.write_images(frame, &[image(frame), image(frame)]).unwrap();
+    }
+    dir
+}
+
+/// Makes a video of a camera's folder of images, without loss, and takes the folder away.
+fn into_video(dir: &Path, camera: &str) {
+    let images = dir.join(camera).join("image");
+    let mut command = Command::new("ffmpeg");
+    command.args(["-nostdin", "-loglevel", "error", "-framerate", "10", "-i"]).arg(images.join("%06d.png"));
+    command.args(["-c:v", "ffv1", "-pix_fmt", "bgr0"]).arg(dir.join(camera).join("video.avi"));
+    assert!(command.status().expect("ffmpeg, which scripts/setup installs").success());
+    std::fs::remove_dir_all(images).unwrap();
+}
+
+fn vhull(dir: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vhull"));
+    command.arg("segment").arg(dir).args(arguments).output().unwrap()
+}
+
+#[track_caller]
+fn succeeds(output: &Output) -> String {
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{errors}");
+    errors
+}
+
+#[track_caller]
+fn says(output: &Output, code: i32, parts: &[&str]) {
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{text}");
+    parts.iter().for_each(|part| assert!(text.contains(part), "{text:?} lacks {part:?}"));
+}
+
+/// The masks of these frames and no others, each of the square.
+#[track_caller]
+fn assert_masks(dir: &Path, frames: &[u32]) {
+    let recording = Recording::open(dir).unwrap();
+    assert_eq!(recording.frames(), frames);
+    for &frame in frames {
+        for mask in recording.masks(frame).unwrap() {
+            let wrong =
+                |(x, y, value): (u32, u32, &image::Luma<u8>)| (value.0[0] >= 128) != is_subject(frame, x, y);
+            let wrong = mask.enumerate_pixels().filter(|pixel| wrong(*pixel)).count();
+            // Of 4096: corners may be rounded.
+            assert!(wrong < 40, "frame {frame}: {wrong} pixels");
+        }
+    }
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let names =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<_> = names.collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn images_and_videos_become_masks() {
+    let folder = Folder::new("masks");
+    let dir = record(&folder, 6);
+    into_video(&dir, "right");
+    succeeds(&vhull(&dir, &["--frames", "1..3"]));
+    assert_masks(&dir, &[1, 2]);
+    says(&vhull(&dir, &[]), 1, &["found those of 2 frames", "--resume", "--force", "--out"]);
+    succeeds(&vhull(&dir, &["--resume"]));
+    assert_masks(&dir, &[0, 1, 2, 3, 4, 5]);
+    let out = folder.path("out");
+    succeeds(&vhull(&dir, &["--frames", "4..", "--out", out.to_str().unwrap()]));
+    assert_masks(&out, &[4, 5]);
+    assert_eq!(files(&out), ["left", "rig.toml", "right"]);
+}
+
+#[test]
+fn the_empty_room_may_be_a_video_a_folder_or_the_first_images() {
+    let folder = Folder::new("empty");
+    let dir = record(&folder, 4);
+    for camera in CAMERAS {
+        std::fs::remove_file(dir.join(camera).join("background.png")).unwrap();
+    }
+    says(&vhull(&dir, &[]), 1, &["view \"left\"", "left/background", "empty room", "--empty"]);
+    let rooms = folder.path("rooms");
+    std::fs::create_dir(&rooms).unwrap();
+    for camera in CAMERAS {
+        room().save(rooms.join(format!("{camera}.png"))).unwrap();
+    }
+    succeeds(&vhull(&dir, &["--background", rooms.to_str().unwrap()]));
+    assert_masks(&dir, &[0, 1, 2, 3]);
+    for camera in CAMERAS {
+        // The subject comes after two images.
+        for number in 0..2 {
+            room().save(dir.join(camera).join(format!("image/{number:06}.png"))).unwrap();
+        }
+        let video = dir.join(camera).join("empty.avi");
+        let mut command = Command::new("ffmpeg");
+        command
+            .args(["-nostdin", "-loglevel", "error", "-loop", "1", "-i"])
+            .arg(rooms.join(format!("{camera}.png")));
+        command.args(["-frames:v", "60", "-c:v", "ffv1", "-pix_fmt", "bgr0"]).arg(video);
+        assert!(command.status().unwrap().success());
+    }
+    std::fs::create_dir(folder.path("a")).unwrap();
+    for (out, arguments) in [("a/1", ["--empty", "2"]), ("a/2", ["--background", "empty.avi"])] {
+        let out = folder.path(out);
+        let out = out.to_str().unwrap();
+        succeeds(&vhull(&dir, &[&arguments[..], &["--frames", "2..", "--out", out]].concat()));
+        assert_masks(Path::new(out), &[2, 3]);
+    }
+    says(&vhull(&dir, &["--background", "none.avi", "--force"]), 1, &["left/none.avi", "found none"]);
+}
+
+#[test]
+fn a_corrupt_image_in_the_middle_keeps_the_frames_before_and_can_be_mended() {
+    let folder = Folder::new("corrupt");
+    let dir = record(&folder, 5);
+    let bad = dir.join("right/image/000003.png");
+    let png = std::fs::read(&bad).unwrap();
+    std::fs::write(&bad, &png[..png.len() / 2]).unwrap();
+    let parts = [
+        "view \"right\"",
+        "right/image/000003.png",
+        "expected an image",
+        "after frame 2",
+        "3 frames are done",
+    ];
+    says(&vhull(&dir, &[]), 1, &parts);
+    assert_masks(&dir, &[0, 1, 2]);
+    std::fs::remove_file(&bad).unwrap();
+    let notes = succeeds(&vhull(&dir, &["--resume"]));
+    assert!(notes.contains("1 frames left out") && notes.contains("frame 3, without right"), "{notes}");
+    assert_masks(&dir, &[0, 1, 2, 4]);
+}
+
+#[test]
+fn a_video_that_ends_early_keeps_its_frames_and_unequal_lengths_are_told() {
+    let folder = Folder::new("early");
+    let dir = record(&folder, 12);
+    into_video(&dir, "right");
+    for frame in 8..12 {
+        std::fs::remove_file(dir.join(format!("left/image/{frame:06}.png"))).unwrap();
+    }
+    let notes = succeeds(&vhull(&dir, &[]));
+    assert!(notes.contains("4 frames left out") && notes.contains("frame 8, without left"), "{notes}");
+    assert_masks(&dir, &(0..8).collect::<Vec<_>>());
+
+    let video = dir.join("right/video.avi");
+    let bytes = std::fs::read(&video).unwrap();
+    std::fs::write(&video, &bytes[..bytes.len() * 2 / 3]).unwrap();
+    let output = vhull(&dir, &["--force"]);
+    says(&output, 1, &["view \"right\"", "video.avi", "expected 12 images", "frames are done", "--resume"]);
+}
+
+#[test]
+fn a_full_disk_is_told_and_leaves_no_half_written_file() {
+    let folder = Folder::new("full");
+    let dir = record(&folder, 4);
+    // Blocks anywhere make a large mask.
+    let mut state = 1_u32;
+    let mut noise = RgbImage::from_pixel(64, 48, Rgb([0; 3]));
+    for pixel in noise.pixels_mut() {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        *pixel = if state >> 31 == 0 { Rgb([250, 0, 0]) } else { Rgb([60, 90, 60]) };
+    }
+    let noise = image::imageops::resize(&noise, SIZE.0, SIZE.1, image::imageops::FilterType::Nearest);
+    for camera in CAMERAS {
+        noise.save(dir.join(camera).join("image/000002.png")).unwrap();
+    }
+    // No file may grow beyond 2 KiB, as if the disk were full then.
+    let script = "trap '' XFSZ; ulimit -f 4; exec \"$0\" segment \"$1\"";
+    let mut command = Command::new("sh");
+    let output = command.args(["-c", script, env!("CARGO_BIN_EXE_vhull")]).arg(&dir).output().unwrap();
+    let parts = ["frame 2: ", "left/mask/000002.png", "make room", "2 frames are done", "--resume"];
+    says(&output, 1, &parts);
+    assert_masks(&dir, &[0, 1]);
+    for camera in CAMERAS {
+        assert_eq!(files(&dir.join(camera).join("mask")), ["000000.png", "000001.png"]);
+    }
+    succeeds(&vhull(&dir, &["--resume"]));
+    assert_eq!(Recording::open(&dir).unwrap().frames(), [0, 1, 2, 3]);
+}
+
+#[test]
+fn without_ffmpeg_videos_are_refused_and_nothing_is_written() {
+    let folder = Folder::new("without-ffmpeg");
+    let dir = record(&folder, 2);
+    into_video(&dir, "right");
+    let (out, mut command) = (folder.path("out"), Command::new(env!("CARGO_BIN_EXE_vhull")));
+    let output =
+        command.arg("segment").arg(&dir).arg("--out").arg(&out).env("PATH", "/nowhere").output().unwrap();
+    says(&output, 1, &["right/video.avi", "install ffmpeg", "apt-get install ffmpeg"]);
+    assert!(!out.exists());
+}
+
+#[test]
+fn what_cannot_be_segmented_is_told() {
+    let folder = Folder::new("cannot");
+    let dir = record(&folder, 2);
+    says(&vhull(&folder.path("none"), &[]), 1, &["none", "folder of a recording"]);
+    says(&vhull(&dir, &["--frames", "7.."]), 1, &["expected frames", "found none", "--bound"]);
+    says(&vhull(&dir, &["--frames", "3..2"]), 2, &["3..2", "10..90"]);
+    says(&vhull(&dir, &["--rate", "0"]), 1, &["positive", "found 0"]);
+    says(&vhull(&dir, &["--method", "magic"]), 2, &["clean-plate"]);
+    RgbImage::new(8, 8).save(dir.join("left/background.png")).unwrap();
+    says(&vhull(&dir, &[]), 1, &["view \"left\"", "background.png", "320 x 240", "found 8 x 8"]);
+    // Masks alone.
+    let mask = GrayImage::new(SIZE.0, SIZE.1);
+    Recording::resume(&dir, Recording::open(&dir).unwrap().rig())
+        .unwrap()
+        .write_masks(0, &[mask.clone(), mask])
+        .unwrap();
+    for camera in CAMERAS {
+        std::fs::remove_dir_all(dir.join(camera).join("image")).unwrap();
+    }
+    says(&vhull(&dir, &[]), 1, &["found masks alone", "nothing to segment"]);
+}

@@ -5,9 +5,23 @@
 //! work" are in another frame or unit, and that shows in where the cameras stand and look.
 
 mod calibration;
+mod colmap;
+mod image_names;
+mod json;
+mod lines;
+mod matrices;
+mod middlebury;
+mod nerfstudio;
+mod panoptic;
 mod pose;
+mod projections;
+mod qualisys;
+#[cfg(test)]
+mod sample_files;
+mod selfcal;
 mod source;
 mod toml;
+mod voxelpose;
 
 pub use calibration::{Calibration, Hints};
 

@@ -1,7 +1,10 @@
 //! From a calibration file of any format to a rig: which format it is, and the rules that hold for all of them.
 
 use super::source::Source;
-use super::{Rig, easymocap, kalibr, opencv, ros, toml};
+use super::{
+    Rig, colmap, easymocap, kalibr, matrices, middlebury, nerfstudio, opencv, panoptic, qualisys, ros,
+    selfcal, toml, voxelpose,
+};
 use crate::camera::{Camera, Distortion};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
@@ -38,7 +41,21 @@ pub(super) struct Format {
 }
 
 /// All formats; the first that recognises a file reads it. OpenCV's, which has no keys of its own, comes last.
-const FORMATS: &[Format] = &[toml::FORMAT, kalibr::FORMAT, easymocap::FORMAT, ros::FORMAT, opencv::FORMAT];
+const FORMATS: &[Format] = &[
+    toml::FORMAT,
+    colmap::FORMAT,
+    selfcal::FORMAT,
+    middlebury::FORMAT,
+    qualisys::FORMAT,
+    panoptic::FORMAT,
+    voxelpose::FORMAT,
+    nerfstudio::FORMAT,
+    matrices::FORMAT,
+    kalibr::FORMAT,
+    easymocap::FORMAT,
+    ros::FORMAT,
+    opencv::FORMAT,
+];
 
 /// What a file holds.
 pub(super) struct Contents {

@@ -5,18 +5,32 @@
 //! work" are in another frame or unit, and that shows in where the cameras stand and look.
 
 mod calibration;
+mod colmap;
 mod coverage;
 mod document;
 mod easymocap;
+mod image_names;
+mod json;
 mod kalibr;
 mod length;
+mod lines;
+mod matrices;
+mod middlebury;
+mod nerfstudio;
 mod opencv;
+mod panoptic;
 mod pixels;
 mod pose;
+mod projections;
+mod qualisys;
 mod reading;
 mod ros;
+#[cfg(test)]
+mod sample_files;
+mod selfcal;
 mod source;
 mod toml;
+mod voxelpose;
 
 pub use calibration::{Calibration, Hints};
 pub use reading::Reading;

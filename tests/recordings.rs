@@ -8,6 +8,7 @@ use ode_visual_hull::camera::Camera;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::silhouette::Undistortion;
+use ode_visual_hull::source::{Frame, ReadAhead, Reading, Source, Synchroniser, Video, WhenFull};
 
 fn names(rig: &Rig) -> Vec<&str> {
     rig.cameras().iter().map(Camera::name).collect()
@@ -48,6 +49,41 @@ fn stands_around_a_person(rig: &Rig) {
         let seen = camera.project(&Point3::new(0.0, 0.0, 0.8)).unwrap();
         assert!(contains(camera, &Point2::new(seen.u, seen.v)), "{}: {seen:?}", camera.name());
     }
+}
+
+#[test]
+fn the_videos_of_the_seated_person_show_its_images() {
+    let Some(dir) = data::find("seated_person") else { return };
+    let recording = Recording::open(&dir).unwrap();
+    for (camera, image) in recording.rig().cameras().iter().zip(recording.images(100).unwrap()) {
+        let reading = Reading { size: Some(camera.size()), first: 99, times: None };
+        let path = dir.join("original").join(camera.name()).join("video.avi");
+        let mut video = Video::open(path, reading).unwrap();
+        let frames = [(); 3].map(|()| video.next_frame().unwrap().unwrap());
+        // The header alone says 25 images a second and means 50.
+        assert_eq!((frames[1].number, frames[1].time), (100, 2.0));
+        // Nothing where the same ffmpeg made the images; the neighbours differ by 0.12 to 0.20 grey levels.
+        let difference = |frame: &Frame| -> u32 {
+            frame.image.iter().zip(image.iter()).map(|(a, b)| u32::from(a.abs_diff(*b))).sum()
+        };
+        let [before, same, after] = frames.each_ref().map(difference);
+        assert!(same < before.min(after), "{}: {before}, {same}, {after}", camera.name());
+    }
+}
+
+#[test]
+fn the_videos_of_the_balancing_person_are_of_one_time_and_of_two_sizes() {
+    let Some(dir) = data::find("balancing_person/original") else { return };
+    let open = |name: &str, size| {
+        Video::open(dir.join(format!("{name}.mp4")), Reading { size, ..Reading::default() })
+    };
+    let names = ["cam01", "cam02", "cam03", "cam04"];
+    let streams =
+        names.map(|name| ReadAhead::spawn(name, open(name, None).unwrap(), 2, WhenFull::Wait).unwrap());
+    let sets = Synchroniser::new(streams.into(), 0.5 / 60.0).unwrap().map(|set| set.unwrap());
+    assert_eq!(sets.filter(|set| set.is_complete() && set.spread == 0.0).count(), 100);
+    let message = open("cam03", Some((1080, 1920))).unwrap_err().to_string();
+    assert!(message.contains("1080 x 1920") && message.contains("found 1088 x 1920"), "{message}");
 }
 
 fn contains(camera: &Camera, p: &Point2<f64>) -> bool {

@@ -45,7 +45,7 @@ fn sets(dir: &Path, options: &StreamOptions) -> Vec<Vec<Option<(u32, u8)>>> {
 fn videos_and_folders_of_images_make_sets_by_their_numbers() {
     let folder = Folder::new("mixed");
     let dir = empty(&folder);
-    write_video(&dir.join("videos/right.b.MP4"), 4, "8x16");
+    write_video(&dir.join("videos/right.b.MKV"), 4, "8x16");
     write_images(&dir.join("left/image"), &[0, 1, 3, 4], (16, 8));
     let recording = Recording::open(&dir).unwrap();
     assert!(recording.has_images() && recording.frames().is_empty() && recording.image_frames().is_empty());

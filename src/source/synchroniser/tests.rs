@@ -128,6 +128,8 @@ fn a_camera_that_stalls_is_flagged_and_its_late_images_are_counted() {
         (times(&set), synchroniser.late(1))
     };
     (0..2).for_each(|n| lively.give(Ok(frame(n, f64::from(n)))));
+    // Else the lively one, too, might let a set pass.
+    lively.wait_until_starved();
     assert_eq!(next(), (vec![Some(0.0), None], 0));
     assert_eq!(next(), (vec![Some(1.0), None], 0));
     // Two images come when their sets have been given; then it is in step again.
@@ -135,8 +137,10 @@ fn a_camera_that_stalls_is_flagged_and_its_late_images_are_counted() {
     (0..3).for_each(|n| stalled.give(Ok(frame(n, f64::from(n)))));
     stalled.wait_until_starved();
     lively.give(Ok(frame(2, 2.0)));
+    lively.wait_until_starved();
     assert_eq!(next(), (vec![Some(2.0), Some(2.0)], 2));
-    (lively.end(), stalled.end());
+    lively.end();
+    stalled.end();
     assert!(synchroniser.next().is_none());
     assert_eq!((synchroniser.late(0), synchroniser.late(7), synchroniser.dropped(0)), (0, 0, 0));
 }

@@ -65,7 +65,7 @@ fn is_image(line: &Line) -> bool {
 }
 
 fn is_points(line: &Line) -> bool {
-    line.words.len() % 3 == 0 && line.words.iter().all(|word| is_number(word))
+    line.words.len().is_multiple_of(3) && line.words.iter().all(|word| is_number(word))
 }
 
 fn read(source: &Source, _: &Hints) -> Result<Contents> {

@@ -40,7 +40,8 @@ pub(super) struct Format {
     pub(super) read: fn(&Source, &Hints) -> Result<Contents>,
 }
 
-/// All formats; the first that recognises a file reads it. OpenCV's, which has no keys of its own, comes last.
+/// All formats; the first that recognises a file reads it. Last come OpenCV's, which has no keys of its own, and bare
+/// numbers.
 const FORMATS: &[Format] = &[
     toml::FORMAT,
     colmap::FORMAT,
@@ -50,11 +51,11 @@ const FORMATS: &[Format] = &[
     panoptic::FORMAT,
     voxelpose::FORMAT,
     nerfstudio::FORMAT,
-    matrices::FORMAT,
     kalibr::FORMAT,
     easymocap::FORMAT,
     ros::FORMAT,
     opencv::FORMAT,
+    matrices::FORMAT,
 ];
 
 /// What a file holds.

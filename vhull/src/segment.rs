@@ -11,7 +11,9 @@ use frames::{Frames, Tally};
 use image::{GrayImage, RgbImage};
 use masks::Masks;
 use ode_visual_hull::recording::{Recording, StreamOptions};
-use ode_visual_hull::segment::{CleanPlate, Thresholds};
+use ode_visual_hull::segment::{
+    ChromaKey, CleanPlate, Key, Learning, RunningGaussian, Segmenter, Thresholds,
+};
 use ode_visual_hull::source::ImageSet;
 use ode_visual_hull::{Error, Result};
 use std::path::PathBuf;
@@ -35,6 +37,9 @@ pub struct Options {
     /// How to tell the subject from the room.
     #[arg(long, value_enum, default_value_t = Method::CleanPlate)]
     method: Method,
+    /// The colour of the cloth or walls where the light is bright, for chroma-key [default: 0,170,60, a green].
+    #[arg(long, value_name = "R,G,B", value_parser = parse_colour)]
+    key: Option<[u8; 3]>,
     /// The first N images of each camera show the empty room.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "background")]
     empty: Option<u32>,
@@ -59,11 +64,15 @@ pub struct Options {
     force: bool,
 }
 
+/// The colour of green cloth, more or less.
+const GREEN: [u8; 3] = [0, 170, 60];
+
 const EXAMPLES: &str = "\
 Examples:
   vhull segment my_recording
   vhull segment my_recording --empty 50 --frames 50..
   vhull segment my_recording --background background.avi --out segmented
+  vhull segment my_recording --method chroma-key --key 40,150,70
   vhull segment my_recording --resume";
 
 /// How to tell the subject from the room.
@@ -71,6 +80,10 @@ Examples:
 enum Method {
     /// By the difference from the empty room.
     CleanPlate,
+    /// The same; the room's colours and noise are learnt, and follow the light.
+    RunningGaussian,
+    /// By the colour of cloth or walls behind the subject, --key; no empty room is needed.
+    ChromaKey,
 }
 
 pub fn run(options: &Options) -> Result<Outcome> {
@@ -82,9 +95,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     }
     let mut masks = Masks::open(options, recording.rig())?;
     let streaming = StreamOptions { first: 0, rate: options.rate, bound: options.bound };
-    let empty = EmptyRoom::find(options, &recording, &streaming)?;
-    let segmenters = empty.images.iter().map(|images| segmenter(options.method, images));
-    let mut segmenters = segmenters.collect::<Result<Vec<_>>>()?;
+    let mut segmenters = segmenters(options, &recording, &streaming)?;
 
     let mut sets = recording.synchronised(&StreamOptions { first: options.frames.first, ..streaming })?;
     let expected = sets.streams().filter_map(|stream| stream.frames_expected()).max();
@@ -118,22 +129,45 @@ pub fn run(options: &Options) -> Result<Outcome> {
     tally.report(&options.recording, masks.dir(), &sets)
 }
 
-/// What finds the subject in one camera's images, given some of the empty room.
-fn segmenter(method: Method, empty: &[RgbImage]) -> Result<CleanPlate> {
-    match method {
-        Method::CleanPlate => Ok(CleanPlate::new(empty_room::mean(empty)?, Thresholds::default())),
+/// What finds the subject in the images of each camera.
+fn segmenters(
+    options: &Options,
+    recording: &Recording,
+    streaming: &StreamOptions,
+) -> Result<Vec<Box<dyn Segmenter>>> {
+    if options.method == Method::ChromaKey {
+        let key = Key::new(options.key.unwrap_or(GREEN));
+        return recording.rig().cameras().iter().map(|_| Ok(Box::new(ChromaKey::new(key)?) as _)).collect();
     }
+    let empty = EmptyRoom::find(options, recording, streaming)?;
+    empty.images.iter().map(|images| from_empty(options.method, images)).collect()
+}
+
+fn from_empty(method: Method, empty: &[RgbImage]) -> Result<Box<dyn Segmenter>> {
+    if method == Method::RunningGaussian {
+        let mut room = RunningGaussian::new(Learning::default())?;
+        empty.iter().try_for_each(|image| room.learn(image))?;
+        return Ok(Box::new(room));
+    }
+    Ok(Box::new(CleanPlate::from_empty(empty, Thresholds::default())?))
 }
 
 /// The masks of a complete set, the cameras side by side.
-fn segment(segmenters: &mut [CleanPlate], set: &ImageSet) -> Result<Vec<GrayImage>> {
+fn segment(segmenters: &mut [Box<dyn Segmenter>], set: &ImageSet) -> Result<Vec<GrayImage>> {
     std::thread::scope(|scope| {
         let pairs = segmenters.iter_mut().zip(set.images.iter().flatten());
         let threads: Vec<_> =
-            pairs.map(|(segmenter, frame)| scope.spawn(|| segmenter.subtract(&frame.image))).collect();
+            pairs.map(|(segmenter, frame)| scope.spawn(|| segmenter.segment(&frame.image))).collect();
         threads
             .into_iter()
             .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
             .collect()
+    })
+}
+
+fn parse_colour(text: &str) -> std::result::Result<[u8; 3], String> {
+    let bytes: Option<Vec<u8>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    bytes.and_then(|bytes| bytes.try_into().ok()).ok_or_else(|| {
+        format!("expected red, green and blue from 0 to 255 between commas, as in 0,170,60, found {text}")
     })
 }

@@ -1,7 +1,7 @@
 //! Images of the empty room, of each camera.
 
 use super::Options;
-use image::{ImageBuffer, RgbImage};
+use image::RgbImage;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::source::{Reading, Source, Video};
 use ode_visual_hull::{Error, Result};
@@ -111,19 +111,4 @@ fn spread(source: &mut dyn Source, count: u32) -> Result<Vec<RgbImage>> {
         }
     }
     Ok(images)
-}
-
-/// The mean of images of one size, which has less noise than any of them.
-pub fn mean(images: &[RgbImage]) -> Result<RgbImage> {
-    let Some(first) = images.first() else {
-        return Err(Error::argument("expected an image of the empty room, found none"));
-    };
-    let mut sums = vec![0_u32; first.len()];
-    for image in images {
-        sums.iter_mut().zip(image.iter()).for_each(|(sum, &value)| *sum += u32::from(value));
-    }
-    let n = images.len() as u32;
-    let bytes = sums.into_iter().map(|sum| ((sum + n / 2) / n) as u8).collect();
-    ImageBuffer::from_raw(first.width(), first.height(), bytes)
-        .ok_or_else(|| Error::argument("expected images of the empty room of one size, found several"))
 }

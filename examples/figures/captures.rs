@@ -1,0 +1,39 @@
+//! What is needed to measure the hulls of real captures, here and in `tests/real_hulls.rs`.
+
+use nalgebra::{Point3, Vector3};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::hull::{Aabb, Hull};
+use ode_visual_hull::rig::Rig;
+use std::path::Path;
+
+/// The seated person's work volume.
+pub const SEATED: Aabb = Aabb { min: Point3::new(-0.5, -0.5, 0.0), max: Point3::new(1.5, 1.5, 2.0) };
+
+/// The box that the dinosaur is known to fill.
+pub const DINO: Aabb =
+    Aabb { min: Point3::new(-0.0619, -0.0189, -0.0578), max: Point3::new(0.0109, 0.0682, 0.0155) };
+
+/// Volume in cubic metres and bounding box of a hull, by a grid of points `spacing` apart.
+pub fn carve(hull: &Hull, spacing: f64) -> (f64, Aabb) {
+    let bounds = hull.bounds();
+    let counts = (bounds.max - bounds.min).map(|extent| (extent / spacing) as usize);
+    let (mut count, mut aabb) = (0, Aabb::EMPTY);
+    for k in 0..counts.z {
+        for j in 0..counts.y {
+            for i in 0..counts.x {
+                let p = bounds.min + Vector3::new(i, j, k).map(|n| (n as f64 + 0.5) * spacing);
+                if hull.inside(&p) {
+                    count += 1;
+                    aabb = aabb.union(&Aabb { min: p, max: p });
+                }
+            }
+        }
+    }
+    (count as f64 * spacing.powi(3), aabb)
+}
+
+/// The dinosaur's views by number, but for the sixth, of which there is no usable mask.
+pub fn dino_cameras(dir: &Path) -> Vec<(usize, Camera)> {
+    let rig = Rig::load(dir.join("dinoSR_par.txt")).expect("a calibration");
+    (1..).zip(rig.cameras().iter().cloned()).filter(|&(view, _)| view != 6).collect()
+}

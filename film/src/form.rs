@@ -122,7 +122,7 @@ fn enter_box(ray: &Ray, half: &Vector3<f64>) -> Option<Entrance> {
     let (mut enter, mut leave) = (Entrance { t: 0.0, axis: 0 }, f64::INFINITY);
     for axis in 0..3 {
         let (a, b) = (-half[axis] - origin[axis], half[axis] - origin[axis]);
-        let (near, far) = if direction[axis] >= 0.0 { (a, b) } else { (b, a) };
+        let (near, far) = if direction[axis].is_sign_negative() { (b, a) } else { (a, b) };
         // A direction of zero gives infinities of the right signs, or NaN on the face itself, which is a miss.
         let (near, far) = (near / direction[axis], far / direction[axis]);
         if near > enter.t {

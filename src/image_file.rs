@@ -3,7 +3,8 @@
 use crate::{Error, Result};
 use image::{DynamicImage, ImageBuffer, ImageFormat, ImageReader, PixelWithColorType};
 use std::collections::{BTreeMap, VecDeque};
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{BufReader, Cursor};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
@@ -11,11 +12,20 @@ const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
 
 /// The image in a file; its content, not its name, says in which format it is.
 pub(crate) fn read(path: &Path) -> Result<DynamicImage> {
-    let fail = |found: &dyn std::fmt::Display| {
-        Error::file(path, format!("expected an image (png, jpeg or pnm), found: {found}"))
-    };
-    let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(|e| fail(&e))?;
-    reader.decode().map_err(|e| fail(&e))
+    open(path)?.decode().map_err(|e| none(path, &e))
+}
+
+/// Width and height of the image in a file, from its header.
+pub(crate) fn size(path: &Path) -> Result<(u32, u32)> {
+    open(path)?.into_dimensions().map_err(|e| none(path, &e))
+}
+
+fn open(path: &Path) -> Result<ImageReader<BufReader<File>>> {
+    ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(|e| none(path, &e))
+}
+
+fn none(path: &Path, found: &dyn std::fmt::Display) -> Error {
+    Error::file(path, format!("expected an image (png, jpeg or pnm), found: {found}"))
 }
 
 /// Writes a PNG, whole or not at all: under another name first, which nobody reads.

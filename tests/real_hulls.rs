@@ -2,10 +2,10 @@
 
 mod data;
 
-use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, UnitQuaternion, Vector3, point};
-use ode_visual_hull::camera::{Camera, Distortion};
+use nalgebra::{Point3, Vector3, point};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Unseen};
 use ode_visual_hull::recording::Recording;
+use ode_visual_hull::rig::Rig;
 use ode_visual_hull::silhouette::load_mask;
 use std::path::Path;
 use std::sync::Arc;
@@ -69,12 +69,12 @@ fn the_dinosaur_is_as_large_as_measured_where_views_that_miss_a_part_abstain() {
     let Some(dir) = data::find("dino") else { return };
     let data = HullData::new();
     data.set_unseen(Unseen::ABSTAIN).unwrap();
-    let cameras = std::fs::read_to_string(dir.join("dinoSR_par.txt")).unwrap();
-    for (index, line) in cameras.lines().skip(1).enumerate() {
+    let rig = Rig::load(dir.join("dinoSR_par.txt")).unwrap();
+    for (index, camera) in rig.cameras().iter().enumerate() {
         // View 6 has no usable mask.
         let path = dir.join(format!("mask/mask_{:04}.png", index + 1));
         if index + 1 != 6 && path.exists() {
-            let view = data.add_view(middlebury(line)).unwrap();
+            let view = data.add_view(camera.clone()).unwrap();
             data.set_mask(view, &load_mask(path).unwrap()).unwrap();
         }
     }
@@ -85,18 +85,4 @@ fn the_dinosaur_is_as_large_as_measured_where_views_that_miss_a_part_abstain() {
     let (volume, aabb) = carve(&data.update(0.0).unwrap(), 0.001);
     assert!((volume - 1.28e-4).abs() < 0.05e-4, "{volume}");
     near(&aabb, [-0.061, -0.026, -0.058], [0.012, 0.069, 0.016], 0.003);
-}
-
-/// A line of `name k11 .. k33 r11 .. r33 t1 t2 t3`, pixel centres at whole numbers.
-fn middlebury(line: &str) -> Camera {
-    let mut words = line.split_whitespace();
-    let name = words.next().unwrap();
-    let numbers: Vec<f64> = words.map(|word| word.parse().unwrap()).collect();
-    let shift = Matrix3::new(1.0, 0.0, 0.5, 0.0, 1.0, 0.5, 0.0, 0.0, 1.0);
-    let k = shift * Matrix3::from_row_slice(&numbers[..9]);
-    let r = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&Matrix3::from_row_slice(
-        &numbers[9..18],
-    )));
-    let t = Vector3::from_row_slice(&numbers[18..]);
-    Camera::new(name, (640, 480), k, Distortion::none(), Isometry3::from_parts(t.into(), r)).unwrap()
 }

@@ -139,20 +139,12 @@ impl Camera {
     /// A matrix that is not finite or whose left 3x3 part is singular, and all that [`Camera::new`] refuses.
     pub fn from_projection(name: impl Into<String>, size: (u32, u32), p: &Matrix3x4<f64>) -> Result<Self> {
         let name = name.into();
-        let left: Matrix3<f64> = p.fixed_columns::<3>(0).into();
-        let scale = left.row(2).norm();
-        let condition = left.determinant().abs() / left.row(0).norm() / left.row(1).norm() / scale;
-        if !p.iter().all(|x| x.is_finite()) || condition.is_nan() || condition <= 1e-12 {
+        let Some((k, cam_from_world)) = decompose(p) else {
             let problem = "expected a finite 3x4 projection matrix whose left 3x3 part can be inverted, found a \
                            singular or NaN one; calibrate again";
             return Err(Error::camera(name, problem));
-        }
-        let p = p * (left.determinant().signum() / scale);
-        let left: Matrix3<f64> = p.fixed_columns::<3>(0).into();
-        let (k, r) = upper_triangular_times_rotation(&left);
-        let t = k.try_inverse().unwrap_or_else(Matrix3::zeros) * p.column(3);
-        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r));
-        Self::new(name, size, k, Distortion::none(), Isometry3::from_parts(t.into(), rotation))
+        };
+        Self::new(name, size, k, Distortion::none(), cam_from_world)
     }
 
     /// A camera without distortion at `eye` that looks at `target`, its image's upper edge towards `up`, with
@@ -268,6 +260,23 @@ impl Camera {
         let origin = self.centre();
         Some(Ray { origin, direction: (through - origin).normalize() })
     }
+}
+
+/// Intrinsic matrix and pose of a projection matrix of any scale and either sign; `None` where it is not finite or its
+/// left 3x3 part singular.
+pub(crate) fn decompose(p: &Matrix3x4<f64>) -> Option<(Matrix3<f64>, Isometry3<f64>)> {
+    let left: Matrix3<f64> = p.fixed_columns::<3>(0).into();
+    let scale = left.row(2).norm();
+    let condition = left.determinant().abs() / left.row(0).norm() / left.row(1).norm() / scale;
+    if !p.iter().all(|x| x.is_finite()) || condition.is_nan() || condition <= 1e-12 {
+        return None;
+    }
+    let p = p * (left.determinant().signum() / scale);
+    let left: Matrix3<f64> = p.fixed_columns::<3>(0).into();
+    let (k, r) = upper_triangular_times_rotation(&left);
+    let t = k.try_inverse()? * p.column(3);
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r));
+    Some((k, Isometry3::from_parts(t.into(), rotation)))
 }
 
 /// `m = k r` with `k` upper triangular, positive diagonal, `k[2][2] = 1`, and `r` a rotation, for `m` of positive

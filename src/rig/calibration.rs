@@ -1,7 +1,7 @@
 //! From a calibration file of any format to a rig: which format it is, and the rules that hold for all of them.
 
 use super::source::Source;
-use super::{Rig, toml};
+use super::{Rig, colmap, matrices, middlebury, nerfstudio, panoptic, qualisys, selfcal, toml, voxelpose};
 use crate::camera::{Camera, Distortion};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
@@ -38,7 +38,17 @@ pub(super) struct Format {
 }
 
 /// All formats; the first that recognises a file reads it.
-const FORMATS: &[Format] = &[toml::FORMAT];
+const FORMATS: &[Format] = &[
+    toml::FORMAT,
+    colmap::FORMAT,
+    selfcal::FORMAT,
+    middlebury::FORMAT,
+    qualisys::FORMAT,
+    panoptic::FORMAT,
+    voxelpose::FORMAT,
+    nerfstudio::FORMAT,
+    matrices::FORMAT,
+];
 
 /// What a file holds.
 pub(super) struct Contents {

@@ -5,11 +5,25 @@
 //! work" are in another frame or unit, and that shows in where the cameras stand and look.
 
 mod calibration;
+mod colmap;
 mod coverage;
+mod image_names;
+mod json;
+mod lines;
+mod matrices;
+mod middlebury;
+mod nerfstudio;
+mod panoptic;
 mod pixels;
 mod pose;
+mod projections;
+mod qualisys;
+#[cfg(test)]
+mod sample_files;
+mod selfcal;
 mod source;
 mod toml;
+mod voxelpose;
 
 pub use calibration::{Calibration, Hints};
 

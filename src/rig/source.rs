@@ -58,7 +58,8 @@ pub(super) fn read(path: &Path) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
         let problem = format!(
-            "expected text, found a byte at {at} that is none; export the calibration as a text file"
+            "expected text, found a byte at {at} that is none; export the calibration as a text file (COLMAP's \
+             .bin with colmap model_converter --output_type TXT)"
         );
         Error::file(path, problem)
     })

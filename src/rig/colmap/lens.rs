@@ -1,0 +1,66 @@
+//! The camera models of COLMAP, as far as they are OpenCV's.
+
+use super::super::lines::Line;
+use super::Lens;
+use crate::Result;
+use crate::camera::Distortion;
+use nalgebra::Matrix3;
+
+const CAMERA: &str = "write CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]";
+
+/// A model's name, and where its parameters go. Focal lengths are one or two, the principal point follows, then the
+/// coefficients in OpenCV's order.
+struct Model {
+    name: &'static str,
+    focal_lengths: usize,
+    coefficients: usize,
+}
+
+const MODELS: [Model; 6] = [
+    Model { name: "SIMPLE_PINHOLE", focal_lengths: 1, coefficients: 0 },
+    Model { name: "PINHOLE", focal_lengths: 2, coefficients: 0 },
+    Model { name: "SIMPLE_RADIAL", focal_lengths: 1, coefficients: 1 },
+    Model { name: "RADIAL", focal_lengths: 1, coefficients: 2 },
+    Model { name: "OPENCV", focal_lengths: 2, coefficients: 4 },
+    Model { name: "FULL_OPENCV", focal_lengths: 2, coefficients: 8 },
+];
+
+/// Whether a line has the form of a camera's: a number, and a model's name.
+pub(super) fn is_camera(line: &Line) -> bool {
+    let named = |name: &str| {
+        name.contains(|c: char| c.is_ascii_uppercase())
+            && name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
+    };
+    line.words.len() > 3 && line.words[0].parse::<u32>().is_ok() && named(line.words[1])
+}
+
+pub(super) fn read(line: &Line) -> Result<Lens> {
+    let Some(name) = line.words.get(1) else {
+        return Err(line.fail(format!("expected a camera, found one word; {CAMERA}")));
+    };
+    let Some(model) = MODELS.iter().find(|model| model.name == *name) else {
+        let known = MODELS.map(|model| model.name).join(", ");
+        return Err(line.fail(format!(
+            "expected one of the camera models {known}, found {name}; undistort the images (colmap \
+             image_undistorter) and use the model that it writes"
+        )));
+    };
+    let size = line.size(2)?;
+    let parameters = line.words.get(4..).unwrap_or_default();
+    let expected = model.focal_lengths + 2 + model.coefficients;
+    if parameters.len() != expected {
+        let found = parameters.len();
+        return Err(line.fail(format!("expected {expected} parameters of {name}, found {found}; {CAMERA}")));
+    }
+    let numbers = parameters.iter().map(|word| line.number_in(word, CAMERA)).collect::<Result<Vec<_>>>()?;
+    let (focal_lengths, rest) = numbers.split_at(model.focal_lengths);
+    let (fx, fy) = (focal_lengths[0], focal_lengths[model.focal_lengths - 1]);
+    let mut coefficients = rest[2..].to_vec();
+    // Those of radial models are the first two of OpenCV's.
+    coefficients.resize(if model.coefficients > 4 { 8 } else { 4 }, 0.0);
+    Ok(Lens {
+        size,
+        k: Matrix3::new(fx, 0.0, rest[0], 0.0, fy, rest[1], 0.0, 0.0, 1.0),
+        distortion: Distortion::from_opencv(&coefficients)?,
+    })
+}

@@ -1,0 +1,124 @@
+//! Text files of words and numbers, line by line, with what an error message about a line needs.
+
+use crate::{Error, Result};
+use std::collections::HashMap;
+
+/// A line that holds something.
+pub(super) struct Line<'a> {
+    /// From 1.
+    pub(super) number: usize,
+    pub(super) text: &'a str,
+    pub(super) words: Vec<&'a str>,
+}
+
+/// The lines of `text` that hold something. A mark that some editors leave at a file's start is none.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+    let text = text.trim_start_matches('\u{feff}');
+    let all = text.lines().enumerate().map(|(index, line)| Line {
+        number: index + 1,
+        text: line.trim(),
+        words: line.split_whitespace().collect(),
+    });
+    all.filter(|line| !line.words.is_empty())
+}
+
+/// Whether a word is a number, NaN and infinities among them.
+pub(super) fn is_number(word: &str) -> bool {
+    word.parse::<f64>().is_ok()
+}
+
+impl Line<'_> {
+    /// The words from position `from` on as exactly `N` finite numbers.
+    pub(super) fn numbers<const N: usize>(&self, from: usize, next_step: &str) -> Result<[f64; N]> {
+        let words = self.words.get(from..).unwrap_or_default();
+        let numbers = words.iter().map(|word| self.number_in(word, next_step)).collect::<Result<Vec<_>>>()?;
+        numbers
+            .try_into()
+            .map_err(|_| self.fail(format!("expected {N} numbers, found {}; {next_step}", words.len())))
+    }
+
+    /// `word` as a finite number.
+    pub(super) fn number_in(&self, word: &str, next_step: &str) -> Result<f64> {
+        match word.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            Ok(_) => Err(self.fail(format!("expected finite numbers, found {word}; calibrate again"))),
+            Err(_) => Err(self.fail(format!("expected a number, found \"{word}\"; {next_step}"))),
+        }
+    }
+
+    /// The size of an image, from the words at position `from` and after it.
+    pub(super) fn size(&self, from: usize) -> Result<(u32, u32)> {
+        let pixels = |at: usize| self.words.get(at).and_then(|word| whole(word)).filter(|&n| n > 0);
+        match (pixels(from), pixels(from + 1)) {
+            (Some(width), Some(height)) => Ok((width, height)),
+            _ => {
+                let found = self.words.get(from..).unwrap_or_default();
+                let found = found[..found.len().min(2)].join(" ");
+                Err(self.fail(format!("expected width and height in pixels, found \"{found}\"; write both")))
+            }
+        }
+    }
+
+    pub(super) fn fail(&self, problem: impl std::fmt::Display) -> Error {
+        Error::argument(format!("line {}: {problem}", self.number))
+    }
+}
+
+/// A whole number, also where it is written as a float: `640` or `6.4000000e+02`.
+fn whole(word: &str) -> Option<u32> {
+    let number = word.parse::<f64>().ok()?;
+    (number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number)).then_some(number as u32)
+}
+
+/// That no two cameras have one name; `line` gives that of the camera at a position.
+///
+/// # Errors
+/// The second of two equal names, with both lines.
+pub(super) fn distinct<'a>(
+    names: impl IntoIterator<Item = &'a str>,
+    line: impl Fn(usize) -> usize,
+) -> Result<()> {
+    let mut seen = HashMap::new();
+    for (i, name) in names.into_iter().enumerate() {
+        if let Some(first) = seen.insert(name, i) {
+            let problem = format!(
+                "line {}: expected unique names, found this one on line {} too; rename one of them",
+                line(i),
+                line(first)
+            );
+            return Err(Error::camera(name, problem));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_keep_their_numbers_past_empty_ones() {
+        let found: Vec<_> = lines("\u{feff}a b\n\n  \r\n1 2\r\n").map(|l| (l.number, l.words)).collect();
+        assert_eq!(found, [(1, vec!["a", "b"]), (4, vec!["1", "2"])]);
+    }
+
+    #[test]
+    fn numbers_are_counted_and_finite() {
+        let line = |text: &'static str| lines(text).next().unwrap();
+        assert_eq!(line("x 1 -2e3").numbers::<2>(1, "-").unwrap(), [1.0, -2000.0]);
+        let message = |text| line(text).numbers::<2>(0, "write two").unwrap_err().to_string();
+        assert_eq!(message("1"), "line 1: expected 2 numbers, found 1; write two");
+        assert_eq!(message("1 2 3"), "line 1: expected 2 numbers, found 3; write two");
+        assert_eq!(message("1 NaN"), "line 1: expected finite numbers, found NaN; calibrate again");
+        assert_eq!(message("1 b"), "line 1: expected a number, found \"b\"; write two");
+    }
+
+    #[test]
+    fn a_size_is_two_whole_numbers_above_zero() {
+        let size = |text: &'static str| lines(text).next().unwrap().size(0);
+        assert_eq!(size("640 4.8e2 1").unwrap(), (640, 480));
+        for bad in ["640", "640 0", "640 480.5", "640 x", "-640 480", "1e99 2"] {
+            assert!(size(bad).unwrap_err().to_string().contains("expected width and height"), "{bad}");
+        }
+    }
+}

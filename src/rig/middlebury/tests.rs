@@ -1,0 +1,48 @@
+use super::super::Hints;
+use super::super::sample_files::{Folder, HINTS, assert_refused, assert_sees, load_text};
+use crate::rig::Calibration;
+use image::GrayImage;
+
+const TEXT: &str = "2
+left.png 500 0 320 0 501 240 0 0 1 1 0 0 0 1 0 0 0 1 0.1 0.2 3
+right.png 400 0 300 0 401 200 0 0 1 0 -1 0 1 0 0 0 0 1 0 0 2
+";
+
+#[test]
+fn points_land_where_k_times_r_and_t_puts_them() {
+    let rig = load_text(TEXT, &HINTS).unwrap().rig;
+    assert_eq!((rig.cameras()[0].name(), rig.cameras()[1].name()), ("left", "right"));
+    // Half a pixel more than K says, whose pixel centres are whole numbers.
+    let z = 3.0 + 1.0;
+    assert_sees(&rig.cameras()[0], [0.5, -0.3, 1.0], 500.0 * 0.6 / z + 320.5, 501.0 * -0.1 / z + 240.5);
+    assert_sees(&rig.cameras()[1], [0.5, -0.3, 1.0], 400.0 * 0.3 / 3.0 + 300.5, 401.0 * 0.5 / 3.0 + 200.5);
+}
+
+#[test]
+fn sizes_are_those_of_the_images_beside_the_file_or_of_the_hint() {
+    let folder = Folder::of(&[("rig_par.txt", TEXT)]);
+    std::fs::create_dir(folder.0.join("image")).unwrap();
+    GrayImage::new(64, 48).save(folder.0.join("left.png")).unwrap();
+    GrayImage::new(60, 40).save(folder.0.join("image/right.png")).unwrap();
+    let path = folder.0.join("rig_par.txt");
+    let no_hints = Hints::default();
+    // The focal lengths are those of larger images, but still of a camera.
+    let rig = Calibration::load(&path, &no_hints).unwrap().rig;
+    assert_eq!((rig.cameras()[0].size(), rig.cameras()[1].size()), ((64, 48), (60, 40)));
+    std::fs::remove_file(folder.0.join("image/right.png")).unwrap();
+    assert_refused(Calibration::load(&path, &no_hints), &["camera \"right\"", "give width and height"]);
+    std::fs::write(folder.0.join("image/right.png"), "no image").unwrap();
+    assert_refused(Calibration::load(&path, &HINTS), &["right.png: expected an image"]);
+}
+
+#[test]
+fn bad_files_are_refused_by_line() {
+    let with = |old: &str, new: &str| load_text(&TEXT.replace(old, new), &HINTS);
+    assert_refused(with("2\n", "3\n"), &["calibration.txt: line 1: expected as many", "3, found 2"]);
+    assert_refused(with(" 0 0 2\n", " 0\n"), &["line 3: expected 21 numbers, found 19"]);
+    assert_refused(with("0.2 3\n", "NaN 3\n"), &["line 2: expected finite numbers, found NaN"]);
+    assert_refused(with("0 -1 0 1 0 0", "0 -1 0 2 0 0"), &["line 3: rotation r11 .. r33", "determinant 2.0"]);
+    assert_refused(with("right.png", "left.png"), &["camera \"left\": line 3", "on line 2 too"]);
+    assert_refused(with("500 0 320 0 501", "5 0 320 0 5"), &["\"left\": expected a focal length"]);
+    assert_refused(load_text("2\n", &HINTS), &["expected a calibration", "begins \"2\""]);
+}

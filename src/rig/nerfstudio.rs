@@ -1,0 +1,148 @@
+//! `transforms.json` of nerfstudio and instant-ngp (<https://docs.nerf.studio/quickstart/data_conventions.html>).
+//!
+//! ```json
+//! {"camera_model": "OPENCV", "fl_x": 1072.0, "fl_y": 1068.0, "cx": 752.0, "cy": 500.0, "w": 1504, "h": 1000,
+//!  "k1": 0.03, "k2": -0.01, "p1": 0.0, "p2": 0.0,
+//!  "frames": [{"file_path": "images/left.png",
+//!              "transform_matrix": [[1, 0, 0, 0.1], [0, 1, 0, 0.2], [0, 0, 1, 3.0], [0, 0, 0, 1]]}]}
+//! ```
+//!
+//! A view for each frame, called like its image; each intrinsic parameter stands at the top or in the frame. The
+//! matrix maps camera to world, with OpenGL's camera axes (x right, y up, z backward). Where there is no `fl_x`,
+//! `camera_angle_x` is the horizontal field of view in radians; without `cx` and `cy` the axis meets the image's
+//! middle. The first pixel's centre is (0.5, 0.5), as nerfstudio casts its rays and as COLMAP, where such files
+//! mostly come from, has it. The scale of the world is arbitrary.
+
+use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::json::{Field, Object};
+use super::source::Source;
+use super::{image_names, lines, pose};
+use crate::camera::Distortion;
+use crate::{Error, Result};
+use nalgebra::{Matrix3, Matrix4, Vector3};
+
+pub(super) const FORMAT: Format = Format { name: "nerfstudio's transforms.json", recognise, read };
+
+const FRAME: &str = "write file_path and transform_matrix for each frame";
+const INTRINSICS: &str = "write fl_x, fl_y, cx, cy, w and h at the top or in each frame";
+const UNDISTORT: &str = "undistort the images first, and write OPENCV or PINHOLE";
+
+fn recognise(source: &Source) -> bool {
+    let text = source.text().unwrap_or_default();
+    text.trim_start_matches('\u{feff}').trim_start().starts_with('{')
+        && (text.contains("\"transform_matrix\"") || text.contains("\"frames\"") && text.contains("\"fl_x\""))
+}
+
+fn read(source: &Source, hints: &Hints) -> Result<Contents> {
+    let document = Field::document(source.text().unwrap_or_default())?.object()?;
+    let frames = document.get("frames", FRAME)?.items()?;
+    let frames: Vec<_> = frames.iter().map(Field::object).collect::<Result<_>>()?;
+    let path = |frame: &Object| frame.get("file_path", FRAME)?.string();
+    let paths: Vec<_> = frames.iter().map(path).collect::<Result<_>>()?;
+    let names = image_names::names(&paths.iter().map(String::as_str).collect::<Vec<_>>());
+    lines::distinct(names.iter().map(String::as_str), |i| frames[i].line())?;
+    let view = |(frame, name): (&Object, String)| View { frame, document: &document, name }.found(hints);
+    Ok(Contents {
+        cameras: frames.iter().zip(names).map(view).collect::<Result<_>>()?,
+        pixel_centres: PixelCentres::Half,
+        metres_per_unit: None,
+        notes: Vec::new(),
+    })
+}
+
+/// A frame, with what stands at the top for all.
+struct View<'a> {
+    frame: &'a Object<'a>,
+    document: &'a Object<'a>,
+    name: String,
+}
+
+impl<'a> View<'a> {
+    fn found(self, hints: &Hints) -> Result<Found> {
+        self.check_lens_model()?;
+        let size = self.size()?;
+        let k = self.intrinsics(size.or(hints.size))?;
+        let [k1, k2, p1, p2, k3, k4] = ["k1", "k2", "p1", "p2", "k3", "k4"].map(|key| self.number(key));
+        // nerfstudio's k4 is the next power of the polynomial, not OpenCV's k4.
+        if let Some(field) = self.find("k4")
+            && k4?.is_some_and(|k4| k4 != 0.0)
+        {
+            return Err(
+                field.fail(format!("expected a lens of k1, k2, k3, p1 and p2, found a k4; {UNDISTORT}"))
+            );
+        }
+        let coefficients = [k1?, k2?, p1?, p2?, k3?].map(Option::unwrap_or_default);
+        let field = self.frame.get("transform_matrix", FRAME)?;
+        let opengl = Matrix4::from_row_slice(&field.numbers::<16>("write 4 x 4 numbers")?);
+        let axes: Matrix3<f64> = opengl.fixed_view::<3, 3>(0, 0).into();
+        let centre: Vector3<f64> = opengl.fixed_view::<3, 1>(0, 3).into();
+        let world_from_cam = axes * Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
+        let rotation = pose::rotation(&world_from_cam.transpose())
+            .map_err(|problem| field.fail(format!("{problem}; calibrate again")))?;
+        Ok(Found {
+            name: self.name,
+            size,
+            k,
+            distortion: Distortion::from_opencv(&coefficients)?,
+            rotation,
+            translation: -(rotation * centre),
+        })
+    }
+
+    fn check_lens_model(&self) -> Result<()> {
+        if let Some(field) = self.find("camera_model") {
+            let model = field.string()?;
+            if !["OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "PERSPECTIVE"].contains(&&*model) {
+                return Err(field.fail(format!("expected OPENCV or PINHOLE, found {model}; {UNDISTORT}")));
+            }
+        }
+        match self.find("is_fisheye") {
+            Some(field) if field.is_true() => {
+                Err(field.fail(format!("expected no fisheye lens, found one; {UNDISTORT}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn size(&self) -> Result<Option<(u32, u32)>> {
+        match (self.find("w"), self.find("h")) {
+            (Some(width), Some(height)) => Ok(Some((width.pixels()?, height.pixels()?))),
+            _ => Ok(None),
+        }
+    }
+
+    fn intrinsics(&self, size: Option<(u32, u32)>) -> Result<Matrix3<f64>> {
+        let size = size.map(|(width, height)| [f64::from(width), f64::from(height)]);
+        let angle = |key| Ok::<_, Error>(self.number(key)?.map(|angle| (angle / 2.0).tan()));
+        let focal = |length, angle_tangent: Option<f64>, axis: usize| {
+            let by_angle = || Some(size?[axis] / 2.0 / angle_tangent?);
+            Ok::<_, Error>(self.number(length)?.or_else(by_angle))
+        };
+        let fx = focal("fl_x", angle("camera_angle_x")?, 0)?;
+        let fy = focal("fl_y", angle("camera_angle_y")?, 1)?.or(fx);
+        let middle = |axis: usize| size.map(|size| size[axis] / 2.0);
+        let cx = self.number("cx")?.or_else(|| middle(0));
+        let cy = self.number("cy")?.or_else(|| middle(1));
+        match (fx, fy, cx, cy) {
+            (Some(fx), Some(fy), Some(cx), Some(cy)) => {
+                Ok(Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0))
+            }
+            _ => Err(self.frame.fail(format!(
+                "expected focal lengths and a principal point, found too little to know them; {INTRINSICS}, or give \
+                 width and height"
+            ))),
+        }
+    }
+
+    fn number(&self, key: &str) -> Result<Option<f64>> {
+        self.find(key).map(Field::number).transpose()
+    }
+
+    /// The value of the frame's `key`, else of the document's.
+    fn find(&self, key: &str) -> Option<&'a Field<'a>> {
+        self.frame.find(key).or_else(|| self.document.find(key))
+    }
+}
+
+#[cfg(test)]
+mod tests;

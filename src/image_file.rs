@@ -98,8 +98,8 @@ fn unwritten(path: &Path, e: &std::io::Error) -> Error {
     Error::file(path, format!("expected to write this file, found: {e}{next}"))
 }
 
-/// The image files of a folder whose names are numbers, by number; none where there is no folder.
-pub(crate) fn numbered(folder: &Path) -> Result<BTreeMap<u32, PathBuf>> {
+/// The image files of a folder whose names are numbers and one of the suffixes, by number; none where there is no folder.
+pub(crate) fn numbered(folder: &Path, suffixes: &[&str]) -> Result<BTreeMap<u32, PathBuf>> {
     let mut files = BTreeMap::new();
     if !folder.is_dir() {
         return Ok(files);
@@ -107,7 +107,7 @@ pub(crate) fn numbered(folder: &Path) -> Result<BTreeMap<u32, PathBuf>> {
     let fail = |e: std::io::Error| Error::file(folder, format!("expected a readable folder, found: {e}"));
     for entry in std::fs::read_dir(folder).map_err(fail)? {
         let path = entry.map_err(fail)?.path();
-        let Some(frame) = frame_of(&path) else { continue };
+        let Some(frame) = suffixes.iter().find_map(|suffix| frame_of(&path, suffix)) else { continue };
         if let Some(other) = files.insert(frame, path.clone()) {
             let problem =
                 format!("expected one file for frame {frame}, found also {}; remove one", other.display());
@@ -117,9 +117,9 @@ pub(crate) fn numbered(folder: &Path) -> Result<BTreeMap<u32, PathBuf>> {
     Ok(files)
 }
 
-fn frame_of(path: &Path) -> Option<u32> {
+fn frame_of(path: &Path, suffix: &str) -> Option<u32> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-    let stem = path.file_stem()?.to_str()?;
+    let stem = path.file_stem()?.to_str()?.strip_suffix(suffix)?;
     let numbered = stem.bytes().all(|b| b.is_ascii_digit());
     (numbered && EXTENSIONS.contains(&extension.as_str())).then(|| stem.parse().ok())?
 }

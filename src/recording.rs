@@ -11,7 +11,9 @@
 //! ```
 //!
 //! Frames are numbered by their file names, those of a video from 0. An image or a mask counts only where every camera
-//! has one. [`Recording::synchronised`] reads the images of folders and videos alike, put together by their times.
+//! has one. Masks may be called `000000_mask.*` too, and may then lie beside the images; [`load_mask`] says what may be
+//! in them, such as cut-out images with an alpha channel. [`Recording::synchronised`] reads the images of folders and
+//! videos alike, put together by their times.
 
 use crate::camera::Camera;
 use crate::rig::Rig;
@@ -23,6 +25,9 @@ use std::path::{Path, PathBuf};
 
 const RIG: &str = "rig.toml";
 const BACKGROUND: &str = "background.png";
+const IMAGE: &str = "image";
+const MASK: &str = "mask";
+const MASK_SUFFIX: &str = "_mask";
 
 /// A recording on disk. Pictures are read when they are asked for.
 #[derive(Debug, Clone)]
@@ -99,7 +104,7 @@ impl Recording {
 
     /// What lies in folder `dir`.
     fn list(dir: &Path, rig: Rig) -> Result<Self> {
-        let (images, masks) = (Pictures::list(dir, &rig, "image")?, Pictures::list(dir, &rig, "mask")?);
+        let (images, masks) = (Pictures::list(dir, &rig, IMAGE)?, Pictures::list(dir, &rig, MASK)?);
         let video = |(camera, files): (&Camera, &BTreeMap<_, _>)| {
             let video = if files.is_empty() { streams::video_of(dir, camera.name()) } else { Ok(None) };
             video.map_err(|e| Error::view(camera.name(), e))
@@ -272,8 +277,7 @@ impl Pictures {
             .cameras()
             .iter()
             .map(|camera| {
-                image_file::numbered(&dir.join(camera.name()).join(kind))
-                    .map_err(|e| Error::view(camera.name(), e))
+                numbered_files(&dir.join(camera.name()), kind).map_err(|e| Error::view(camera.name(), e))
             })
             .collect::<Result<Vec<_>>>()?;
         let in_all = |frame: &u32| files.iter().all(|of_camera| of_camera.contains_key(frame));
@@ -349,6 +353,18 @@ fn extent(files: &BTreeMap<u32, PathBuf>) -> String {
         (Some((only, _)), _) => format!("frame {only} alone"),
         _ => "no frames".into(),
     }
+}
+
+/// A camera's files of one kind by their numbers. Masks may lie beside the images where they have no folder of their own.
+fn numbered_files(camera: &Path, kind: &str) -> Result<BTreeMap<u32, PathBuf>> {
+    let folder = camera.join(kind);
+    if kind != MASK {
+        return image_file::numbered(&folder, &[""]);
+    }
+    if folder.is_dir() {
+        return image_file::numbered(&folder, &["", MASK_SUFFIX]);
+    }
+    image_file::numbered(&camera.join(IMAGE), &[MASK_SUFFIX])
 }
 
 /// Camera names become folders, which must stay inside the recording.

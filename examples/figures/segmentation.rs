@@ -94,18 +94,26 @@ fn dino(dir: &Path) -> Vec<Figure> {
     data.set_unseen(Unseen::ABSTAIN).expect("a policy");
     data.set_bounds(DINO.grown(0.008)).expect("a volume");
     let (volume, aabb) = carve(&data.update(0.0).expect("masks in all views"), 0.001);
-    let beyond = (DINO.min - aabb.min).max().max((aabb.max - DINO.max).max());
+    // Towards -y all views that look there see a part that the scanned model lacks; so do the given masks.
+    let (below, above) = ((DINO.min - aabb.min) * 1e3, (aabb.max - DINO.max) * 1e3);
+    let five_sides = below.x.max(below.z).max(above.max());
     vec![
         Figure::asked("dino_volume_e4_m3", 1e4 * volume, Bound::Within(0.97 * 1.28, 1.03 * 1.28)),
-        Figure::asked("dino_beyond_its_box_mm", 1e3 * beyond, Bound::AtMost(2.0)),
+        Figure::asked("dino_beyond_five_sides_of_its_box_mm", five_sides, Bound::AtMost(2.0)),
+        Figure::reported("dino_beyond_its_box_towards_minus_y_mm", below.y),
     ]
 }
 
-/// Black, and wide gaps closed where the subject itself lies in the dark.
+/// Black, by the recipe that came with the images: above 0.19, dilated by 10 pixels, eroded by 7.
 fn in_the_dark((width, height): (u32, u32)) -> CleanPlate {
-    let thresholds = Thresholds { difference: 40.0, ..Thresholds::default() };
-    let cleanup =
-        Cleanup { close_px: 10, smallest_hole_px: 10_000, smallest_region_share: 1.0, ..Cleanup::default() };
+    let thresholds = Thresholds { difference: 0.19 * 255.0, ..Thresholds::default() };
+    let cleanup = Cleanup {
+        close_px: 7,
+        margin_px: 3,
+        smallest_hole_px: 10_000,
+        smallest_region_share: 1.0,
+        ..Cleanup::default()
+    };
     CleanPlate::new(&RgbImage::new(width, height), thresholds)
         .and_then(|plate| plate.with_shadows(None))
         .and_then(|plate| plate.with_cleanup(cleanup))

@@ -26,6 +26,8 @@ mod plate;
 mod regions;
 mod running_gaussian;
 mod shadows;
+#[cfg(test)]
+mod testing;
 
 pub use chroma_key::{ChromaKey, Key};
 pub use clean_plate::{CleanPlate, Thresholds};

@@ -22,7 +22,7 @@ impl ImageFolder {
     /// A folder that cannot be read or holds no numbered images, or two of one number; a rate that is not positive.
     pub fn open(folder: impl AsRef<Path>, reading: Reading) -> Result<Self> {
         let folder = folder.as_ref();
-        let files = image_file::numbered(folder)?;
+        let files = image_file::numbered(folder, &[""])?;
         if files.is_empty() {
             let problem =
                 "expected images whose names are numbers, as 000000.png, found none; check the path";

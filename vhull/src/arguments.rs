@@ -5,6 +5,7 @@ use nalgebra::Point3;
 use ode_visual_hull::Result;
 use ode_visual_hull::hull::{Aabb, Unseen};
 use ode_visual_hull::rig::{Hints, Rig};
+use std::ops::Range;
 
 /// What a calibration does not tell.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
@@ -85,6 +86,15 @@ pub fn parse_length(text: &str) -> std::result::Result<f64, String> {
     length.ok_or_else(|| format!("expected a number of metres above zero, found {text}"))
 }
 
+/// Frames from A to before B, as `A..B`; what is left out is the first, or all that come.
+pub fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
+    let number = |part: &str, open: u32| if part.is_empty() { Some(open) } else { part.parse().ok() };
+    let range = text.split_once("..").and_then(|(a, b)| Some(number(a, 0)?..number(b, u32::MAX)?));
+    range
+        .filter(|range| !range.is_empty())
+        .ok_or_else(|| format!("expected A..B with A below B, as in 20..60, 20.. or ..60, found {text}"))
+}
+
 /// `N` finite numbers between commas, in the order `named`.
 pub fn numbers<const N: usize>(text: &str, named: &str) -> std::result::Result<[f64; N], String> {
     let parse = |part: &str| part.trim().parse().ok().filter(|x: &f64| x.is_finite());
@@ -92,4 +102,19 @@ pub fn numbers<const N: usize>(text: &str, named: &str) -> std::result::Result<[
     let numbers = numbers.ok_or_else(|| format!("expected numbers between commas, {named}, found {text}"))?;
     let count = numbers.len();
     numbers.try_into().map_err(|_| format!("expected {N} numbers, {named}, found {count}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_end_of_a_range_of_frames_may_be_left_out() {
+        for (text, range) in [("3..7", 3..7), ("3..", 3..u32::MAX), ("..7", 0..7), ("..", 0..u32::MAX)] {
+            assert_eq!(parse_frames(text), Ok(range));
+        }
+        for bad in ["", "3", "7..3", "3..3", "a..b", "-1..3", "1..2..3"] {
+            assert!(parse_frames(bad).unwrap_err().contains(&format!("found {bad}")), "{bad}");
+        }
+    }
 }

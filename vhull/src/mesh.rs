@@ -4,7 +4,7 @@ mod field;
 mod surface;
 
 use crate::Outcome;
-use crate::arguments::{VolumeOptions, parse_length};
+use crate::arguments::{VolumeOptions, parse_frames, parse_length};
 use crate::capture::Capture;
 use crate::progress;
 use field::Field;
@@ -27,7 +27,7 @@ pub struct Options {
     #[arg(long, value_name = "N", conflicts_with = "frames")]
     frame: Option<u32>,
     /// The frames to take, the last one not.
-    #[arg(long, value_name = "A..B", value_parser = parse_range)]
+    #[arg(long, value_name = "A..B", value_parser = parse_frames)]
     frames: Option<std::ops::Range<u32>>,
     /// Edge of the cells.
     #[arg(long, value_name = "METRES", default_value = "0.01", value_parser = parse_length)]
@@ -43,12 +43,6 @@ const EXAMPLES: &str = "\
 Examples:
   vhull mesh my_recording -o hull.ply
   vhull mesh my_recording --frames 0..100 --resolution 0.02 -o meshes/hull.obj";
-
-fn parse_range(text: &str) -> std::result::Result<std::ops::Range<u32>, String> {
-    let ends = text.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
-    let range = ends.map(|(first, end)| first..end).filter(|range| !range.is_empty());
-    range.ok_or_else(|| format!("expected two frame numbers as in 0..100, the second larger, found {text}"))
-}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {

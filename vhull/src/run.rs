@@ -4,7 +4,7 @@ mod landing;
 mod obstacle;
 mod playback;
 
-use crate::arguments::{VolumeOptions, numbers};
+use crate::arguments::{VolumeOptions, numbers, parse_frames};
 use crate::{Outcome, progress};
 use clap::ValueEnum;
 use nalgebra::{Isometry3, Vector3};
@@ -200,12 +200,4 @@ fn parse_side(text: &str) -> std::result::Result<f64, String> {
 fn parse_hold(text: &str) -> std::result::Result<f64, String> {
     let hold = text.parse().ok().filter(|hold| (0.0..=3600.0).contains(hold));
     hold.ok_or_else(|| format!("expected 0 to 3600 s, found {text}"))
-}
-
-fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
-    let number = |part: &str, open: u32| if part.is_empty() { Ok(open) } else { part.parse() };
-    let range = text.split_once("..").and_then(|(a, b)| Some(number(a, 0).ok()?..number(b, u32::MAX).ok()?));
-    range
-        .filter(|range| range.start < range.end)
-        .ok_or_else(|| format!("expected A..B with A below B, as in 20..60, 20.. or ..60, found {text}"))
 }

@@ -1,13 +1,13 @@
 //! `vhull segment`: the images of a recording become masks.
 
 mod empty_room;
-mod frames;
 mod masks;
+mod tally;
 
+use crate::arguments::parse_frames;
 use crate::{Outcome, progress};
 use clap::ValueEnum;
 use empty_room::EmptyRoom;
-use frames::{Frames, Tally};
 use image::{GrayImage, RgbImage};
 use masks::Masks;
 use ode_visual_hull::recording::{Recording, StreamOptions};
@@ -16,7 +16,9 @@ use ode_visual_hull::segment::{
 };
 use ode_visual_hull::source::ImageSet;
 use ode_visual_hull::{Error, Result};
+use std::ops::Range;
 use std::path::PathBuf;
+use tally::Tally;
 
 /// Find the subject in the images or videos of a recording, and write masks.
 ///
@@ -48,8 +50,8 @@ pub struct Options {
     #[arg(long, value_name = "DIR|FILE")]
     background: Option<PathBuf>,
     /// Frames to segment, from A to before B; either may be left out [default: all].
-    #[arg(long, value_name = "A..B", value_parser = frames::parse, default_value = "..", hide_default_value = true)]
-    frames: Frames,
+    #[arg(long, value_name = "A..B", value_parser = parse_frames, default_value = "..", hide_default_value = true)]
+    frames: Range<u32>,
     /// Images a second [default: as frames.csv or the videos say, else 30].
     #[arg(long, value_name = "RATE")]
     rate: Option<f64>,
@@ -97,9 +99,9 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let streaming = StreamOptions { first: 0, rate: options.rate, bound: options.bound };
     let mut segmenters = segmenters(options, &recording, &streaming)?;
 
-    let mut sets = recording.synchronised(&StreamOptions { first: options.frames.first, ..streaming })?;
+    let mut sets = recording.synchronised(&StreamOptions { first: options.frames.start, ..streaming })?;
     let expected = sets.streams().filter_map(|stream| stream.frames_expected()).max();
-    let bar = progress::bar(options.frames.count(expected), "frames");
+    let bar = progress::bar(count(&options.frames, expected), "frames");
     let mut tally = Tally::default();
     for set in &mut sets {
         let done = set.and_then(|set| {
@@ -127,6 +129,12 @@ pub fn run(options: &Options) -> Result<Outcome> {
     }
     bar.finish_and_clear();
     tally.report(&options.recording, masks.dir(), &sets)
+}
+
+/// How many of `frames` there are, where `left` are known to come from the first on; 0 where nothing is known.
+fn count(frames: &Range<u32>, left: Option<u32>) -> usize {
+    let asked = (frames.end < u32::MAX).then(|| frames.end - frames.start);
+    left.into_iter().chain(asked).min().unwrap_or(0) as usize
 }
 
 /// What finds the subject in the images of each camera.

@@ -1,34 +1,10 @@
-//! Which frames to segment, and what has become of them.
+//! What has become of the frames.
 
 use crate::Outcome;
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::source::{ImageSet, Synchroniser};
 use ode_visual_hull::{Error, Result};
 use std::path::Path;
-
-/// From `first` to before `end`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Frames {
-    pub first: u32,
-    pub end: u32,
-}
-
-impl Frames {
-    /// How many, where `left` are known to come from the first on; 0 where nothing is known.
-    pub fn count(self, left: Option<u32>) -> usize {
-        let asked = (self.end < u32::MAX).then(|| self.end - self.first);
-        left.into_iter().chain(asked).min().unwrap_or(0) as usize
-    }
-}
-
-/// `A..B`, `A..`, `..B` or `..`.
-pub fn parse(text: &str) -> std::result::Result<Frames, String> {
-    let number = |text: &str, default| if text.is_empty() { Some(default) } else { text.parse().ok() };
-    text.split_once("..")
-        .and_then(|(first, end)| Some(Frames { first: number(first, 0)?, end: number(end, u32::MAX)? }))
-        .filter(|frames| frames.first < frames.end)
-        .ok_or_else(|| format!("expected two numbers as in 10..90, the second greater, found {text}"))
-}
 
 /// What has become of the frames so far.
 #[derive(Debug, Default)]
@@ -107,24 +83,5 @@ impl Tally {
         );
         println!("written to {}", out.display());
         Ok(Outcome::Done)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn either_end_of_a_range_may_be_left_out() {
-        let ranges = [("3..7", 3, 7), ("3..", 3, u32::MAX), ("..7", 0, 7), ("..", 0, u32::MAX)];
-        for (text, first, end) in ranges {
-            assert_eq!(parse(text), Ok(Frames { first, end }));
-        }
-        for bad in ["", "3", "7..3", "3..3", "a..b", "-1..3", "1..2..3"] {
-            assert!(parse(bad).unwrap_err().contains(&format!("found {bad}")), "{bad}");
-        }
-        assert_eq!(Frames { first: 3, end: 7 }.count(Some(100)), 4);
-        assert_eq!(Frames { first: 3, end: 7 }.count(Some(2)), 2);
-        assert_eq!(Frames { first: 3, end: u32::MAX }.count(None), 0);
     }
 }

@@ -6,7 +6,7 @@
 use super::Segmenter;
 use super::bits::{WORD, pack};
 use super::cleanup::Cleanup;
-use super::difference::{BYTES, padded};
+use super::difference::{BYTES, padded, whole};
 use super::outline::{Colours, Outline};
 use crate::vectorised::vectorised;
 use crate::{Error, Result};
@@ -81,8 +81,8 @@ impl ChromaKey {
                 "expected a colourful key, found the nearly grey {colour:?}; use a clean plate for a grey room"
             )));
         }
-        let angle_is_fine = hue_tolerance > 0.0 && hue_tolerance < std::f64::consts::FRAC_PI_2;
-        if !angle_is_fine || !(least_chroma > 0.0 && least_chroma < 1.0) {
+        let is_between = |value: f64, most: f64| value > 0.0 && value < most;
+        if !is_between(hue_tolerance, std::f64::consts::FRAC_PI_2) || !is_between(least_chroma, 1.0) {
             return Err(Error::argument(format!(
                 "expected a key's hue tolerance above 0 and below a quarter turn in radians, and its least chroma between \
                  0 and 1, found {hue_tolerance} and {least_chroma}"
@@ -134,7 +134,7 @@ vectorised! {
         let width = image.len() / 3;
         for (k, bits) in bits.iter_mut().enumerate() {
             let image = &image[BYTES * k..image.len().min(BYTES * (k + 1))];
-            let word = match image.as_array() {
+            let word = match whole(image) {
                 Some(image) => key_word(image, test),
                 None => key_word(&padded(image), test),
             };

@@ -73,7 +73,7 @@ vectorised! {
             let start = 3 * WORD * k;
             let end = (start + 3 * WORD).min(image.len());
             let (image, least, greatest) = (&image[start..end], &least[start..end], &greatest[start..end]);
-            *bits = match (image.as_array(), least.as_array(), greatest.as_array()) {
+            *bits = match (whole(image), whole(least), whole(greatest)) {
                 (Some(image), Some(least), Some(greatest)) => differ_word(image, least, greatest),
                 _ => differ_word(&padded(image), &padded(least), &padded(greatest)),
             };
@@ -83,6 +83,12 @@ vectorised! {
 
 /// Bytes of as many pixels as a word has.
 pub(super) const BYTES: usize = 3 * WORD;
+
+/// The bytes of a whole word's pixels; `None` at the end of a row.
+#[inline(always)]
+pub(super) fn whole(bytes: &[u8]) -> Option<&[u8; BYTES]> {
+    bytes.try_into().ok()
+}
 
 #[inline(always)]
 pub(super) fn padded(bytes: &[u8]) -> [u8; BYTES] {
@@ -118,7 +124,7 @@ vectorised! {
             let start = BYTES * k;
             let end = (start + BYTES).min(image.len());
             let (image, room) = (&image[start..end], &room[start..end]);
-            let shaded = match (image.as_array(), room.as_array()) {
+            let shaded = match (whole(image), whole(room)) {
                 (Some(image), Some(room)) => shaded_word(image, room, limits),
                 _ => shaded_word(&padded(image), &padded(room), limits),
             };

@@ -80,12 +80,12 @@ vectorised! {
             let [above, row, below] = rows.map(|row| (row[k] ^ invert) & within);
             (if square { above | row | below } else { row }, above | row | below)
         };
-        for k in 0..n {
+        for (k, out) in out.iter_mut().enumerate() {
             let (wide, all) = row_of(k);
             let before = if k > 0 { row_of(k - 1).0 >> (WORD - 1) } else { 0 };
             let after = if k + 1 < n { row_of(k + 1).0 << (WORD - 1) } else { 0 };
             let within = if k + 1 == n { last } else { u64::MAX };
-            out[k] = ((all | wide << 1 | before | wide >> 1 | after) ^ invert) & within;
+            *out = ((all | wide << 1 | before | wide >> 1 | after) ^ invert) & within;
         }
     }
 }

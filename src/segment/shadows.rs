@@ -43,7 +43,7 @@ impl Shadows {
     /// A ratio outside its range, a tolerance that is negative or not finite.
     pub(super) fn check(&self) -> Result<()> {
         let Self { darkest, brightest, hue_tolerance } = *self;
-        if !(0.0..=1.0).contains(&darkest) || !(brightest >= 1.0 && brightest.is_finite()) {
+        if !((0.0..=1.0).contains(&darkest) && brightest >= 1.0 && brightest.is_finite()) {
             return Err(Error::argument(format!(
                 "expected shadows of a ratio from 0 to 1 and light of one of at least 1, found {darkest} and \
                  {brightest}; 1 and 1 allow neither"

@@ -15,7 +15,7 @@ fn ragged(seed: u64) -> GrayImage {
         flip_boundary(&mut mask, 0.4, 10 * seed + k).unwrap();
     }
     for k in 0..90u64 {
-        let place = (k.wrapping_mul(2654435761) ^ seed * 977) % (201 * 147);
+        let place = (k.wrapping_mul(2654435761) ^ (seed * 977)) % (201 * 147);
         let (x, y) = ((place % 201) as u32, (place / 201) as u32);
         let value = 255 - mask.get_pixel(x, y).0[0];
         mask.put_pixel(x, y, Luma([value]));

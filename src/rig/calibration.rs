@@ -89,8 +89,16 @@ pub(super) enum PixelCentres {
     Half,
 }
 
+/// The side of an image, of a whole number of pixels that image files can have.
+pub(super) fn pixels(side: f64) -> Option<u32> {
+    (side.fract() == 0.0 && (1.0..=65_535.0).contains(&side)).then_some(side as u32)
+}
+
 /// Focal lengths between these many image widths are a camera's: from 158 degrees of view to 0.6.
 const FOCAL_LENGTHS: std::ops::RangeInclusive<f64> = 0.1..=100.0;
+
+/// The note on a rig without a camera above the floor, as the world has it.
+const UPSIDE_DOWN: &str = "every camera stands below z = 0: does z point down?";
 
 impl Calibration {
     /// Reads a calibration file or folder; its content, not its name, says in which format it is.
@@ -129,7 +137,12 @@ impl Contents {
             )));
         }
         let cameras = self.cameras.into_iter().map(|found| found.camera(self.pixel_centres, scale, hints));
-        Ok((Rig::new(cameras.collect::<Result<_>>()?)?, self.notes))
+        let rig = Rig::new(cameras.collect::<Result<_>>()?)?;
+        let mut notes = self.notes;
+        if rig.cameras().iter().all(|camera| camera.centre().z < 0.0) {
+            notes.push(UPSIDE_DOWN.into());
+        }
+        Ok((rig, notes))
     }
 }
 
@@ -172,4 +185,21 @@ fn unknown(source: &Source) -> String {
         None => format!("a folder of {} files, none of them", source.files().len()),
     };
     format!("expected a calibration ({}), found {found}; convert it to one of these", names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{HINTS, load_text};
+    use super::UPSIDE_DOWN;
+
+    #[test]
+    fn a_world_whose_z_points_down_is_noted() {
+        let notes = |heights: [f64; 2]| {
+            let line = |z: f64| format!("500 0 320 0 0 500 240 0 0 0 1 {}\n", -z);
+            load_text(&heights.map(line).concat(), &HINTS).unwrap().notes
+        };
+        let is_noted = |heights| notes(heights).iter().any(|note| note == UPSIDE_DOWN);
+        assert!(is_noted([-2.0, -0.5]));
+        assert!(!is_noted([-2.0, 0.5]) && !is_noted([2.0, 0.5]) && !is_noted([0.0, -2.0]));
+    }
 }

@@ -1,5 +1,6 @@
 //! Text files of words and numbers, line by line, with what an error message about a line needs.
 
+use super::calibration::pixels;
 use crate::{Error, Result};
 use std::collections::HashMap;
 
@@ -48,8 +49,9 @@ impl Line<'_> {
 
     /// The size of an image, from the words at position `from` and after it.
     pub(super) fn size(&self, from: usize) -> Result<(u32, u32)> {
-        let pixels = |at: usize| self.words.get(at).and_then(|word| whole(word)).filter(|&n| n > 0);
-        match (pixels(from), pixels(from + 1)) {
+        // Also where they are written as floats, 6.4000000e+02.
+        let side = |at: usize| pixels(self.words.get(at)?.parse().ok()?);
+        match (side(from), side(from + 1)) {
             (Some(width), Some(height)) => Ok((width, height)),
             _ => {
                 let found = self.words.get(from..).unwrap_or_default();
@@ -62,12 +64,6 @@ impl Line<'_> {
     pub(super) fn fail(&self, problem: impl std::fmt::Display) -> Error {
         Error::argument(format!("line {}: {problem}", self.number))
     }
-}
-
-/// A whole number, also where it is written as a float: `640` or `6.4000000e+02`.
-fn whole(word: &str) -> Option<u32> {
-    let number = word.parse::<f64>().ok()?;
-    (number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number)).then_some(number as u32)
 }
 
 /// That no two cameras have one name; `line` gives that of the camera at a position.

@@ -63,7 +63,7 @@ fn read(source: &Source, _: &Hints) -> Result<Contents> {
 fn camera(source: &Source, line: &Line, name: String) -> Result<Found> {
     let numbers: [f64; 21] = line.numbers(1, LINE)?;
     let rotation = pose::rotation(&Matrix3::from_row_slice(&numbers[9..18]))
-        .map_err(|problem| line.fail(format!("rotation r11 .. r33: {problem}; calibrate again")))?;
+        .map_err(|problem| line.fail(format!("rotation r11 .. r33: {problem}")))?;
     let image = line.words[0];
     let image = source.beside(image).or_else(|| source.beside(&format!("image/{image}")));
     Ok(Found {

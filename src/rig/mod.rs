@@ -10,7 +10,6 @@ mod coverage;
 mod document;
 mod easymocap;
 mod image_names;
-mod json;
 mod kalibr;
 mod length;
 mod lines;
@@ -25,10 +24,10 @@ mod projections;
 mod qualisys;
 mod reading;
 mod ros;
-#[cfg(test)]
-mod sample_files;
 mod selfcal;
 mod source;
+#[cfg(test)]
+mod testing;
 mod toml;
 mod voxelpose;
 
@@ -172,7 +171,5 @@ fn origin(camera: &Camera) -> String {
     }
 }
 
-#[cfg(test)]
-mod testing;
 #[cfg(test)]
 mod tests;

@@ -14,12 +14,12 @@
 //! mostly come from, has it. The scale of the world is arbitrary.
 
 use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
-use super::json::{Field, Object};
+use super::document::{self, Entry, Node};
 use super::source::Source;
 use super::{image_names, lines, pose};
 use crate::camera::Distortion;
 use crate::{Error, Result};
-use nalgebra::{Matrix3, Matrix4, Vector3};
+use nalgebra::Matrix3;
 
 pub(super) const FORMAT: Format = Format { name: "nerfstudio's transforms.json", recognise, read };
 
@@ -28,20 +28,18 @@ const INTRINSICS: &str = "write fl_x, fl_y, cx, cy, w and h at the top or in eac
 const UNDISTORT: &str = "undistort the images first, and write OPENCV or PINHOLE";
 
 fn recognise(source: &Source) -> bool {
-    let text = source.text().unwrap_or_default();
-    text.trim_start_matches('\u{feff}').trim_start().starts_with('{')
-        && (text.contains("\"transform_matrix\"") || text.contains("\"frames\"") && text.contains("\"fl_x\""))
+    let has = |key: &str| source.json().is_some_and(|text| text.contains(&format!("\"{key}\"")));
+    has("transform_matrix") || has("frames") && has("fl_x")
 }
 
 fn read(source: &Source, hints: &Hints) -> Result<Contents> {
-    let document = Field::document(source.text().unwrap_or_default())?.object()?;
-    let frames = document.get("frames", FRAME)?.items()?;
-    let frames: Vec<_> = frames.iter().map(Field::object).collect::<Result<_>>()?;
-    let path = |frame: &Object| frame.get("file_path", FRAME)?.string();
-    let paths: Vec<_> = frames.iter().map(path).collect::<Result<_>>()?;
-    let names = image_names::names(&paths.iter().map(String::as_str).collect::<Vec<_>>());
-    lines::distinct(names.iter().map(String::as_str), |i| frames[i].line())?;
-    let view = |(frame, name): (&Object, String)| View { frame, document: &document, name }.found(hints);
+    let document = document::parse(source.text().unwrap_or_default())?;
+    let frames = document.require("frames", FRAME)?.items()?;
+    let paths: Vec<_> =
+        frames.iter().map(|frame| frame.require("file_path", FRAME)).collect::<Result<_>>()?;
+    let names = image_names::names(&paths.iter().map(Entry::text).collect::<Result<Vec<_>>>()?);
+    lines::distinct(names.iter().map(String::as_str), |i| frames[i].node.line)?;
+    let view = |(frame, name): (&Entry, String)| View { frame, document: &document, name }.found(hints);
     Ok(Contents {
         cameras: frames.iter().zip(names).map(view).collect::<Result<_>>()?,
         pixel_centres: PixelCentres::Half,
@@ -52,8 +50,8 @@ fn read(source: &Source, hints: &Hints) -> Result<Contents> {
 
 /// A frame, with what stands at the top for all.
 struct View<'a> {
-    frame: &'a Object<'a>,
-    document: &'a Object<'a>,
+    frame: &'a Entry<'a>,
+    document: &'a Node,
     name: String,
 }
 
@@ -64,21 +62,16 @@ impl<'a> View<'a> {
         let k = self.intrinsics(size.or(hints.size))?;
         let [k1, k2, p1, p2, k3, k4] = ["k1", "k2", "p1", "p2", "k3", "k4"].map(|key| self.number(key));
         // nerfstudio's k4 is the next power of the polynomial, not OpenCV's k4.
-        if let Some(field) = self.find("k4")
+        if let Some(entry) = self.find("k4")
             && k4?.is_some_and(|k4| k4 != 0.0)
         {
             return Err(
-                field.fail(format!("expected a lens of k1, k2, k3, p1 and p2, found a k4; {UNDISTORT}"))
+                entry.fail(format!("expected a lens of k1, k2, k3, p1 and p2, found a k4; {UNDISTORT}"))
             );
         }
         let coefficients = [k1?, k2?, p1?, p2?, k3?].map(Option::unwrap_or_default);
-        let field = self.frame.get("transform_matrix", FRAME)?;
-        let opengl = Matrix4::from_row_slice(&field.numbers::<16>("write 4 x 4 numbers")?);
-        let axes: Matrix3<f64> = opengl.fixed_view::<3, 3>(0, 0).into();
-        let centre: Vector3<f64> = opengl.fixed_view::<3, 1>(0, 3).into();
-        let world_from_cam = axes * Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
-        let rotation = pose::rotation(&world_from_cam.transpose())
-            .map_err(|problem| field.fail(format!("{problem}; calibrate again")))?;
+        let (world_from_opengl, centre) = self.frame.require("transform_matrix", FRAME)?.motion()?;
+        let rotation = pose::opengl_axes() * world_from_opengl.inverse();
         Ok(Found {
             name: self.name,
             size,
@@ -90,15 +83,15 @@ impl<'a> View<'a> {
     }
 
     fn check_lens_model(&self) -> Result<()> {
-        if let Some(field) = self.find("camera_model") {
-            let model = field.string()?;
-            if !["OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "PERSPECTIVE"].contains(&&*model) {
-                return Err(field.fail(format!("expected OPENCV or PINHOLE, found {model}; {UNDISTORT}")));
+        if let Some(entry) = self.find("camera_model") {
+            let model = entry.text()?;
+            if !["OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "PERSPECTIVE"].contains(&model) {
+                return Err(entry.fail(format!("expected OPENCV or PINHOLE, found {model}; {UNDISTORT}")));
             }
         }
         match self.find("is_fisheye") {
-            Some(field) if field.is_true() => {
-                Err(field.fail(format!("expected no fisheye lens, found one; {UNDISTORT}")))
+            Some(entry) if entry.is_true() => {
+                Err(entry.fail(format!("expected no fisheye lens, found one; {UNDISTORT}")))
             }
             _ => Ok(()),
         }
@@ -135,12 +128,12 @@ impl<'a> View<'a> {
     }
 
     fn number(&self, key: &str) -> Result<Option<f64>> {
-        self.find(key).map(Field::number).transpose()
+        self.find(key).map(|entry| entry.number()).transpose()
     }
 
     /// The value of the frame's `key`, else of the document's.
-    fn find(&self, key: &str) -> Option<&'a Field<'a>> {
-        self.frame.find(key).or_else(|| self.document.find(key))
+    fn find(&self, key: &str) -> Option<Entry<'a>> {
+        self.frame.entry(key).or_else(|| self.document.entry(key))
     }
 }
 

@@ -10,12 +10,11 @@
 //! the studio's own tools draw). The y axis of its worlds points down.
 
 use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
-use super::json::Field;
+use super::document::{self, Entry};
+use super::lines;
 use super::source::Source;
-use super::{lines, pose};
 use crate::Result;
 use crate::camera::Distortion;
-use nalgebra::{Matrix3, Vector3};
 
 pub(super) const FORMAT: Format = Format { name: "Panoptic's JSON", recognise, read };
 
@@ -23,18 +22,15 @@ const CAMERA: &str = "write name, resolution, K, distCoef, R and t for each came
 const CENTIMETRE: f64 = 0.01;
 
 fn recognise(source: &Source) -> bool {
-    let text = source.text().unwrap_or_default();
-    let has = |key: &str| text.contains(&format!("\"{key}\""));
-    text.trim_start_matches('\u{feff}').trim_start().starts_with('{')
-        && has("cameras")
-        && (has("distCoef") || has("K") && has("R") && has("t"))
+    let has = |key: &str| source.json().is_some_and(|text| text.contains(&format!("\"{key}\"")));
+    has("cameras") && (has("distCoef") || has("K") && has("R") && has("t"))
 }
 
 fn read(source: &Source, _: &Hints) -> Result<Contents> {
-    let document = Field::document(source.text().unwrap_or_default())?;
-    let cameras = document.object()?.get("cameras", CAMERA)?.items()?;
+    let document = document::parse(source.text().unwrap_or_default())?;
+    let cameras = document.require("cameras", CAMERA)?.items()?;
     let found: Vec<_> = cameras.iter().map(camera).collect::<Result<_>>()?;
-    lines::distinct(found.iter().map(|found| found.name.as_str()), |i| cameras[i].line())?;
+    lines::distinct(found.iter().map(|found| found.name.as_str()), |i| cameras[i].node.line)?;
     Ok(Contents {
         cameras: found,
         pixel_centres: PixelCentres::Whole,
@@ -46,32 +42,16 @@ fn read(source: &Source, _: &Hints) -> Result<Contents> {
     })
 }
 
-fn camera(camera: &Field) -> Result<Found> {
-    let camera = camera.object()?;
-    let get = |key| camera.get(key, CAMERA);
-    let size = camera.find("resolution").map(|size| {
-        let sides = size.items()?;
-        match &sides[..] {
-            [width, height] => Ok((width.pixels()?, height.pixels()?)),
-            _ => {
-                Err(size.fail(format!("expected [width, height], found {} values; write both", sides.len())))
-            }
-        }
-    });
-    let coefficients = match camera.find("distCoef") {
-        Some(field) => field.numbers::<5>("write k1 k2 p1 p2 k3")?,
-        None => [0.0; 5],
-    };
-    let rotation = get("R")?;
-    let matrix = Matrix3::from_row_slice(&rotation.numbers::<9>(CAMERA)?);
+fn camera(camera: &Entry) -> Result<Found> {
+    let get = |key| camera.require(key, CAMERA);
+    let distortion = camera.entry("distCoef").map(|entry| entry.distortion()).transpose()?;
     Ok(Found {
-        name: get("name")?.string()?,
-        size: size.transpose()?,
-        k: Matrix3::from_row_slice(&get("K")?.numbers::<9>(CAMERA)?),
-        distortion: Distortion::from_opencv(&coefficients)?,
-        rotation: pose::rotation(&matrix)
-            .map_err(|problem| rotation.fail(format!("{problem}; calibrate again")))?,
-        translation: Vector3::from(get("t")?.numbers::<3>(CAMERA)?),
+        name: get("name")?.text()?.to_owned(),
+        size: camera.entry("resolution").map(|entry| entry.size()).transpose()?,
+        k: get("K")?.matrix3()?,
+        distortion: distortion.unwrap_or_else(Distortion::none),
+        rotation: get("R")?.rotation()?,
+        translation: get("t")?.vector3()?,
     })
 }
 

@@ -1,20 +1,25 @@
 //! Rotations as files have them.
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 
 /// How far `R^T R` of a rotation given as a matrix may lie from the identity: files carry as few as four digits.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
-/// The rotation nearest to `matrix`; else what was expected and how far off it is.
+/// The rotation nearest to `matrix`; else what was expected, how far off it is, and what to do.
 pub(super) fn rotation(matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>, String> {
     let error = (matrix.transpose() * matrix - Matrix3::identity()).abs().max();
     if error.is_nan() || error > ROTATION_TOLERANCE || matrix.determinant() < 0.0 {
         return Err(format!(
             "expected an orthonormal matrix of determinant 1, found determinant {:.4} and R^T R {error:.1e} off the \
-             identity",
+             identity; calibrate again",
             matrix.determinant()
         ));
     }
     let nearest = Rotation3::from_matrix_eps(matrix, 1e-15, 100, Rotation3::identity());
     Ok(UnitQuaternion::from_rotation_matrix(&nearest))
+}
+
+/// From a camera's axes as OpenGL has them (x right, y up, z backward) to OpenCV's, and back: half a turn around x.
+pub(super) fn opengl_axes() -> UnitQuaternion<f64> {
+    UnitQuaternion::new_unchecked(Quaternion::new(0.0, 1.0, 0.0, 0.0))
 }

@@ -16,12 +16,12 @@
 //! backwards, so that with the matrix M of `r11 .. r33` `x_cam = diag(1, -1, -1) M (X - C)`. The export does not say
 //! where a pixel's centre lies; whole numbers are assumed, as Pose2Sim does. A camera is called by its serial number.
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::calibration::{Contents, Format, Found, Hints, PixelCentres, pixels};
 use super::source::Source;
-use super::{lines, pose};
+use super::{document, lines, pose};
 use crate::camera::Distortion;
 use crate::{Error, Result};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node};
 
 pub(super) const FORMAT: Format = Format { name: "Qualisys' .qca.txt", recognise, read };
@@ -39,12 +39,7 @@ fn recognise(source: &Source) -> bool {
 }
 
 fn read(source: &Source, _: &Hints) -> Result<Contents> {
-    let text = source.text().unwrap_or_default();
-    let document = Document::parse(text).map_err(|e| {
-        let cut = matches!(e, roxmltree::Error::UnexpectedEndOfStream);
-        let line = if cut { text.lines().count() } else { e.pos().row as usize };
-        Error::argument(format!("line {line}: expected XML, found: {e}; {EXPORT}"))
-    })?;
+    let document = document::open_xml(source.text().unwrap_or_default())?;
     let all: Vec<_> = document
         .descendants()
         .filter(|node| node.has_tag_name("camera"))
@@ -111,18 +106,18 @@ fn found(camera: &Element, notes: &mut Vec<String>) -> Result<Found> {
         }
     };
     let [width, height] = size.map(|side| (side * scale).round());
-    if !(1.0..=65_535.0).contains(&width) || !(1.0..=65_535.0).contains(&height) {
+    let (Some(width), Some(height)) = (pixels(width), pixels(height)) else {
         return Err(
             fov.fail(format!("expected an image of 1 to 65535 pixels, found {width} x {height}; {EXPORT}"))
         );
-    }
+    };
     let intrinsic = camera.child("intrinsic")?;
     let transform = camera.child("transform")?;
     let rotation = rotation(&transform)?;
     let centre = Vector3::new(transform.number("x")?, transform.number("y")?, transform.number("z")?);
     Ok(Found {
         name,
-        size: Some((width as u32, height as u32)),
+        size: Some((width, height)),
         k: intrinsics(&intrinsic, left, top, scale)?,
         distortion: distortion(&intrinsic)?,
         translation: -(rotation * centre),
@@ -153,12 +148,12 @@ fn distortion(intrinsic: &Element) -> Result<Distortion> {
     Distortion::from_opencv(&coefficients.into_iter().collect::<Result<Vec<_>>>()?)
 }
 
-fn rotation(transform: &Element) -> Result<nalgebra::UnitQuaternion<f64>> {
+fn rotation(transform: &Element) -> Result<UnitQuaternion<f64>> {
     let names = ["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"];
     let numbers: Vec<_> = names.iter().map(|name| transform.number(name)).collect::<Result<_>>()?;
-    let turned = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)) * Matrix3::from_row_slice(&numbers);
-    pose::rotation(&turned)
-        .map_err(|problem| transform.fail(format!("r11 .. r33: {problem}; calibrate again")))
+    let rotation = pose::rotation(&Matrix3::from_row_slice(&numbers))
+        .map_err(|problem| transform.fail(format!("r11 .. r33: {problem}")))?;
+    Ok(pose::opengl_axes() * rotation)
 }
 
 /// An element, with what an error message about it needs.

@@ -1,9 +1,9 @@
 //! The other ways in which a calibration's poses are often meant.
 
-use super::Rig;
+use super::{Rig, pose};
 use crate::Result;
 use crate::camera::Camera;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::Isometry3;
 
 /// What the numbers of a pose may mean, beside what they were read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,8 +33,7 @@ impl Reading {
     }
 
     fn apply(self, pose: &Isometry3<f64>) -> Isometry3<f64> {
-        let flip = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-        let flip = Isometry3::from_parts([0.0; 3].into(), flip);
+        let flip = pose::opengl_axes();
         match self {
             Self::OpenGl => flip * pose,
             Self::CameraToWorld => pose.inverse(),

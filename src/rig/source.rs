@@ -29,6 +29,11 @@ impl Source {
         }
     }
 
+    /// The file's text where it begins as an object of JSON does.
+    pub(super) fn json(&self) -> Option<&str> {
+        self.text().filter(|text| text.trim_start_matches('\u{feff}').trim_start().starts_with('{'))
+    }
+
     /// The folder's files, by name; none for a file.
     pub(super) fn files(&self) -> &[PathBuf] {
         match &self.content {

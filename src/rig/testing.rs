@@ -1,12 +1,18 @@
-//! Folders of calibration files, for the tests of readers that open several.
+//! Calibrations from text and from folders of files, for the tests of their readers.
 
 use super::{Calibration, Hints};
 use crate::Result;
+use crate::camera::Camera;
+use nalgebra::Point3;
+use std::fmt::Debug;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// An empty folder that is removed at the end of its test.
+/// What arbitrary scales and files without sizes need.
+pub(super) const HINTS: Hints = Hints { size: Some((640, 480)), metres_per_unit: Some(1.0) };
+
+/// A folder that is removed at the end of its test.
 pub(super) struct Folder(PathBuf);
 
 impl Folder {
@@ -17,6 +23,15 @@ impl Folder {
         let _ = fs::remove_dir_all(&path);
         fs::create_dir_all(&path).unwrap();
         Self(path)
+    }
+
+    /// With these files in it.
+    pub(super) fn of(files: &[(&str, &str)]) -> Self {
+        let folder = Self::new();
+        for (name, text) in files {
+            folder.write(name, text);
+        }
+        folder
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -40,4 +55,31 @@ impl Drop for Folder {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.0);
     }
+}
+
+/// The calibration in a folder of these files.
+pub(super) fn load_folder(files: &[(&str, &str)], hints: &Hints) -> Result<Calibration> {
+    Calibration::load(Folder::of(files).path(), hints)
+}
+
+/// The calibration in a file of a name that says nothing.
+pub(super) fn load_text(text: &str, hints: &Hints) -> Result<Calibration> {
+    let folder = Folder::new();
+    Calibration::load(folder.write("calibration.txt", text), hints)
+}
+
+/// That an error says all of `parts`.
+#[track_caller]
+pub(super) fn assert_refused<T: Debug>(result: Result<T>, parts: &[&str]) {
+    let message = result.unwrap_err().to_string();
+    for part in parts {
+        assert!(message.contains(part), "no \"{part}\" in: {message}");
+    }
+}
+
+/// That `camera` sees `point` at (u, v), to the rounding of a few operations.
+#[track_caller]
+pub(super) fn assert_sees(camera: &Camera, point: [f64; 3], u: f64, v: f64) {
+    let found = camera.project(&Point3::from(point)).unwrap();
+    assert!((found.u - u).abs() < 1e-9 && (found.v - v).abs() < 1e-9, "found {found:?}, not {u}, {v}");
 }

@@ -15,7 +15,7 @@
 //! to camera, the rotation a Rodrigues vector, lengths are taken as metres. Pixel *centres* are whole numbers in the
 //! file, pixel corners in a [`Camera`]: the principal point moves by one half on the way in and back on the way out.
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::calibration::{Contents, Format, Found, Hints, PixelCentres, pixels};
 use super::source::Source;
 use super::{Rig, pose};
 use crate::camera::{Camera, Distortion};
@@ -193,7 +193,6 @@ impl<'a> CameraTable<'a> {
 
     fn size(&self) -> Result<(u32, u32)> {
         let size = self.numbers_of_length("size", 2, SIZE)?;
-        let pixels = |x: f64| (x.fract() == 0.0 && (1.0..=65_535.0).contains(&x)).then_some(x as u32);
         match (pixels(size[0]), pixels(size[1])) {
             (Some(width), Some(height)) => Ok((width, height)),
             _ => {
@@ -214,7 +213,7 @@ impl<'a> CameraTable<'a> {
             return Err(self.fail("rotation", problem));
         }
         let matrix = Matrix3::from_row_slice(&values);
-        pose::rotation(&matrix).map_err(|problem| self.fail("rotation", format!("{problem}; {ROTATION}")))
+        pose::rotation(&matrix).map_err(|problem| self.fail("rotation", problem))
     }
 
     fn numbers_of_length(&self, key: &str, length: usize, next_step: &str) -> Result<Vec<f64>> {

@@ -10,12 +10,11 @@
 //! has 360 x 288 pixels, Shelf 1032 x 776.
 
 use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
-use super::json::Field;
-use super::pose;
+use super::document::{self, Entry};
 use super::source::Source;
 use crate::Result;
 use crate::camera::Distortion;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
 pub(super) const FORMAT: Format = Format { name: "VoxelPose's JSON", recognise, read };
 
@@ -23,38 +22,28 @@ const CAMERA: &str = "write R, T, fx, fy, cx, cy, k and p for each camera";
 const MILLIMETRE: f64 = 0.001;
 
 fn recognise(source: &Source) -> bool {
-    let text = source.text().unwrap_or_default();
-    text.trim_start_matches('\u{feff}').trim_start().starts_with('{')
-        && ["\"R\"", "\"T\"", "\"fx\""].iter().all(|key| text.contains(key))
+    source.json().is_some_and(|text| ["\"R\"", "\"T\"", "\"fx\""].iter().all(|key| text.contains(key)))
 }
 
 fn read(source: &Source, _: &Hints) -> Result<Contents> {
-    let cameras = Field::document(source.text().unwrap_or_default())?.object()?;
+    let document = document::parse(source.text().unwrap_or_default())?;
     Ok(Contents {
-        cameras: cameras
-            .fields
-            .into_iter()
-            .map(|(name, field)| camera(name, &field))
-            .collect::<Result<_>>()?,
+        cameras: document.entries().map(|entry| camera(&entry)).collect::<Result<_>>()?,
         pixel_centres: PixelCentres::Whole,
         metres_per_unit: Some(MILLIMETRE),
         notes: vec!["lengths are taken as millimetres, T as where the camera stands".into()],
     })
 }
 
-fn camera(name: String, camera: &Field) -> Result<Found> {
-    let camera = camera.object()?;
-    let get = |key| camera.get(key, CAMERA);
+fn camera(camera: &Entry) -> Result<Found> {
+    let get = |key| camera.require(key, CAMERA);
     let number = |key| get(key)?.number();
-    let [k1, k2, k3] = camera.find("k").map_or(Ok([0.0; 3]), |k| k.numbers("write k1 k2 k3"))?;
-    let [p1, p2] = camera.find("p").map_or(Ok([0.0; 2]), |p| p.numbers("write p1 p2"))?;
-    let rotation = get("R")?;
-    let matrix = Matrix3::from_row_slice(&rotation.numbers::<9>(CAMERA)?);
-    let rotation =
-        pose::rotation(&matrix).map_err(|problem| rotation.fail(format!("{problem}; calibrate again")))?;
-    let centre = Vector3::from(get("T")?.numbers::<3>(CAMERA)?);
+    let [k1, k2, k3] = camera.entry("k").map_or(Ok([0.0; 3]), |entry| entry.array())?;
+    let [p1, p2] = camera.entry("p").map_or(Ok([0.0; 2]), |entry| entry.array())?;
+    let rotation = get("R")?.rotation()?;
+    let centre = get("T")?.vector3()?;
     Ok(Found {
-        name,
+        name: camera.key.to_string(),
         size: None,
         k: Matrix3::new(number("fx")?, 0.0, number("cx")?, 0.0, number("fy")?, number("cy")?, 0.0, 0.0, 1.0),
         distortion: Distortion::from_opencv(&[k1, k2, p1, p2, k3])?,

@@ -1,5 +1,5 @@
 use super::super::Hints;
-use super::super::sample_files::{Folder, HINTS, assert_refused, assert_sees, load_folder};
+use super::super::testing::{Folder, HINTS, assert_refused, assert_sees, load_folder};
 use crate::Result;
 use crate::rig::Calibration;
 
@@ -47,7 +47,7 @@ fn either_file_stands_for_both_and_lines_of_points_may_be_missing() {
     let bare = IMAGES.replace("12.5 300.1 -1 40 50 63\n", "").replace("\n\n", "\n");
     let folder = Folder::of(&[("cameras.txt", CAMERAS), ("images.txt", &bare)]);
     for name in ["cameras.txt", "images.txt"] {
-        assert_eq!(Calibration::load(folder.0.join(name), &HINTS).unwrap().rig.len(), 3);
+        assert_eq!(Calibration::load(folder.path().join(name), &HINTS).unwrap().rig.len(), 3);
     }
 }
 
@@ -75,8 +75,8 @@ fn binary_models_and_lonely_files_are_refused_with_what_to_run() {
     let binary = [("cameras.bin", "x"), ("images.bin", "x")];
     assert_refused(load_folder(&binary, &HINTS), &["found the binary form alone", "colmap model_converter"]);
     assert_refused(load_folder(&[("cameras.txt", CAMERAS)], &HINTS), &["expected images.txt beside it"]);
-    let folder = Folder::of(&[]);
-    let path = folder.0.join("cameras.bin");
+    let folder = Folder::new();
+    let path = folder.path().join("cameras.bin");
     std::fs::write(&path, [3, 0, 0, 0, 0xff, 0x8f]).unwrap();
     assert_refused(Calibration::load(&path, &HINTS), &["cameras.bin", "colmap model_converter"]);
 }

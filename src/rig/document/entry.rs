@@ -1,19 +1,25 @@
 //! What calibrations hold under their keys: numbers, matrices, rotations, lenses, sizes.
 
+use super::super::calibration::pixels;
 use super::super::pose;
 use super::{Node, Value};
 use crate::camera::Distortion;
 use crate::{Error, Result};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::borrow::Cow;
 use std::fmt::Display;
 
 /// Longer Rodrigues vectors than this are no rotation in radians; solvers stay within one turn or two.
 const LONGEST_TURN: f64 = 4.0 * std::f64::consts::PI;
 
+/// How far the last row of a 4x4 motion may be from 0 0 0 1: what is left of it where motions were multiplied.
+const LAST_ROW_TOLERANCE: f64 = 1e-9;
+
 /// A key with its value.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(in crate::rig) struct Entry<'a> {
-    pub(in crate::rig) key: &'a str,
+    /// From the map that was asked first: `K`, or `cameras[2].K`.
+    pub(in crate::rig) key: Cow<'a, str>,
     pub(in crate::rig) node: &'a Node,
 }
 
@@ -25,16 +31,49 @@ pub(in crate::rig) struct Numbers {
     pub(in crate::rig) columns: usize,
 }
 
-impl Entry<'_> {
+impl<'a> Entry<'a> {
     /// An error about it, with its line.
     pub(in crate::rig) fn fail(&self, problem: impl Display) -> Error {
-        Error::argument(format!("line {}, `{}`: {problem}", self.node.line, self.key))
+        self.fail_at(self.node, problem)
     }
 
-    pub(in crate::rig) fn text(&self) -> Result<&str> {
+    /// The entry called `key` of the map that it is; none of anything else.
+    pub(in crate::rig) fn entry(&self, key: &str) -> Option<Self> {
+        let inner = self.node.entry(key)?;
+        Some(Self { key: format!("{}.{key}", self.key).into(), ..inner })
+    }
+
+    /// The entry called `key`; else an error that lists what there is, and ends in `next_step`.
+    pub(in crate::rig) fn require(&self, key: &str, next_step: &str) -> Result<Self> {
+        self.entry(key).ok_or_else(|| self.fail(self.node.missing(key, next_step)))
+    }
+
+    /// The values of the list that it is.
+    pub(in crate::rig) fn items(&self) -> Result<Vec<Self>> {
+        let Value::Sequence(items) = &self.node.value else {
+            return Err(self.fail(format!("expected a list, found {}; write one", self.node.outline())));
+        };
+        let item = |(i, node)| Self { key: format!("{}[{i}]", self.key).into(), node };
+        Ok(items.iter().enumerate().map(item).collect())
+    }
+
+    pub(in crate::rig) fn text(&self) -> Result<&'a str> {
         match &self.node.value {
             Value::Scalar(text) if !text.is_empty() => Ok(text),
             _ => Err(self.fail(format!("expected a word, found {}; write one", self.node.outline()))),
+        }
+    }
+
+    pub(in crate::rig) fn is_true(&self) -> bool {
+        matches!(&self.node.value, Value::Scalar(text) if text.eq_ignore_ascii_case("true"))
+    }
+
+    /// A single number, finite.
+    pub(in crate::rig) fn number(&self) -> Result<f64> {
+        let found = self.numbers()?;
+        match found.values[..] {
+            [number] => Ok(number),
+            _ => Err(self.fail(format!("expected a single number, found {found}; write one"))),
         }
     }
 
@@ -46,10 +85,10 @@ impl Entry<'_> {
                 self.rows(items)?
             }
             Value::Sequence(items) => {
-                let values = items.iter().map(|item| self.number(item)).collect::<Result<Vec<_>>>()?;
+                let values = items.iter().map(|item| self.number_at(item)).collect::<Result<Vec<_>>>()?;
                 Numbers { rows: values.len(), columns: 1, values }
             }
-            Value::Scalar(_) => Numbers { values: vec![self.number(self.node)?], rows: 1, columns: 1 },
+            Value::Scalar(_) => Numbers { values: vec![self.number_at(self.node)?], rows: 1, columns: 1 },
         };
         match numbers.values.iter().find(|x| !x.is_finite()) {
             Some(bad) => Err(self.fail(format!("expected finite numbers, found {bad}; calibrate again"))),
@@ -104,7 +143,8 @@ impl Entry<'_> {
         if found.columns != 4 || !matches!(found.rows, 3 | 4) {
             return Err(self.fail(format!("expected 3 x 4 or 4 x 4 numbers, found {found}; calibrate again")));
         }
-        if m.get(12..).is_some_and(|last| !last.is_empty() && *last != [0.0, 0.0, 0.0, 1.0]) {
+        let off = |(x, expected): (&f64, f64)| (x - expected).abs() > LAST_ROW_TOLERANCE;
+        if m[12..].iter().zip([0.0, 0.0, 0.0, 1.0]).any(off) {
             return Err(
                 self.fail(format!("expected the last row 0 0 0 1, found {:?}; transpose it", &m[12..]))
             );
@@ -132,21 +172,17 @@ impl Entry<'_> {
 
     /// A count of pixels.
     pub(in crate::rig) fn pixels(&self) -> Result<u32> {
-        let found = self.numbers()?;
-        match found.values[..] {
-            [x] if x.fract() == 0.0 && (1.0..=65_535.0).contains(&x) => Ok(x as u32),
-            [x] => Err(self.fail(format!("expected a whole number from 1 to 65535, found {x}; give pixels"))),
-            _ => Err(self.fail(format!("expected a number of pixels, found {found}; give one"))),
-        }
+        let found = self.number()?;
+        pixels(found).ok_or_else(|| {
+            self.fail(format!("expected a whole number from 1 to 65535, found {found}; give pixels"))
+        })
     }
 
     /// Width and height, in pixels.
     pub(in crate::rig) fn size(&self) -> Result<(u32, u32)> {
         let Numbers { values, .. } = self.numbers()?;
-        match values[..] {
-            [w, h] if [w, h].iter().all(|x| x.fract() == 0.0 && (1.0..=65_535.0).contains(x)) => {
-                Ok((w as u32, h as u32))
-            }
+        match values.iter().copied().map(pixels).collect::<Option<Vec<_>>>().as_deref() {
+            Some(&[width, height]) => Ok((width, height)),
             _ => Err(self.fail(format!(
                 "expected width and height, whole numbers from 1 to 65535, found {values:?}; give pixels"
             ))),
@@ -154,17 +190,16 @@ impl Entry<'_> {
     }
 
     fn rotation_matrix(&self, matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>> {
-        pose::rotation(matrix).map_err(|problem| self.fail(format!("{problem}; calibrate again")))
+        pose::rotation(matrix).map_err(|problem| self.fail(problem))
     }
 
-    fn number(&self, node: &Node) -> Result<f64> {
+    fn number_at(&self, node: &Node) -> Result<f64> {
         let number = match &node.value {
             Value::Scalar(text) => number(text),
             _ => None,
         };
         number.ok_or_else(|| {
-            let at = Entry { node, ..*self };
-            at.fail(format!("expected a number, found {}; check the file", node.outline()))
+            self.fail_at(node, format!("expected a number, found {}; check the file", node.outline()))
         })
     }
 
@@ -176,15 +211,15 @@ impl Entry<'_> {
                 _ => std::slice::from_ref(item),
             };
             if i > 0 && row.len() != numbers.columns {
-                let at = Entry { node: item, ..*self };
                 let (expected, found) = (numbers.columns, row.len());
-                return Err(at.fail(format!(
+                let problem = format!(
                     "expected rows of {expected} numbers like the first, found {found}; calibrate again"
-                )));
+                );
+                return Err(self.fail_at(item, problem));
             }
             numbers.columns = row.len();
             for value in row {
-                numbers.values.push(self.number(value)?);
+                numbers.values.push(self.number_at(value)?);
             }
         }
         Ok(numbers)
@@ -193,13 +228,13 @@ impl Entry<'_> {
     fn opencv_matrix(&self) -> Result<Numbers> {
         let step = "write rows, cols, dt and data";
         let part = |key| {
-            self.node.entry(key).ok_or_else(|| {
+            self.entry(key).ok_or_else(|| {
                 self.fail(format!("expected a matrix with `{key}`, found {}; {step}", self.node.outline()))
             })
         };
         let count = |key| -> Result<usize> {
             let entry = part(key)?;
-            let number = entry.number(entry.node)?;
+            let number = entry.number_at(entry.node)?;
             let whole = number.fract() == 0.0 && (0.0..1e6).contains(&number);
             whole
                 .then_some(number as usize)
@@ -209,10 +244,10 @@ impl Entry<'_> {
         let data = part("data")?;
         let values = match &data.node.value {
             Value::Sequence(items) => {
-                items.iter().map(|item| data.number(item)).collect::<Result<Vec<_>>>()?
+                items.iter().map(|item| data.number_at(item)).collect::<Result<Vec<_>>>()?
             }
             Value::Scalar(text) if text.is_empty() => Vec::new(),
-            _ => vec![data.number(data.node)?],
+            _ => vec![data.number_at(data.node)?],
         };
         let columns = columns * self.channels();
         if rows * columns != values.len() {
@@ -222,6 +257,11 @@ impl Entry<'_> {
             )));
         }
         Ok(Numbers { values, rows, columns })
+    }
+
+    /// An error about a part of it, with the part's line.
+    fn fail_at(&self, node: &Node, problem: impl Display) -> Error {
+        Error::argument(format!("line {}, `{}`: {problem}", node.line, self.key))
     }
 
     /// Numbers per element: `dt: "3d"` holds three.

@@ -8,6 +8,7 @@ mod xml;
 mod yaml;
 
 pub(super) use entry::Entry;
+pub(super) use xml::open as open_xml;
 
 use crate::{Error, Result};
 
@@ -46,7 +47,7 @@ impl Node {
             Value::Map(entries) => entries.as_slice(),
             _ => &[],
         };
-        entries.iter().map(|(key, node)| Entry { key, node })
+        entries.iter().map(|(key, node)| Entry { key: key.into(), node })
     }
 
     /// The entry called `key`.
@@ -56,13 +57,12 @@ impl Node {
 
     /// The entry called `key`; else an error that lists what there is, and ends in `next_step`.
     pub(super) fn require(&self, key: &str, next_step: &str) -> Result<Entry<'_>> {
-        self.entry(key).ok_or_else(|| {
-            Error::argument(format!(
-                "line {}: expected the key `{key}`, found {}; {next_step}",
-                self.line,
-                self.outline()
-            ))
-        })
+        let fail = || Error::argument(format!("line {}: {}", self.line, self.missing(key, next_step)));
+        self.entry(key).ok_or_else(fail)
+    }
+
+    fn missing(&self, key: &str, next_step: &str) -> String {
+        format!("expected the key `{key}`, found {}; {next_step}", self.outline())
     }
 
     /// What it is, for people: the first keys of a map.

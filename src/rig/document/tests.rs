@@ -74,6 +74,9 @@ fn what_is_no_document_is_refused_with_its_line() {
         ("K: 1\nL: 2\nK: 3\n", "line 3: expected each key once, found `K` again, first on line 1"),
         ("<a><K>1</K>\n<K>2</K></a>", "line 2: expected each key once"),
         ("a: &x [*x]\n", "alias"),
+        ("{\"a\": 1,\n\"a\": 2}", "line 2: expected each key once, found `a` again, first on line 1"),
+        ("{\"a\":\n 1} 2", "line 2: "),
+        ("{\"a\":\n 1}\n{\"b\": 1}", "line 3: "),
     ];
     for (text, part) in cases {
         let message = message(text);
@@ -94,6 +97,28 @@ fn deep_and_swelling_documents_are_refused() {
         bomb += &format!("a{i}: &a{i} [{alias}1]\n");
     }
     assert!(message(&bomb).contains("values; check the file"));
+}
+
+#[test]
+fn what_lies_deep_is_found_and_named_by_the_keys_that_lead_to_it() {
+    let text = "{\"a\": [\n{\"b\": [1, 2]},\n{\"b\": {\"c\": 1e999, \"d\": true, \"e\": \"x\\ny\"}}]}";
+    let document = parse(text).unwrap();
+    let a = document.entry("a").unwrap();
+    let items = a.items().unwrap();
+    assert_eq!(items[0].entry("b").unwrap().array().unwrap(), [1.0, 2.0]);
+    let b = items[1].require("b", "").unwrap();
+    assert!(b.entry("d").unwrap().is_true() && !b.entry("e").unwrap().is_true());
+    assert_eq!(b.entry("e").unwrap().text().unwrap(), "x\ny");
+    let infinite = b.entry("c").unwrap().number().unwrap_err().to_string();
+    assert_eq!(infinite, "line 3, `a[1].b.c`: expected finite numbers, found inf; calibrate again");
+    let two = items[0].entry("b").unwrap().number().unwrap_err().to_string();
+    assert_eq!(two, "line 2, `a[0].b`: expected a single number, found 2; write one");
+    let none = b.require("z", "add it").unwrap_err().to_string();
+    assert_eq!(none, "line 3, `a[1].b`: expected the key `z`, found the keys c, d, e; add it");
+    let scalar = items[0].require("b", "").unwrap().require("z", "add it").unwrap_err().to_string();
+    assert_eq!(scalar, "line 2, `a[0].b`: expected the key `z`, found a list of 2; add it");
+    let map = b.items().unwrap_err().to_string();
+    assert_eq!(map, "line 3, `a[1].b`: expected a list, found the keys c, d, e; write one");
 }
 
 #[test]

@@ -6,12 +6,24 @@
 use super::{DEEPEST, Node, Value, push, too_deep};
 use crate::{Error, Result};
 
+/// The elements of a text.
+///
+/// # Errors
+/// Text that is no XML, with the line.
+pub(in crate::rig) fn open(text: &str) -> Result<roxmltree::Document<'_>> {
+    roxmltree::Document::parse(text).map_err(|e| {
+        // An end that comes too soon has no position.
+        let cut = matches!(e, roxmltree::Error::UnexpectedEndOfStream);
+        let line = if cut { text.lines().count().max(1) } else { e.pos().row as usize };
+        Error::argument(format!(
+            "line {line}: expected XML, found: {e}; export the file again, it may be cut off"
+        ))
+    })
+}
+
 /// The content of the root element, which is `opencv_storage` in files of OpenCV's.
 pub(super) fn parse(text: &str) -> Result<Node> {
-    let document = roxmltree::Document::parse(text).map_err(|e| {
-        let line = e.pos().row;
-        Error::argument(format!("line {line}: expected XML, found: {e}; the file may be cut off"))
-    })?;
+    let document = open(text)?;
     let breaks: Vec<_> = text.bytes().enumerate().filter(|&(_, b)| b == b'\n').map(|(at, _)| at).collect();
     node(&document.root_element(), &breaks, 0)
 }

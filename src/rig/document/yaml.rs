@@ -13,7 +13,8 @@ const MOST_NODES: usize = 1 << 20;
 
 pub(super) fn parse(text: &str) -> Result<Node> {
     let text = without_directive(text);
-    let mut reader = Reader { parser: Parser::new_from_str(&text), anchors: Vec::new(), nodes: 0 };
+    let lines = text.lines().count().max(1);
+    let mut reader = Reader { parser: Parser::new_from_str(&text), lines, anchors: Vec::new(), nodes: 0 };
     loop {
         match reader.next()? {
             (Event::StreamStart | Event::DocumentStart(_) | Event::Nothing, _) => {}
@@ -21,7 +22,7 @@ pub(super) fn parse(text: &str) -> Result<Node> {
                 let problem = "expected a calibration, found an empty document; check the file";
                 return Err(Error::argument(format!("line {}: {problem}", span.start.line())));
             }
-            (event, span) => return reader.node(event, span, 0),
+            (event, span) => return reader.whole(event, span),
         }
     }
 }
@@ -36,6 +37,7 @@ fn without_directive(text: &str) -> Cow<'_, str> {
 
 struct Reader<'a> {
     parser: Parser<'a, StrInput<'a>>,
+    lines: usize,
     /// What aliases stand for, by the parser's number.
     anchors: Vec<(usize, Node)>,
     nodes: usize,
@@ -47,10 +49,27 @@ impl<'a> Reader<'a> {
             Some(Ok(event)) => Ok(event),
             Some(Err(e)) => Err(Error::argument(format!(
                 "line {}: expected YAML or JSON, found: {}; the file may be cut off, or be of another kind",
-                e.marker().line(),
+                // The parser sees an end that comes too soon on a line of its own.
+                e.marker().line().min(self.lines),
                 e.info()
             ))),
             None => Ok((Event::StreamEnd, Span::default())),
+        }
+    }
+
+    /// The root, and behind it nothing or another document.
+    fn whole(&mut self, event: Event<'a>, span: Span) -> Result<Node> {
+        let root = self.node(event, span, 0)?;
+        loop {
+            match self.next()? {
+                (Event::DocumentEnd, _) => {}
+                (Event::StreamEnd | Event::DocumentStart(true), _) => return Ok(root),
+                (_, span) => {
+                    let problem =
+                        "expected the document to end, found more; remove what does not belong to it";
+                    return Err(Error::argument(format!("line {}: {problem}", span.start.line())));
+                }
+            }
         }
     }
 

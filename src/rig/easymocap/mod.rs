@@ -16,7 +16,7 @@
 //! Source: EasyMocap's documentation of calibration and its camera files.
 
 use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
-use super::document::{self, Entry, Node, Value};
+use super::document::{self, Entry, Node};
 use super::length;
 use super::source::{self, Source};
 use crate::camera::Distortion;
@@ -81,12 +81,9 @@ fn file(source: &Source, half: &str, other: &str, key: &str) -> Result<File> {
 }
 
 fn names(file: &File) -> Result<Vec<String>> {
-    let list = file.document.require("names", "list the cameras' names").map_err(|e| file.fail(e))?;
-    let Value::Sequence(items) = &list.node.value else {
-        return Err(file.fail(list.fail("expected a list of camera names, found none; write one")));
-    };
-    let name = |node| Ok(Entry { key: list.key, node }.text().map_err(|e| file.fail(e))?.to_owned());
-    items.iter().map(name).collect()
+    let list = file.document.require("names", "list the cameras' names").and_then(|list| list.items());
+    let name = |item: Entry| Ok(item.text()?.to_owned());
+    list.and_then(|items| items.into_iter().map(name).collect()).map_err(|e| file.fail(e))
 }
 
 fn camera(name: &str, intri: &File, extri: &File) -> Result<Found> {

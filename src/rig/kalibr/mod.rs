@@ -49,12 +49,12 @@ fn number(key: &str) -> Option<u32> {
 fn read(text: &str) -> Result<Contents> {
     let document = document::parse(text)?;
     let mut entries: Vec<_> =
-        document.entries().filter_map(|entry| Some((number(entry.key)?, entry))).collect();
+        document.entries().filter_map(|entry| Some((number(&entry.key)?, entry))).collect();
     entries.sort_by_key(|(number, _)| *number);
     let mut cam_from_world = Isometry3::identity();
     let mut cameras = Vec::new();
     for (i, (number, entry)) in entries.iter().enumerate() {
-        let name = entry.key;
+        let name = &entry.key;
         if i as u32 != *number {
             let problem =
                 format!("expected the chain to go on with cam{i}, found {name}; put the camera between back");
@@ -64,7 +64,7 @@ fn read(text: &str) -> Result<Contents> {
         if i > 0 {
             cam_from_world = step(entry.node).map_err(fail)? * cam_from_world;
         }
-        cameras.push(camera(*entry, &cam_from_world).map_err(fail)?);
+        cameras.push(camera(entry, &cam_from_world).map_err(fail)?);
     }
     let note = if cameras.len() == 1 { NO_CHAIN } else { FIRST_FRAME };
     Ok(Contents {
@@ -82,7 +82,7 @@ fn step(node: &Node) -> Result<Isometry3<f64>> {
     Ok(Isometry3::from_parts(translation.into(), rotation))
 }
 
-fn camera(entry: Entry, cam_from_world: &Isometry3<f64>) -> Result<Found> {
+fn camera(entry: &Entry, cam_from_world: &Isometry3<f64>) -> Result<Found> {
     let node = entry.node;
     let undistort = "undistort the images first, or calibrate with pinhole-radtan";
     if let Some(model) = node.entry("camera_model")
@@ -108,7 +108,7 @@ fn camera(entry: Entry, cam_from_world: &Isometry3<f64>) -> Result<Found> {
     let [fx, fy, cx, cy] = intrinsics.array()?;
     let size = node.entry("resolution").map(|entry| entry.size()).transpose()?;
     Ok(Found {
-        name: entry.key.to_owned(),
+        name: entry.key.to_string(),
         size,
         k: Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0),
         distortion,

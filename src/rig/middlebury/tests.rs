@@ -1,5 +1,5 @@
 use super::super::Hints;
-use super::super::sample_files::{Folder, HINTS, assert_refused, assert_sees, load_text};
+use super::super::testing::{Folder, HINTS, assert_refused, assert_sees, load_text};
 use crate::rig::Calibration;
 use image::GrayImage;
 
@@ -21,18 +21,17 @@ fn points_land_where_k_times_r_and_t_puts_them() {
 #[test]
 fn sizes_are_those_of_the_images_beside_the_file_or_of_the_hint() {
     let folder = Folder::of(&[("rig_par.txt", TEXT)]);
-    std::fs::create_dir(folder.0.join("image")).unwrap();
-    GrayImage::new(64, 48).save(folder.0.join("left.png")).unwrap();
-    GrayImage::new(60, 40).save(folder.0.join("image/right.png")).unwrap();
-    let path = folder.0.join("rig_par.txt");
+    folder.write("image/right.png", "no image");
+    let path = folder.path().join("rig_par.txt");
+    assert_refused(Calibration::load(&path, &HINTS), &["right.png: expected an image"]);
+    GrayImage::new(64, 48).save(folder.path().join("left.png")).unwrap();
+    GrayImage::new(60, 40).save(folder.path().join("image/right.png")).unwrap();
     let no_hints = Hints::default();
     // The focal lengths are those of larger images, but still of a camera.
     let rig = Calibration::load(&path, &no_hints).unwrap().rig;
     assert_eq!((rig.cameras()[0].size(), rig.cameras()[1].size()), ((64, 48), (60, 40)));
-    std::fs::remove_file(folder.0.join("image/right.png")).unwrap();
+    std::fs::remove_file(folder.path().join("image/right.png")).unwrap();
     assert_refused(Calibration::load(&path, &no_hints), &["camera \"right\"", "give width and height"]);
-    std::fs::write(folder.0.join("image/right.png"), "no image").unwrap();
-    assert_refused(Calibration::load(&path, &HINTS), &["right.png: expected an image"]);
 }
 
 #[test]

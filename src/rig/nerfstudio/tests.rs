@@ -1,5 +1,5 @@
 use super::super::Hints;
-use super::super::sample_files::{HINTS, assert_refused, assert_sees, load_text};
+use super::super::testing::{HINTS, assert_refused, assert_sees, load_text};
 
 const TEXT: &str = r#"{
 "camera_model": "OPENCV", "fl_x": 500, "fl_y": 501, "cx": 320, "cy": 240, "w": 640, "h": 480,
@@ -42,7 +42,7 @@ fn a_field_of_view_stands_for_the_focal_length() {
     assert!((k[(0, 0)] - 500.0).abs() < 1e-9 && (k[(1, 1)] - 500.0).abs() < 1e-9);
     assert_eq!((k[(0, 2)], k[(1, 2)]), (320.0, 240.0));
     let no_size = Hints { size: None, ..HINTS };
-    assert_refused(load_text(&text, &no_size), &["line 5, key `frames[0]`", "or give width and height"]);
+    assert_refused(load_text(&text, &no_size), &["line 5, `frames[0]`", "or give width and height"]);
 }
 
 #[test]
@@ -53,13 +53,13 @@ fn the_scale_is_demanded() {
 #[test]
 fn bad_files_are_refused_by_line_and_key() {
     let with = |old: &str, new: &str| load_text(&TEXT.replacen(old, new, 1), &HINTS);
-    assert_refused(with("OPENCV", "OPENCV_FISHEYE"), &["line 2, key `camera_model`", "undistort the images"]);
-    assert_refused(with("\"camera_model\": \"OPENCV\"", "\"is_fisheye\": true"), &["key `is_fisheye`"]);
-    assert_refused(with("\"k1\": -0.1", "\"k4\": -0.1"), &["line 3, key `k4`", "undistort the images"]);
-    assert_refused(load_text(&TEXT[..400], &HINTS), &["calibration.txt: expected JSON", "line 8"]);
+    assert_refused(with("OPENCV", "OPENCV_FISHEYE"), &["line 2, `camera_model`", "undistort the images"]);
+    assert_refused(with("\"camera_model\": \"OPENCV\"", "\"is_fisheye\": true"), &["line 2, `is_fisheye`"]);
+    assert_refused(with("\"k1\": -0.1", "\"k4\": -0.1"), &["line 3, `k4`", "undistort the images"]);
+    assert_refused(load_text(&TEXT[..400], &HINTS), &["calibration.txt: line 8: expected YAML or JSON"]);
     assert_refused(
-        with("0.2], [0, 0, 1, 3]", "0.2]"),
-        &["line 6, key `frames[0].transform_matrix`", "16 numbers, found 12"],
+        with("[0, 1, 0, 0.2], [0, 0, 1, 3], ", ""),
+        &["line 6, `frames[0].transform_matrix`: expected 3 x 4 or 4 x 4 numbers, found 2 x 4"],
     );
     assert_refused(with("[0, 1, 0, 0.2]", "[0, -1, 0, 0.2]"), &["line 6", "determinant -1.0"]);
     assert_refused(with("frame_2", "frame_1"), &["camera \"images_frame_1\": line 7", "on line 5 too"]);

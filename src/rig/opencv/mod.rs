@@ -29,7 +29,7 @@ mod folder;
 mod keys;
 
 use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
-use super::document::{self, Node, Value};
+use super::document::{self, Entry, Node, Value};
 use super::length;
 use super::source::Source;
 use crate::camera::Distortion;
@@ -79,7 +79,7 @@ fn has_cameras(document: &Node) -> bool {
     let is_camera = |node: &Node| Keys::new(node, "").matrix().is_some();
     is_camera(document)
         || !Keys::numbers(document).is_empty()
-        || maps(document).any(|(_, node)| is_camera(node))
+        || maps(document).any(|entry| is_camera(entry.node))
 }
 
 fn read(source: &Source, hints: &Hints) -> Result<Contents> {
@@ -111,13 +111,10 @@ fn name_of(path: &Path) -> String {
     name(absolute.parent().and_then(Path::file_name)).unwrap_or(stem)
 }
 
-/// The maps in a document that may be cameras, with their names.
-fn maps(document: &Node) -> impl Iterator<Item = (&str, &Node)> {
+/// The maps in a document that may be cameras; their keys are the names.
+fn maps(document: &Node) -> impl Iterator<Item = Entry<'_>> {
     let inner = document.entry("cameras").map_or(document, |entry| entry.node);
-    inner
-        .entries()
-        .filter(|entry| matches!(entry.node.value, Value::Map(_)))
-        .map(|entry| (entry.key, entry.node))
+    inner.entries().filter(|entry| matches!(entry.node.value, Value::Map(_)))
 }
 
 impl Sheet {
@@ -137,10 +134,11 @@ impl Sheet {
         let numbered = |number: String| Ok((number.clone(), Parts::read(&Keys::new(&document, &number))?));
         let numbered = Keys::numbers(&document).into_iter().map(numbered).collect::<Result<_>>()?;
         let named = maps(&document)
-            .filter(|(_, node)| Keys::new(node, "").matrix().is_some())
-            .map(|(name, node)| {
-                let parts = Parts::read(&Keys::new(node, "")).map_err(|e| Error::camera(name, e))?;
-                Ok((name.to_owned(), parts))
+            .filter(|entry| Keys::new(entry.node, "").matrix().is_some())
+            .map(|entry| {
+                let parts =
+                    Parts::read(&Keys::new(entry.node, "")).map_err(|e| Error::camera(&entry.key, e))?;
+                Ok((entry.key.into_owned(), parts))
             })
             .collect::<Result<_>>()?;
         Ok(Self { shared, numbered, named })

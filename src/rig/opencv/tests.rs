@@ -1,5 +1,5 @@
 use super::*;
-use crate::rig::testing::Folder;
+use crate::rig::testing::{Folder, assert_refused};
 use crate::rig::{Calibration, Rig};
 
 /// As `cv::FileStorage` writes it, after OpenCV's documentation of the class.
@@ -89,11 +89,11 @@ fn the_parts_of_a_camera_go_by_many_names() {
 fn a_camera_without_size_takes_the_hint_and_one_without_distortion_has_none() {
     let text =
         YAML.replace("image_width", "a").replace("image_height", "b").replace("distortion_coefficients", "c");
-    assert!(rig(&text).unwrap_err().to_string().contains("expected to know the size of its images"));
+    assert_refused(rig(&text), &["expected to know the size of its images"]);
     let calibration = load(&text, &Hints { size: Some((320, 200)), ..Hints::default() }).unwrap();
     let camera = &calibration.rig.cameras()[0];
     assert!(camera.size() == (320, 200) && camera.distortion().is_none());
-    assert_eq!(calibration.notes, [length::NOTE]);
+    assert_eq!(calibration.notes[0], length::NOTE);
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn lengths_that_are_plainly_no_metres_ask_for_their_unit() {
     assert!(
         (calibration.rig.cameras()[0].centre() - rig(YAML).unwrap().cameras()[0].centre()).norm() < 1e-12
     );
-    assert!(calibration.notes.is_empty());
+    assert!(!calibration.notes.iter().any(|note| note == length::NOTE));
 }
 
 #[test]
@@ -142,8 +142,7 @@ fn what_is_missing_or_broken_is_named() {
         ),
     ];
     for (text, part) in cases {
-        let message = rig(&text).map_or_else(|e| e.to_string(), |rig| panic!("{part}: {rig:?}"));
-        assert!(message.contains(part), "{part}: {message}");
+        assert_refused(rig(&text), &[part]);
     }
     // Off is fine.
     assert!(rig(&format!("{YAML}fisheye_model: 0\n")).is_ok());
@@ -183,11 +182,9 @@ fn a_folder_of_files_is_a_rig_and_so_is_a_folder_of_folders() {
     assert_eq!(names(&Rig::load(folder.path().join("cam1/config.xml")).unwrap()), ["cam1"]);
 
     folder.write("cam2/other.yml", YAML);
-    let message = folder.load().unwrap_err().to_string();
-    assert!(message.contains("cam2: expected the calibration of one camera, found cam2, other"), "{message}");
+    assert_refused(folder.load(), &["cam2: expected the calibration of one camera, found cam2, other"]);
     folder.write("cam2/other.yml", &YAML[..YAML.find("-1.0e-01").unwrap()]);
-    let message = folder.load().unwrap_err().to_string();
-    assert!(message.contains("cam2/other.yml: line "), "{message}");
+    assert_refused(folder.load(), &["cam2/other.yml: line "]);
 }
 
 #[test]
@@ -195,11 +192,8 @@ fn intrinsics_and_extrinsics_complete_each_other() {
     let at = YAML.find("rvec").unwrap();
     let folder = Folder::new();
     let intrinsics = folder.write("cam1/intrinsics.yml", &YAML[..at]);
-    let message = folder.load().unwrap_err().to_string();
-    assert!(
-        message.contains("cam1: camera \"cam1\": expected a rotation and a translation, found neither"),
-        "{message}"
-    );
+    let missing = "cam1: camera \"cam1\": expected a rotation and a translation, found neither";
+    assert_refused(folder.load(), &[missing]);
     folder.write("cam1/extrinsics.yml", &format!("%YAML:1.0\n---\n{}", &YAML[at..]));
     let expected = rig(YAML).unwrap();
     for rig in [folder.load().unwrap().rig, Rig::load(intrinsics).unwrap()] {
@@ -243,12 +237,7 @@ fn one_file_may_hold_several_cameras() {
     assert_eq!(names(&calibration), ["left", "right"]);
     assert_eq!(calibration.cameras()[1].centre(), nalgebra::Point3::new(-1.0, 0.0, -3.0));
     let broken = named.replacen("[0, 0, 0]", "[0, 0]", 1);
-    assert!(
-        rig(&broken)
-            .unwrap_err()
-            .to_string()
-            .contains("camera \"left\": line 1, `rvec`: expected 3 x 3 numbers, found 2")
-    );
+    assert_refused(rig(&broken), &["camera \"left\": line 1, `rvec`: expected 3 x 3 numbers, found 2"]);
 
     let k = "[[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]]";
     let numbered = format!(

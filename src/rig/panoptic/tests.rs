@@ -1,5 +1,5 @@
 use super::super::Hints;
-use super::super::sample_files::{HINTS, assert_refused, assert_sees, load_text};
+use super::super::testing::{HINTS, assert_refused, assert_sees, load_text};
 
 const TEXT: &str = r#"{
 "calibDataSource": "somewhere",
@@ -37,19 +37,28 @@ fn a_camera_without_a_resolution_takes_the_hint() {
 #[test]
 fn bad_files_are_refused_by_line_and_key() {
     let with = |old: &str, new: &str| load_text(&TEXT.replacen(old, new, 1), &HINTS);
-    assert_refused(load_text(&TEXT[..500], &HINTS), &["calibration.txt: expected JSON", "line 13"]);
+    assert_refused(
+        load_text(&TEXT[..500], &HINTS),
+        &["calibration.txt: line 13: expected YAML or JSON", "cut off"],
+    );
     assert_refused(
         with("\"K\": [[1600, 0, 940]", "\"K\": [[1600, 0]"),
-        &["line 5, key `cameras[0].K[1]`", "equal length"],
+        &["line 5, `cameras[0].K`: expected rows of 2 numbers like the first, found 3"],
     );
-    assert_refused(with("[300]", "[NaN]"), &["expected JSON", "line 8"]);
-    assert_refused(with("\"t\":", "\"x\":"), &["line 4, key `cameras[0]`", "expected a key \"t\" here"]);
+    assert_refused(with("[300]", "[NaN]"), &["line 8, `cameras[0].t`: expected finite numbers, found NaN"]);
+    assert_refused(
+        with("\"t\":", "\"x\":"),
+        &["line 4, `cameras[0]`: expected the key `t`, found the keys name", "write name"],
+    );
     assert_refused(
         with("0.001, 0.002, 0.05", "0.001"),
-        &["key `cameras[1].distCoef`: expected 5 numbers, found 3"],
+        &["line 11, `cameras[1].distCoef`: expected 0, 4, 5 or 8", "found 3"],
     );
-    assert_refused(with("[0, -1, 0]", "[0, -1.5, 0]"), &["line 12, key `cameras[1].R`", "determinant 1.5"]);
+    assert_refused(with("[0, -1, 0]", "[0, -1.5, 0]"), &["line 12, `cameras[1].R`", "determinant 1.5"]);
     assert_refused(with("00_01", "00_00"), &["camera \"00_00\": line 9", "on line 4 too"]);
     assert_refused(with("1600, 0", "16, 0"), &["\"00_00\": expected a focal length"]);
-    assert_refused(with("1920, 1080", "1920"), &["key `cameras[0].resolution`", "[width, height], found 1"]);
+    assert_refused(
+        with("1920, 1080", "1920"),
+        &["line 4, `cameras[0].resolution`: expected width and height", "found [1920"],
+    );
 }

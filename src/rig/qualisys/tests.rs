@@ -1,5 +1,5 @@
 use super::super::Hints;
-use super::super::sample_files::{assert_refused, assert_sees, load_text};
+use super::super::testing::{assert_refused, assert_sees, load_text};
 use crate::Result;
 use crate::rig::Calibration;
 
@@ -66,7 +66,7 @@ fn distortion_is_opencvs() {
 #[test]
 fn bad_files_are_refused_by_line() {
     let with = |old: &str, new: &str| load(&TEXT.replacen(old, new, 1));
-    assert_refused(load(&TEXT[..500]), &["calibration.txt: line 8: expected XML", "export the calibration"]);
+    assert_refused(load(&TEXT[..500]), &["calibration.txt: line 8: expected XML", "it may be cut off"]);
     assert_refused(with("r22=\"1\"", "r22=\"0.9\""), &["line 6, <transform>: r11 .. r33", "determinant 0.9"]);
     assert_refused(
         with("x=\"100\"", "x=\"nan\""),

@@ -48,7 +48,7 @@ fn cam_from_world(node: &Node) -> Result<(UnitQuaternion<f64>, Vector3<f64>)> {
         None => Ok::<_, Error>(inner.require(keys[0], FORM)?.node),
     };
     let (translation, rotation) = (part(["translation", "position"])?, part(["rotation", "orientation"])?);
-    let number = |node: &Node, key: &str| Ok::<_, Error>(node.require(key, FORM)?.array::<1>()?[0]);
+    let number = |node: &Node, key: &str| node.require(key, FORM)?.number();
     let [x, y, z] = ["x", "y", "z"].map(|key| number(translation, key));
     let translation = Vector3::new(x?, y?, z?);
     let [i, j, k, w] = ["x", "y", "z", "w"].map(|key| number(rotation, key));

@@ -1,5 +1,5 @@
 use super::super::Hints;
-use super::super::sample_files::{HINTS, assert_refused, load_folder};
+use super::super::testing::{HINTS, assert_refused, load_folder};
 use crate::camera::{Camera, Distortion};
 use nalgebra::{Isometry3, Matrix3, Matrix3x4, Matrix4, Point3, Vector3, Vector4};
 

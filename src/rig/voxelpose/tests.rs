@@ -1,5 +1,5 @@
 use super::super::Hints;
-use super::super::sample_files::{assert_refused, assert_sees, load_text};
+use super::super::testing::{assert_refused, assert_sees, load_text};
 
 const HINTS: Hints = Hints { size: Some((360, 288)), metres_per_unit: None };
 
@@ -30,18 +30,24 @@ fn radial_and_tangential_coefficients_come_apart() {
 #[test]
 fn bad_files_are_refused_by_line_and_key() {
     let with = |old: &str, new: &str| load_text(&TEXT.replacen(old, new, 1), &HINTS);
-    assert_refused(load_text(&TEXT[..200], &HINTS), &["calibration.txt: expected JSON", "line 4"]);
+    assert_refused(load_text(&TEXT[..200], &HINTS), &["calibration.txt: line 4: expected YAML or JSON"]);
     assert_refused(load_text(TEXT, &Hints::default()), &["camera \"10\": expected to know the size"]);
-    assert_refused(with("\"2\"", "\"10\""), &["line 4, key `10`", "found it on line 2 too"]);
+    assert_refused(
+        with("\"2\"", "\"10\""),
+        &["line 4: expected each key once, found `10` again, first on line 2"],
+    );
     assert_refused(
         with("[[1, 0, 0], [0, 0, -1]", "[[1, 0, 0], [0, 1, 0]"),
-        &["line 2, key `10.R`", "orthonormal"],
+        &["line 2, `10.R`", "orthonormal"],
     );
     assert_refused(
-        with("\"fx\": 438", "\"fx\": \"438\""),
-        &["line 3, key `10.fx`: expected a finite number"],
+        with("\"fx\": 438", "\"fx\": \"wide\""),
+        &["line 3, `10.fx`: expected a number, found \"wide\""],
     );
-    assert_refused(with("\"cy\": 139,", ""), &["key `10`: expected a key \"cy\" here"]);
-    assert_refused(with("0.1, 0.2, 0.3", "0.1, 0.2"), &["line 5, key `2.k`: expected 3 numbers, found 2"]);
+    assert_refused(
+        with("\"cy\": 139,", ""),
+        &["line 2, `10`: expected the key `cy`, found the keys R, T, fx"],
+    );
+    assert_refused(with("0.1, 0.2, 0.3", "0.1, 0.2"), &["line 5, `2.k`: expected 3 numbers, found 2"]);
     assert_refused(with("438", "0"), &["\"10\": expected positive focal lengths"]);
 }

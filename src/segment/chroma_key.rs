@@ -41,7 +41,8 @@ impl Key {
 /// use ode_visual_hull::segment::{ChromaKey, Key, Segmenter};
 ///
 /// // Green cloth, darker to the right.
-/// let mut image = RgbImage::from_fn(64, 48, |x, _| Rgb([60 - x as u8 / 2, 160 - 2 * x as u8, 80 - x as u8]));
+/// let cloth = |x: u32| Rgb([60, 160, 80].map(|c| (c * (96 - x) / 96) as u8));
+/// let mut image = RgbImage::from_fn(64, 48, |x, _| cloth(x));
 /// for (x, y) in (20..30).flat_map(|x| (10..40).map(move |y| (x, y))) {
 ///     image.put_pixel(x, y, Rgb([200, 60, 50]));
 /// }

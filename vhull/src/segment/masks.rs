@@ -26,7 +26,7 @@ impl Masks {
         let dir = options.out.as_ref().unwrap_or(&options.recording).clone();
         let recording = dir.exists().then(|| Recording::resume(&dir, rig)).transpose()?;
         let frames = recording.as_ref().map_or(&[][..], Recording::frames);
-        let asked = options.frames.first..options.frames.end;
+        let asked = options.frames.clone();
         let there: BTreeSet<u32> = frames.iter().copied().filter(|frame| asked.contains(frame)).collect();
         if !there.is_empty() && !options.resume && !options.force {
             let problem = format!(

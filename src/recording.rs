@@ -8,7 +8,8 @@
 //!   <camera>/mask/000000.*      masks: 0 background .. 255 subject
 //! ```
 //!
-//! Frames are numbered by their file names. An image or a mask counts only where every camera has one.
+//! Masks may be called `000000_mask.*` too, and may then lie beside the images; [`load_mask`] says what may be in them,
+//! such as cut-out images with an alpha channel. Frames are numbered by their file names. An image or a mask counts only where every camera has one.
 
 use crate::rig::Rig;
 use crate::silhouette::load_mask;
@@ -19,6 +20,9 @@ use std::path::{Path, PathBuf};
 
 const RIG: &str = "rig.toml";
 const BACKGROUND: &str = "background.png";
+const IMAGE: &str = "image";
+const MASK: &str = "mask";
+const MASK_SUFFIX: &str = "_mask";
 const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
 
 /// A recording on disk. Pictures are read when they are asked for.
@@ -67,7 +71,7 @@ impl Recording {
                 return Err(Error::view(camera.name(), problem));
             }
         }
-        let (images, masks) = (Pictures::list(dir, &rig, "image")?, Pictures::list(dir, &rig, "mask")?);
+        let (images, masks) = (Pictures::list(dir, &rig, IMAGE)?, Pictures::list(dir, &rig, MASK)?);
         if masks.common.is_empty() && (masks.any() || images.common.is_empty()) {
             let wanted = if masks.any() || !images.any() { &masks } else { &images };
             return Err(Error::file(dir, wanted.nothing_in_common(&rig)));
@@ -90,7 +94,7 @@ impl Recording {
             make_folder(&dir.join(camera.name()))?;
         }
         rig.save(dir.join(RIG))?;
-        let (images, masks) = (Pictures::list(dir, rig, "image")?, Pictures::list(dir, rig, "mask")?);
+        let (images, masks) = (Pictures::list(dir, rig, IMAGE)?, Pictures::list(dir, rig, MASK)?);
         Ok(Self { dir: dir.to_owned(), rig: rig.clone(), images, masks })
     }
 
@@ -233,7 +237,7 @@ impl Pictures {
             .cameras()
             .iter()
             .map(|camera| {
-                numbered_files(&dir.join(camera.name()).join(kind)).map_err(|e| Error::view(camera.name(), e))
+                numbered_files_of(&dir.join(camera.name()), kind).map_err(|e| Error::view(camera.name(), e))
             })
             .collect::<Result<Vec<_>>>()?;
         let in_all = |frame: &u32| files.iter().all(|of_camera| of_camera.contains_key(frame));
@@ -296,8 +300,20 @@ fn extent(files: &BTreeMap<u32, PathBuf>) -> String {
     }
 }
 
-/// The image files of a folder whose names are numbers; none where there is no folder.
-fn numbered_files(folder: &Path) -> Result<BTreeMap<u32, PathBuf>> {
+/// A camera's files of one kind by their numbers. Masks may lie beside the images where they have no folder of their own.
+fn numbered_files_of(camera: &Path, kind: &str) -> Result<BTreeMap<u32, PathBuf>> {
+    let folder = camera.join(kind);
+    if kind != MASK {
+        return numbered_files(&folder, &[""]);
+    }
+    if folder.is_dir() {
+        return numbered_files(&folder, &["", MASK_SUFFIX]);
+    }
+    numbered_files(&camera.join(IMAGE), &[MASK_SUFFIX])
+}
+
+/// The image files of a folder whose names are numbers and one of the suffixes; none where there is no folder.
+fn numbered_files(folder: &Path, suffixes: &[&str]) -> Result<BTreeMap<u32, PathBuf>> {
     let mut files = BTreeMap::new();
     if !folder.is_dir() {
         return Ok(files);
@@ -305,7 +321,7 @@ fn numbered_files(folder: &Path) -> Result<BTreeMap<u32, PathBuf>> {
     let fail = |e: std::io::Error| Error::file(folder, format!("expected a readable folder, found: {e}"));
     for entry in std::fs::read_dir(folder).map_err(fail)? {
         let path = entry.map_err(fail)?.path();
-        let Some(frame) = frame_of(&path) else { continue };
+        let Some(frame) = suffixes.iter().find_map(|suffix| frame_of(&path, suffix)) else { continue };
         if let Some(other) = files.insert(frame, path.clone()) {
             let problem =
                 format!("expected one file for frame {frame}, found also {}; remove one", other.display());
@@ -315,9 +331,9 @@ fn numbered_files(folder: &Path) -> Result<BTreeMap<u32, PathBuf>> {
     Ok(files)
 }
 
-fn frame_of(path: &Path) -> Option<u32> {
+fn frame_of(path: &Path, suffix: &str) -> Option<u32> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-    let stem = path.file_stem()?.to_str()?;
+    let stem = path.file_stem()?.to_str()?.strip_suffix(suffix)?;
     let numbered = stem.bytes().all(|b| b.is_ascii_digit());
     (numbered && EXTENSIONS.contains(&extension.as_str())).then(|| stem.parse().ok())?
 }

@@ -86,7 +86,7 @@ fn only_frames_of_all_cameras_count() {
     written(&folder);
     std::fs::remove_file(folder.join("r/right/mask/000003.png")).unwrap();
     std::fs::write(folder.join("r/left/mask/notes.txt"), "").unwrap();
-    std::fs::write(folder.join("r/left/mask/3_mask.png"), "").unwrap();
+    std::fs::write(folder.join("r/left/mask/3_old.png"), "").unwrap();
     let recording = Recording::open(folder.join("r")).unwrap();
     assert_eq!(recording.frames(), [12]);
     let message = recording.masks(3).unwrap_err().to_string();
@@ -194,4 +194,27 @@ fn nothing_is_created_over_a_recording_or_outside_of_it() {
         assert_contains(&message, &["a folder's", "rename"]);
         assert!(!folder.join("new").exists());
     }
+}
+
+#[test]
+fn masks_may_be_called_so_and_lie_beside_the_images() {
+    let folder = Folder::new("suffix");
+    let mut recording = Recording::create(folder.join("r"), &rig()).unwrap();
+    recording.write_images(4, &images(9)).unwrap();
+    for (camera, mask) in recording.rig().cameras().iter().zip(masks(255)) {
+        mask.save(folder.join("r").join(camera.name()).join("image/000004_mask.png")).unwrap();
+    }
+    let beside = Recording::open(folder.join("r")).unwrap();
+    assert_eq!((beside.frames(), beside.image_frames()), (&[4][..], &[4][..]));
+    assert_eq!(beside.masks(4).unwrap(), masks(255));
+    for (camera, mask) in recording.rig().cameras().iter().zip(masks(200)) {
+        let own = folder.join("r").join(camera.name()).join("mask");
+        std::fs::create_dir(&own).unwrap();
+        // A cut-out: black, and opaque as the mask says.
+        let cut_out = ImageBuffer::from_fn(mask.width(), mask.height(), |_, _| image::Rgba([0, 0, 0, 200u8]));
+        cut_out.save(own.join("5_mask.png")).unwrap();
+    }
+    let own = Recording::open(folder.join("r")).unwrap();
+    assert_eq!(own.frames(), [5]);
+    assert_eq!(own.masks(5).unwrap(), masks(200));
 }

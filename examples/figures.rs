@@ -10,8 +10,12 @@ mod accuracy;
 mod analytic;
 #[path = "figures/capi.rs"]
 mod capi;
+#[path = "figures/captures.rs"]
+mod captures;
 #[path = "figures/contour.rs"]
 mod contour;
+#[path = "../tests/data/mod.rs"]
+mod data;
 #[path = "figures/figure.rs"]
 mod figure;
 #[path = "figures/geometry.rs"]
@@ -26,6 +30,8 @@ mod report;
 mod rest;
 #[path = "figures/scene.rs"]
 mod scene;
+#[path = "figures/segmentation.rs"]
+mod segmentation;
 #[path = "figures/stack.rs"]
 mod stack;
 #[path = "figures/studio.rs"]
@@ -40,13 +46,14 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 6] = [
+const GROUPS: [(&str, Measure); 7] = [
     ("geometry", geometry::measure),
     ("trajectories", trajectories::measure),
     ("rest", rest::measure),
     ("stack", stack::measure),
     ("grip", grip::measure),
     ("capi", capi::measure),
+    ("segmentation", segmentation::measure),
 ];
 
 fn main() -> ExitCode {

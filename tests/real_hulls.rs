@@ -1,33 +1,16 @@
 //! The hulls of real subjects have the volumes and extents that were measured of them by other means.
 
+#[path = "../examples/figures/captures.rs"]
+mod captures;
 mod data;
 
-use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, UnitQuaternion, Vector3, point};
-use ode_visual_hull::camera::{Camera, Distortion};
+use captures::{DINO, SEATED, carve, dino_cameras};
+use nalgebra::{Point3, point};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Unseen};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::silhouette::load_mask;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Volume in cubic metres and bounding box of a hull, by a grid of points `spacing` apart.
-fn carve(hull: &Hull, spacing: f64) -> (f64, Aabb) {
-    let bounds = hull.bounds();
-    let counts = (bounds.max - bounds.min).map(|extent| (extent / spacing) as usize);
-    let (mut count, mut aabb) = (0, Aabb::EMPTY);
-    for k in 0..counts.z {
-        for j in 0..counts.y {
-            for i in 0..counts.x {
-                let p = bounds.min + Vector3::new(i, j, k).map(|n| (n as f64 + 0.5) * spacing);
-                if hull.inside(&p) {
-                    count += 1;
-                    aabb = aabb.union(&Aabb { min: p, max: p });
-                }
-            }
-        }
-    }
-    (count as f64 * spacing.powi(3), aabb)
-}
 
 fn near(found: &Aabb, min: [f64; 3], max: [f64; 3], tolerance: f64) {
     let off = (found.min - Point3::from(min)).amax().max((found.max - Point3::from(max)).amax());
@@ -48,7 +31,7 @@ fn hull_of(dir: &Path, frame: u32, bounds: Aabb) -> Arc<Hull> {
 #[test]
 fn the_seated_person_is_as_large_as_measured_through_four_distorting_lenses() {
     let Some(dir) = data::find("seated_person") else { return };
-    let hull = hull_of(&dir, 0, Aabb::new(point![-0.5, -0.5, 0.0], point![1.5, 1.5, 2.0]).unwrap());
+    let hull = hull_of(&dir, 0, SEATED);
     let (volume, aabb) = carve(&hull, 0.02);
     // Measured by projecting voxels of 2 cm through the lenses, to three digits and two decimals.
     assert!((volume - 0.233).abs() < 0.005, "{volume}");
@@ -69,34 +52,14 @@ fn the_dinosaur_is_as_large_as_measured_where_views_that_miss_a_part_abstain() {
     let Some(dir) = data::find("dino") else { return };
     let data = HullData::new();
     data.set_unseen(Unseen::ABSTAIN).unwrap();
-    let cameras = std::fs::read_to_string(dir.join("dinoSR_par.txt")).unwrap();
-    for (index, line) in cameras.lines().skip(1).enumerate() {
-        // View 6 has no usable mask.
-        let path = dir.join(format!("mask/mask_{:04}.png", index + 1));
-        if index + 1 != 6 && path.exists() {
-            let view = data.add_view(middlebury(line)).unwrap();
-            data.set_mask(view, &load_mask(path).unwrap()).unwrap();
-        }
+    for (number, camera) in dino_cameras(&dir) {
+        let view = data.add_view(camera).unwrap();
+        data.set_mask(view, &load_mask(dir.join(format!("mask/mask_{number:04}.png"))).unwrap()).unwrap();
     }
     assert_eq!(data.view_count(), 15);
     // The box that the dinosaur is known to fill, and a little more: farther off, few views see anything.
-    let bounds = Aabb::new(point![-0.0619, -0.0189, -0.0578], point![0.0109, 0.0682, 0.0155]).unwrap();
-    data.set_bounds(bounds.grown(0.008)).unwrap();
+    data.set_bounds(DINO.grown(0.008)).unwrap();
     let (volume, aabb) = carve(&data.update(0.0).unwrap(), 0.001);
     assert!((volume - 1.28e-4).abs() < 0.05e-4, "{volume}");
     near(&aabb, [-0.061, -0.026, -0.058], [0.012, 0.069, 0.016], 0.003);
-}
-
-/// A line of `name k11 .. k33 r11 .. r33 t1 t2 t3`, pixel centres at whole numbers.
-fn middlebury(line: &str) -> Camera {
-    let mut words = line.split_whitespace();
-    let name = words.next().unwrap();
-    let numbers: Vec<f64> = words.map(|word| word.parse().unwrap()).collect();
-    let shift = Matrix3::new(1.0, 0.0, 0.5, 0.0, 1.0, 0.5, 0.0, 0.0, 1.0);
-    let k = shift * Matrix3::from_row_slice(&numbers[..9]);
-    let r = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&Matrix3::from_row_slice(
-        &numbers[9..18],
-    )));
-    let t = Vector3::from_row_slice(&numbers[18..]);
-    Camera::new(name, (640, 480), k, Distortion::none(), Isometry3::from_parts(t.into(), r)).unwrap()
 }

@@ -11,9 +11,10 @@ use image::RgbImage;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::hull::{Aabb, Hull, HullData};
-use ode_visual_hull::segment::{CleanPlate, Thresholds};
+use ode_visual_hull::segment::{CleanPlate, Segmenter, Thresholds};
 use ode_visual_hull::synthetic::{Hit, Paint, Placed, Room, Scene, Solid, Subject, clean_plate, render_over};
 use ode_visual_hull::{Error, Result};
+use std::sync::Mutex;
 
 /// The real box, in metres.
 const REAL: Vector3<f64> = Vector3::new(0.5, 0.5, 0.35);
@@ -40,7 +41,7 @@ const NOISE: f64 = 3.0;
 pub struct Studio {
     cameras: Vec<Camera>,
     /// Per camera the empty room, as it is and as the segmentation knows it.
-    plates: Vec<(RgbImage, CleanPlate)>,
+    plates: Vec<(RgbImage, Mutex<CleanPlate>)>,
     sensor: Sensor,
     /// What is before the cameras, and what they see of it without noise.
     scene: Scene,
@@ -54,7 +55,8 @@ impl Studio {
         let room = Room::default();
         let plates = in_parallel(&cameras, |_, camera| {
             let plate = clean_plate(camera, &room);
-            Ok((plate.clone(), CleanPlate::new(plate, Thresholds::default())))
+            let segmenter = CleanPlate::new(&plate, Thresholds::default())?;
+            Ok((plate, Mutex::new(segmenter)))
         })?;
         for camera in &cameras {
             data.add_view(camera.clone())?;
@@ -119,7 +121,8 @@ impl Capture for Studio {
         in_parallel(&self.cameras, |view, _| {
             let exposure = (frame * self.cameras.len() + view) as u32;
             let image = self.sensor.expose(&self.images[view], exposure);
-            data.set_mask(view, &self.plates[view].1.subtract(&image)?)
+            let mut segmenter = self.plates[view].1.lock().expect("no camera's work panics");
+            data.set_mask(view, &segmenter.segment(&image)?)
         })?;
         data.update(time_of(frame))?;
         Ok(())

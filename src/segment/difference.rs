@@ -1,0 +1,153 @@
+//! Which pixels of an image differ from the empty room by more than noise and shadows.
+
+// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+#![allow(clippy::needless_range_loop)]
+
+use super::bits::{Bits, WORD, pack};
+use super::shadows::Shadows;
+use crate::vectorised::vectorised;
+use image::RgbImage;
+
+/// The empty room as one camera sees it: a colour for each pixel, and how far each channel may be from it. Channels
+/// lie side by side, as in an image.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Room {
+    pub(super) size: (u32, u32),
+    pub(super) colour: Vec<u8>,
+    /// The least and the greatest value that is still the room's.
+    pub(super) least: Vec<u8>,
+    pub(super) greatest: Vec<u8>,
+}
+
+impl Room {
+    /// A room without pixels' values yet.
+    pub(super) fn new(size: (u32, u32)) -> Self {
+        let channels = 3 * size.0 as usize * size.1 as usize;
+        let zeros = || vec![0; channels];
+        Self { size, colour: zeros(), least: zeros(), greatest: zeros() }
+    }
+
+    /// Sets one pixel's colour, and the grey levels that its channels may be from it.
+    pub(super) fn set(&mut self, pixel: usize, colour: [u8; 3], tolerance: u8) {
+        for (c, value) in colour.into_iter().enumerate() {
+            let at = 3 * pixel + c;
+            self.colour[at] = value;
+            self.least[at] = value.saturating_sub(tolerance);
+            self.greatest[at] = value.saturating_add(tolerance);
+        }
+    }
+
+    /// Sets the bits of the pixels of `image`, which has the room's size, that are not the room's: neither within its
+    /// tolerances nor in its shadows.
+    pub(super) fn differences(&self, image: &RgbImage, shadows: Option<&Shadows>, bits: &mut Bits) {
+        let width = self.size.0 as usize;
+        bits.resize(width, self.size.1 as usize);
+        let stride = bits.stride();
+        if stride == 0 {
+            return;
+        }
+        let limits = shadows.map(Shadows::limits);
+        let rows = bits.words_mut().chunks_exact_mut(stride).zip(image.as_raw().chunks_exact(3 * width));
+        for (y, (bits, image)) in rows.enumerate() {
+            let part = 3 * width * y..3 * width * (y + 1);
+            differ(image, &self.least[part.clone()], &self.greatest[part.clone()], bits);
+            if let Some(limits) = &limits {
+                shade(image, &self.colour[part], limits, bits);
+            }
+        }
+    }
+}
+
+/// Squares and ratios, ready to compare with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    pub(super) darkest: f32,
+    pub(super) brightest: f32,
+    pub(super) chroma_squared: f32,
+}
+
+vectorised! {
+    /// Sets the bits of the pixels of a row of which any channel lies outside its bounds.
+    fn differ(image: &[u8], least: &[u8], greatest: &[u8], bits: &mut [u64]) {
+        for (k, bits) in bits.iter_mut().enumerate() {
+            let start = 3 * WORD * k;
+            let end = (start + 3 * WORD).min(image.len());
+            let (image, least, greatest) = (&image[start..end], &least[start..end], &greatest[start..end]);
+            *bits = match (whole(image), whole(least), whole(greatest)) {
+                (Some(image), Some(least), Some(greatest)) => differ_word(image, least, greatest),
+                _ => differ_word(&padded(image), &padded(least), &padded(greatest)),
+            };
+        }
+    }
+}
+
+/// Bytes of as many pixels as a word has.
+pub(super) const BYTES: usize = 3 * WORD;
+
+/// The bytes of a whole word's pixels; `None` at the end of a row.
+#[inline(always)]
+pub(super) fn whole(bytes: &[u8]) -> Option<&[u8; BYTES]> {
+    bytes.try_into().ok()
+}
+
+#[inline(always)]
+pub(super) fn padded(bytes: &[u8]) -> [u8; BYTES] {
+    let mut all = [0; BYTES];
+    all[..bytes.len()].copy_from_slice(bytes);
+    all
+}
+
+#[inline(always)]
+fn differ_word(image: &[u8; BYTES], least: &[u8; BYTES], greatest: &[u8; BYTES]) -> u64 {
+    let mut outside = [0u8; BYTES + 2];
+    for k in 0..BYTES {
+        outside[k] = if image[k] < least[k] || image[k] > greatest[k] { 255 } else { 0 };
+    }
+    let mut any = [0u8; BYTES];
+    for k in 0..BYTES {
+        any[k] = outside[k] | outside[k + 1] | outside[k + 2];
+    }
+    let mut pixels = [0u8; WORD];
+    for k in 0..WORD {
+        pixels[k] = any[3 * k];
+    }
+    pack(&pixels)
+}
+
+vectorised! {
+    /// Takes away the bits of the pixels of a row that are the room in a shadow, or in a little more light.
+    fn shade(image: &[u8], room: &[u8], limits: &Limits, bits: &mut [u64]) {
+        for (k, bits) in bits.iter_mut().enumerate() {
+            if *bits == 0 {
+                continue;
+            }
+            let start = BYTES * k;
+            let end = (start + BYTES).min(image.len());
+            let (image, room) = (&image[start..end], &room[start..end]);
+            let shaded = match (whole(image), whole(room)) {
+                (Some(image), Some(room)) => shaded_word(image, room, limits),
+                _ => shaded_word(&padded(image), &padded(room), limits),
+            };
+            *bits &= !shaded;
+        }
+    }
+}
+
+/// `image` is the room times a ratio, and what is left over is small.
+#[inline(always)]
+fn shaded_word(image: &[u8; BYTES], room: &[u8; BYTES], limits: &Limits) -> u64 {
+    let mut shaded = [0u8; WORD];
+    for k in 0..WORD {
+        let channel = |bytes: &[u8; BYTES], c: usize| f32::from(bytes[3 * k + c]);
+        let p = [channel(image, 0), channel(image, 1), channel(image, 2)];
+        let b = [channel(room, 0), channel(room, 1), channel(room, 2)];
+        let product = p[0] * b[0] + p[1] * b[1] + p[2] * b[2];
+        let square = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
+        let own = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+        // The ratio is product / square, what is left over |p - ratio b|^2 = own - product^2 / square.
+        let is_dimmed = product >= limits.darkest * square && product <= limits.brightest * square;
+        let is_alike = (own - limits.chroma_squared) * square <= product * product;
+        shaded[k] = if is_dimmed & is_alike { 255 } else { 0 };
+    }
+    pack(&shaded)
+}

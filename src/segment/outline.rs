@@ -1,0 +1,143 @@
+//! Coverage at the outline: how much of a pixel shows the subject.
+//!
+//! ```text
+//!   room  room  | .3  | subject       the colour of a pixel that the outline crosses lies between the room's and
+//!   room  | .1  | .8  | subject       the subject's: as far along as the subject covers it
+//! ```
+
+use super::bits::Bits;
+use super::cleanup::{Cleaner, Cleanup};
+use super::morphology::Shape;
+use image::GrayImage;
+
+/// Squared grey levels between room and subject, below which a colour between them tells nothing.
+const LEAST_CONTRAST: f32 = 30.0 * 30.0;
+
+/// How far light at the outline may be from the room's as it was learnt, as ratios.
+const LIGHT: (f32, f32) = (0.4, 1.5);
+
+/// From bits to a mask, in memory that is used again.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Outline {
+    /// The pixels that look like the subject: written by whoever segments.
+    pub(super) raw: Bits,
+    /// The same, cleaned up.
+    pub(super) subject: Bits,
+    cleaner: Cleaner,
+    /// The subject without its outline, and the room without its own.
+    core: Bits,
+    outside: Bits,
+    grown: Bits,
+}
+
+/// An image, and the room behind the subject where it is known.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Colours<'a> {
+    pub(super) image: &'a [u8],
+    pub(super) room: Option<&'a [u8]>,
+}
+
+impl Outline {
+    /// The mask of `raw`: cleaned up, 255 inside, 0 outside, coverage along the outline.
+    pub(super) fn finish(&mut self, colours: Colours, cleanup: &Cleanup, mask: &mut GrayImage) {
+        let (width, height) = (self.raw.width(), self.raw.height());
+        if mask.dimensions() != (width as u32, height as u32) {
+            *mask = GrayImage::new(width as u32, height as u32);
+        }
+        self.subject.copy(&self.raw);
+        self.cleaner.clean(cleanup, &mut self.subject);
+        self.subject.write_bytes(mask);
+        self.cover(colours, mask);
+    }
+
+    fn cover(&mut self, colours: Colours, mask: &mut [u8]) {
+        let Self { raw, subject, cleaner, core, outside, grown } = self;
+        let morphology = &mut cleaner.morphology;
+        morphology.step_into(subject, Shape::Square, true, core);
+        morphology.step_into(subject, Shape::Square, false, grown);
+        outside.copy(grown);
+        let last = outside.last_word();
+        let stride = outside.stride().max(1);
+        for (k, word) in outside.words_mut().iter_mut().enumerate() {
+            *word = !*word & if k % stride + 1 == stride { last } else { u64::MAX };
+        }
+        // On both sides of the outline; where the clean-up has decided against the colour, the colour tells nothing.
+        for (k, word) in grown.words_mut().iter_mut().enumerate() {
+            *word &= !core.words()[k] & !(raw.words()[k] ^ subject.words()[k]);
+        }
+        let width = subject.width();
+        grown.for_each(|x, y| {
+            let at = y * width + x;
+            let is_subject = mask[at] == 255;
+            if let Some(covered) = coverage(&colours, core, outside, x, y) {
+                let value = (255.0 * covered + 0.5) as u8;
+                mask[at] = if is_subject { value } else { value.min(127) };
+            }
+        });
+    }
+}
+
+/// How far the colour of a pixel has gone from the room's to the subject's near by, 0 to 1; `None` where these are
+/// not to be had, or too much alike.
+#[inline]
+fn coverage(colours: &Colours, core: &Bits, outside: &Bits, x: usize, y: usize) -> Option<f32> {
+    let subject = Sum::around(colours.image, core, x, y);
+    let here = Sum::around(colours.image, outside, x, y);
+    let at = 3 * (y * core.width() + x);
+    let pixel = |bytes: &[u8]| [0, 1, 2].map(|c| f32::from(bytes[at + c]));
+    let subject = subject.mean()?;
+    let room = match colours.room {
+        None => here.mean()?,
+        Some(room) => {
+            // The light on it may have changed, most of all in the subject's shadow.
+            let learnt = Sum::around(room, outside, x, y);
+            let colour = pixel(room);
+            [0, 1, 2].map(|c| {
+                let light = (here.sum[c] as f32 + 1.0) / (learnt.sum[c] as f32 + 1.0);
+                colour[c] * light.clamp(LIGHT.0, LIGHT.1)
+            })
+        }
+    };
+    let own = pixel(colours.image);
+    let (mut along, mut square) = (0.0, 0.0);
+    for c in 0..3 {
+        let way = subject[c] - room[c];
+        along += (own[c] - room[c]) * way;
+        square += way * way;
+    }
+    (square >= LEAST_CONTRAST).then(|| (along / square).clamp(0.0, 1.0))
+}
+
+/// Colours added up.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    sum: [u32; 3],
+    count: u32,
+}
+
+impl Sum {
+    /// Of the pixels in a 5x5 window that are set in `bits`.
+    #[inline]
+    fn around(colours: &[u8], bits: &Bits, x: usize, y: usize) -> Self {
+        let mut sum = Self::default();
+        for j in y.saturating_sub(2)..(y + 3).min(bits.height()) {
+            let mut row = bits.five(x, j);
+            while row != 0 {
+                // Pixel x - 2 is the lowest bit.
+                let i = x + row.trailing_zeros() as usize - 2;
+                let at = 3 * (j * bits.width() + i);
+                for c in 0..3 {
+                    sum.sum[c] += u32::from(colours[at + c]);
+                }
+                sum.count += 1;
+                row &= row - 1;
+            }
+        }
+        sum
+    }
+
+    #[inline]
+    fn mean(&self) -> Option<[f32; 3]> {
+        (self.count > 0).then(|| self.sum.map(|sum| sum as f32 / self.count as f32))
+    }
+}

@@ -1,0 +1,92 @@
+//! The empty room's colours and their noise, from images of it.
+
+use super::clean_plate::Thresholds;
+use super::difference::Room;
+use image::RgbImage;
+
+/// Frames of a recording agree on a pixel where this share of them is within so many grey levels of their median.
+const AGREE_SHARE: f64 = 0.9;
+const AGREE_LEVELS: u8 = 12;
+
+/// What images of the empty room say of each pixel.
+#[derive(Debug, Clone)]
+pub(super) struct Plate {
+    size: (u32, u32),
+    /// The channels' means.
+    colours: Vec<[u8; 3]>,
+    /// The noisiest channel's deviation, in grey levels; zero where a single image cannot tell.
+    noise: Vec<f32>,
+}
+
+impl Plate {
+    /// Of frames of one size, of which there is one at least.
+    pub(super) fn mean(frames: &[RgbImage]) -> Self {
+        let size = frames[0].dimensions();
+        let n = frames.len() as f64;
+        let pixels = 0..size.0 as usize * size.1 as usize;
+        let mean_and_noise = |pixel: usize| {
+            let mut noise = 0.0f64;
+            let colour = [0, 1, 2].map(|c| {
+                let values = frames.iter().map(|frame| f64::from(frame.as_raw()[3 * pixel + c]));
+                let mean = values.clone().sum::<f64>() / n;
+                let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
+                noise = noise.max((squares / (n - 1.0).max(1.0)).sqrt());
+                mean.round() as u8
+            });
+            (colour, noise as f32)
+        };
+        let (colours, noise) = pixels.map(mean_and_noise).unzip();
+        Self { size, colours, noise }
+    }
+
+    /// Takes over the colours on which nearly all of `frames` agree.
+    pub(super) fn mend(&mut self, frames: &[RgbImage]) {
+        let enough = (AGREE_SHARE * frames.len() as f64).ceil() as usize;
+        let mut values = vec![0; frames.len()];
+        for (pixel, colour) in self.colours.iter_mut().enumerate() {
+            let median = [0, 1, 2].map(|c| {
+                for (value, frame) in values.iter_mut().zip(frames) {
+                    *value = frame.as_raw()[3 * pixel + c];
+                }
+                *values.select_nth_unstable(frames.len() / 2).1
+            });
+            let agrees = |frame: &&RgbImage| {
+                let own = &frame.as_raw()[3 * pixel..];
+                (0..3).all(|c| own[c].abs_diff(median[c]) <= AGREE_LEVELS)
+            };
+            if frames.iter().filter(agrees).count() >= enough {
+                *colour = median;
+            }
+        }
+    }
+
+    /// The room, with a tolerance for each pixel.
+    pub(super) fn room(&self, thresholds: &Thresholds) -> Room {
+        let mut room = Room::new(self.size);
+        for (pixel, (&colour, &noise)) in self.colours.iter().zip(&self.noise).enumerate() {
+            let edge = thresholds.edge_shift_px * f64::from(self.steepest(pixel));
+            let noise = thresholds.deviations * f64::from(noise);
+            let tolerance = thresholds.difference.max(noise) + edge;
+            room.set(pixel, colour, tolerance.round().min(255.0) as u8);
+        }
+        room
+    }
+
+    /// The largest step of a channel from a pixel to one of its four neighbours.
+    fn steepest(&self, pixel: usize) -> u8 {
+        let (width, height) = (self.size.0 as usize, self.size.1 as usize);
+        let (x, y) = (pixel % width, pixel / width);
+        let around = [
+            (x.saturating_sub(1), y),
+            ((x + 1).min(width - 1), y),
+            (x, y.saturating_sub(1)),
+            (x, (y + 1).min(height - 1)),
+        ];
+        let own = self.colours[pixel];
+        let steps = around.into_iter().flat_map(|(i, j)| {
+            let other = self.colours[j * width + i];
+            [0, 1, 2].map(|c| other[c].abs_diff(own[c]))
+        });
+        steps.max().unwrap_or(0)
+    }
+}

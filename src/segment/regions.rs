@@ -1,0 +1,146 @@
+//! Connected regions, found by the runs of their rows.
+
+use super::bits::{Bits, WORD};
+
+/// Pixels `start .. end` of a row.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    row: u32,
+    start: u32,
+    end: u32,
+}
+
+/// Regions of a binary image, in memory that is used again.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Regions {
+    runs: Vec<Run>,
+    /// Where each run's row begins.
+    rows: Vec<usize>,
+    /// Of each run one that was found before it in its region, or itself.
+    parents: Vec<u32>,
+    /// Of each run that is its own parent: its region's pixels.
+    areas: Vec<u32>,
+    /// Whether its region reaches the image's border.
+    at_border: Vec<bool>,
+}
+
+impl Regions {
+    /// Drops each region of fewer than `area_px` pixels, and of less than `share` of the largest one's.
+    /// Diagonal neighbours are connected.
+    pub(super) fn drop_small(&mut self, bits: &mut Bits, area_px: u32, share: f64) {
+        self.find(bits, 0, 1);
+        let most = self.areas.iter().copied().max().unwrap_or(0);
+        let least = area_px.max((share * f64::from(most)).ceil() as u32);
+        let small = |regions: &Self, root: usize| regions.areas[root] < least;
+        self.turn(bits, small);
+    }
+
+    /// Sets the pixels of each hole of fewer than `area_px` pixels. Diagonal neighbours are not connected, else two
+    /// diagonals could cross; what reaches the image's border is no hole.
+    pub(super) fn fill_holes(&mut self, bits: &mut Bits, area_px: u32) {
+        self.find(bits, u64::MAX, 0);
+        self.turn(bits, |regions, root| !regions.at_border[root] && regions.areas[root] < area_px);
+    }
+
+    /// Finds the regions of the pixels that are set in `bits ^ invert`. Runs of neighbouring rows are connected if they
+    /// come within `reach` pixels of sharing a column.
+    fn find(&mut self, bits: &Bits, invert: u64, reach: u32) {
+        self.list_runs(bits, invert);
+        let count = self.runs.len();
+        self.parents.clear();
+        self.parents.extend(0..count as u32);
+        for y in 1..bits.height() {
+            let (mut a, mut b) = (self.rows[y - 1], self.rows[y]);
+            let (a_end, b_end) = (self.rows[y], self.rows[y + 1]);
+            while a < a_end && b < b_end {
+                let (above, below) = (self.runs[a], self.runs[b]);
+                if above.start < below.end + reach && below.start < above.end + reach {
+                    self.join(a, b);
+                }
+                if above.end < below.end { a += 1 } else { b += 1 }
+            }
+        }
+        self.measure(bits);
+    }
+
+    fn list_runs(&mut self, bits: &Bits, invert: u64) {
+        self.runs.clear();
+        self.rows.clear();
+        for y in 0..bits.height() {
+            self.rows.push(self.runs.len());
+            let (row, width, last) = (bits.row(y), bits.width() as u32, bits.last_word());
+            let mut open = None;
+            for (k, &word) in row.iter().enumerate() {
+                let within = if k + 1 == row.len() { last } else { u64::MAX };
+                let word = (word ^ invert) & within;
+                // Each change from one pixel to the next begins or ends a run.
+                let mut changes = word ^ (word << 1 | u64::from(open.is_some()));
+                while changes != 0 {
+                    let x = (k * WORD) as u32 + changes.trailing_zeros();
+                    open = match open {
+                        None => Some(x),
+                        Some(start) => {
+                            self.runs.push(Run { row: y as u32, start, end: x });
+                            None
+                        }
+                    };
+                    changes &= changes - 1;
+                }
+            }
+            if let Some(start) = open {
+                self.runs.push(Run { row: y as u32, start, end: width });
+            }
+        }
+        self.rows.push(self.runs.len());
+    }
+
+    /// The first run of `run`'s region, the way to it shortened.
+    fn root(&mut self, run: usize) -> usize {
+        let mut at = run;
+        while self.parents[at] as usize != at {
+            let up = self.parents[self.parents[at] as usize];
+            self.parents[at] = up;
+            at = up as usize;
+        }
+        at
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parents[a.max(b)] = a.min(b) as u32;
+    }
+
+    fn measure(&mut self, bits: &Bits) {
+        let count = self.runs.len();
+        self.areas.clear();
+        self.areas.resize(count, 0);
+        self.at_border.clear();
+        self.at_border.resize(count, false);
+        for k in 0..count {
+            let (run, root) = (self.runs[k], self.root(k));
+            self.areas[root] += run.end - run.start;
+            let rim = run.row == 0 || run.row as usize + 1 == bits.height();
+            self.at_border[root] |= rim || run.start == 0 || run.end as usize == bits.width();
+        }
+    }
+
+    /// Turns the pixels of the regions that are `wanted`.
+    fn turn(&mut self, bits: &mut Bits, wanted: impl Fn(&Self, usize) -> bool) {
+        let stride = bits.stride();
+        for k in 0..self.runs.len() {
+            let root = self.root(k);
+            if !wanted(self, root) {
+                continue;
+            }
+            let Run { row, start, end } = self.runs[k];
+            let row = &mut bits.words_mut()[row as usize * stride..][..stride];
+            let (first, last) = (start as usize / WORD, (end as usize - 1) / WORD);
+            for (k, word) in row.iter_mut().enumerate().take(last + 1).skip(first) {
+                let from = if k == first { u64::MAX << (start as usize % WORD) } else { u64::MAX };
+                let to =
+                    if k == last { u64::MAX >> (WORD - 1 - (end as usize - 1) % WORD) } else { u64::MAX };
+                *word ^= from & to;
+            }
+        }
+    }
+}

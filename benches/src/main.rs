@@ -4,6 +4,8 @@
 //! `make bench`, or `cargo run --release -p ode-visual-hull-bench -- --help`. It fails where a bound is missed.
 
 mod contacts;
+#[path = "../../tests/data/mod.rs"]
+mod data;
 #[path = "../../examples/figures/figure.rs"]
 mod figure;
 mod frames;
@@ -15,6 +17,7 @@ mod prepare;
 #[path = "../../examples/figures/report.rs"]
 mod report;
 mod scaling;
+mod segmentation;
 mod simulation;
 mod survey;
 mod threads;
@@ -29,8 +32,9 @@ use survey::Survey;
 type Measure = fn(&mut Survey);
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 8] = [
+const GROUPS: [(&str, Measure); 9] = [
     ("points", points::measure),
+    ("segmentation", segmentation::measure),
     ("prepare", prepare::measure),
     ("frames", frames::measure),
     ("contacts", contacts::measure),

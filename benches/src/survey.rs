@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 /// What a figure's clock starts with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
+    /// Colour images: they are segmented on the clock.
+    Images,
     /// Masks: the frame is prepared on the clock.
     Masks,
     /// A prepared frame: queries alone.
@@ -58,6 +60,11 @@ impl Survey {
         self.rounds
     }
 
+    /// Tells of something that is left out.
+    pub fn leave_out(&self, what: &str) {
+        self.bar.println(format!("left out: {what}"));
+    }
+
     /// A figure with a bound.
     pub fn asked(&mut self, name: &str, value: f64, bound: Bound, start: Start, what: &'static str) {
         self.rows.push(Row { figure: Figure::asked(name, value, bound), start, what });
@@ -84,6 +91,7 @@ impl Start {
     /// As a table has it.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Images => "images",
             Self::Masks => "masks",
             Self::Frame => "prepared frame",
             Self::Step => "step",

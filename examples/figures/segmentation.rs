@@ -9,9 +9,14 @@ use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{HullData, Unseen};
 use ode_visual_hull::recording::Recording;
+use ode_visual_hull::rig::{Calibration, Hints, Rig};
 use ode_visual_hull::segment::{CleanPlate, Cleanup, Segmenter, Shadows, Thresholds};
+use ode_visual_hull::source::{Reading, Source, Video};
 use ode_visual_hull::synthetic::{Scene, Subject, add_noise, clean_plate, layout, render_over, silhouette};
 use std::path::Path;
+
+/// Frames of the empty room that a plate is made of.
+const EMPTY_FRAMES: u32 = 24;
 
 /// The figures of all captures that are there, and of the synthetic studio.
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
@@ -32,17 +37,28 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
 /// Measures one capture, in its folder.
 type Capture = fn(&Path) -> Vec<Figure>;
 
-/// A man on a chair, in a room that was filmed empty. The given masks are a little wide, and hold the shadow beneath the
-/// chair.
+/// A man on a chair, in a room that was filmed empty: videos, the lenses of the XML files, and poses that were estimated
+/// anew. The given masks are a little wide, and hold the shadow beneath the chair.
 fn seated(dir: &Path) -> Vec<Figure> {
     let recording = Recording::open(dir).expect("a recording");
-    let mut segmenters: Vec<_> = backgrounds(&recording).iter().map(default_plate).collect();
+    let cameras = seated_cameras(dir, recording.rig());
+    let frames = recording.image_frames();
+    let clips = |camera: &Camera| {
+        let clip = |name, frames: &[u32]| {
+            decoded(&dir.join("original").join(camera.name()).join(name), camera.size(), frames)
+        };
+        let empty = clip("background.avi", &(0..EMPTY_FRAMES).collect::<Vec<_>>());
+        let plate = CleanPlate::from_empty(&empty, Thresholds::default()).expect("thresholds in range");
+        (plate, clip("video.avi", frames))
+    };
+    let (mut segmenters, clips): (Vec<_>, Vec<_>) = cameras.iter().map(clips).unzip();
     let (mut overlaps, mut volume) = (Vec::new(), f64::NAN);
-    for &frame in recording.image_frames() {
-        let masks = segment(&mut segmenters, &images(&recording, frame));
+    for (k, &frame) in frames.iter().enumerate() {
+        let images: Vec<_> = clips.iter().map(|clip| clip[k].clone()).collect();
+        let masks = segment(&mut segmenters, &images);
         overlaps.extend(compare(&masks, &recording.masks(frame).expect("masks")));
         if frame == 0 {
-            let data = hull_data(recording.rig().cameras().iter().cloned().zip(masks));
+            let data = hull_data(cameras.iter().cloned().zip(masks));
             data.set_bounds(SEATED).expect("a volume");
             volume = carve(&data.update(0.0).expect("masks in all views"), 0.02).0;
         }
@@ -51,6 +67,29 @@ fn seated(dir: &Path) -> Vec<Figure> {
         Figure::asked("seated_iou_mean", mean(&overlaps), Bound::AtLeast(0.93)),
         Figure::asked("seated_volume_m3", volume, Bound::Within(0.95 * 0.233, 1.05 * 0.233)),
     ]
+}
+
+/// Cameras with the lenses of the XML files, whose unit is a millimetre, and the poses of `refined`.
+fn seated_cameras(dir: &Path, refined: &Rig) -> Vec<Camera> {
+    let size = refined.cameras()[0].size();
+    let hints = Hints { size: Some(size), metres_per_unit: Some(1e-3) };
+    let lenses = Calibration::load(dir.join("original"), &hints).expect("a calibration").rig;
+    let camera = |refined: &Camera| {
+        let lens = &lenses.cameras()[lenses.index_of(refined.name()).expect("the same cameras")];
+        let pose = *refined.cam_from_world();
+        Camera::new(refined.name(), size, *lens.intrinsics(), *lens.distortion(), pose).expect("a camera")
+    };
+    refined.cameras().iter().map(camera).collect()
+}
+
+/// Some frames of a video, in its order.
+fn decoded(path: &Path, size: (u32, u32), frames: &[u32]) -> Vec<RgbImage> {
+    let mut video =
+        Video::open(path, Reading { size: Some(size), ..Reading::default() }).expect("a video, and ffmpeg");
+    let all = std::iter::from_fn(|| video.next_frame()).map(|frame| frame.expect("a whole video"));
+    let wanted: Vec<_> = all.filter(|frame| frames.contains(&frame.number)).take(frames.len()).collect();
+    assert_eq!(wanted.len(), frames.len(), "{}", path.display());
+    wanted.into_iter().map(|frame| frame.image).collect()
 }
 
 /// A person who balances in a crowded laboratory. The only photograph of it without the person shows somebody else, who

@@ -26,7 +26,7 @@ use std::sync::Arc;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder of a recording: rig.toml, and masks in <camera>/mask/000000.png.
+    /// Folder of a recording: rig.toml, and masks in CAMERA/mask/000000.png.
     recording: PathBuf,
     /// Folder for the results; made if need be.
     #[arg(long, value_name = "DIR", default_value = "vhull_run")]

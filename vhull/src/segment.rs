@@ -22,12 +22,12 @@ use tally::Tally;
 
 /// Find the subject in the images or videos of a recording, and write masks.
 ///
-/// RECORDING holds rig.toml and, for each camera, images in <camera>/image/000000.png or a video <camera>/video.mp4 (or
-/// .avi, .mov, ..; also videos/<camera>.mp4). What the empty room looks like comes from <camera>/background.png or a
-/// video <camera>/background.avi, unless told otherwise. Videos need ffmpeg.
+/// RECORDING holds rig.toml and, for each camera, images in CAMERA/image/000000.png or a video CAMERA/video.mp4 (or
+/// .avi, .mov, ..; also videos/CAMERA.mp4). What the empty room looks like comes from CAMERA/background.png or a
+/// video CAMERA/background.avi, unless told otherwise. Videos need ffmpeg.
 ///
 /// Images of one time belong together: by their numbers, or by frames.csv (columns: frame and the cameras' names;
-/// seconds) where the recording has one. Masks go to <camera>/mask/000000.png, numbered as the first camera's images.
+/// seconds) where the recording has one. Masks go to CAMERA/mask/000000.png, numbered as the first camera's images.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
@@ -45,7 +45,7 @@ pub struct Options {
     /// The first N images of each camera show the empty room.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "background")]
     empty: Option<u32>,
-    /// Images of the empty room: a folder with <camera>.png or <camera>.avi, or the name of a file in each camera's
+    /// Images of the empty room: a folder with CAMERA.png or CAMERA.avi, or the name of a file in each camera's
     /// folder; pictures or videos.
     #[arg(long, value_name = "DIR|FILE")]
     background: Option<PathBuf>,

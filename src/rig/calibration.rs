@@ -1,5 +1,6 @@
 //! From a calibration file of any format to a rig: which format it is, and the rules that hold for all of them.
 
+use super::length::FARTHEST;
 use super::source::Source;
 use super::{
     Rig, colmap, easymocap, kalibr, matrices, middlebury, nerfstudio, opencv, panoptic, qualisys, ros,
@@ -142,6 +143,13 @@ impl Contents {
         if rig.cameras().iter().all(|camera| camera.centre().z < 0.0) {
             notes.push(UPSIDE_DOWN.into());
         }
+        let distances = rig.cameras().iter().map(|camera| camera.centre().coords.norm());
+        let farthest = distances.fold(0.0, f64::max);
+        if hints.metres_per_unit.is_none() && farthest > FARTHEST {
+            notes.push(format!(
+                "a camera stands {farthest:.0} m from the world's origin: are these metres? else give the metres per unit"
+            ));
+        }
         Ok((rig, notes))
     }
 }
@@ -190,7 +198,7 @@ fn unknown(source: &Source) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::testing::{HINTS, load_text};
-    use super::UPSIDE_DOWN;
+    use super::{Hints, UPSIDE_DOWN};
 
     #[test]
     fn a_world_whose_z_points_down_is_noted() {
@@ -201,5 +209,14 @@ mod tests {
         let is_noted = |heights| notes(heights).iter().any(|note| note == UPSIDE_DOWN);
         assert!(is_noted([-2.0, -0.5]));
         assert!(!is_noted([-2.0, 0.5]) && !is_noted([2.0, 0.5]) && !is_noted([0.0, -2.0]));
+    }
+
+    #[test]
+    fn a_camera_too_far_for_metres_is_noted_unless_the_unit_was_given() {
+        let text = "500 0 320 0 0 500 240 0 0 0 1 -1500\n500 0 320 0 0 500 240 0 0 0 1 -2\n";
+        let notes = |metres_per_unit| load_text(text, &Hints { metres_per_unit, ..HINTS }).unwrap().notes;
+        let is_noted =
+            |notes: Vec<String>| notes.iter().any(|note| note.contains("1500 m from the world's origin"));
+        assert!(is_noted(notes(None)) && !is_noted(notes(Some(1.0))));
     }
 }

@@ -4,7 +4,7 @@ use super::calibration::{Found, Hints};
 use crate::{Error, Result};
 
 /// A camera that stands farther than this from the world's origin was hardly measured in metres.
-const FARTHEST: f64 = 100.0;
+pub(super) const FARTHEST: f64 = 100.0;
 
 /// The note that goes with [`as_metres`].
 pub(super) const NOTE: &str = "the file names no unit of length; it is taken as metres";

@@ -49,6 +49,10 @@ pub struct Options {
     /// folder; pictures or videos.
     #[arg(long, value_name = "DIR|FILE")]
     background: Option<PathBuf>,
+    /// The picture of the empty room is older than the recording, or somebody stands in it: where nearly all of the
+    /// recording's own images agree, they show the room. For subjects that move about; clean-plate alone.
+    #[arg(long)]
+    mend: bool,
     /// Frames to segment, from A to before B; either may be left out [default: all].
     #[arg(long, value_name = "A..B", value_parser = parse_frames, default_value = "..", hide_default_value = true)]
     frames: Range<u32>,
@@ -74,6 +78,7 @@ Examples:
   vhull segment my_recording
   vhull segment my_recording --empty 50 --frames 50..
   vhull segment my_recording --background background.avi --out segmented
+  vhull segment my_recording --mend
   vhull segment my_recording --method chroma-key --key 40,150,70
   vhull segment my_recording --resume";
 
@@ -143,21 +148,29 @@ fn segmenters(
     recording: &Recording,
     streaming: &StreamOptions,
 ) -> Result<Vec<Box<dyn Segmenter>>> {
+    if options.mend && options.method != Method::CleanPlate {
+        return Err(Error::argument("--mend: expected --method clean-plate, found another; leave one out"));
+    }
     if options.method == Method::ChromaKey {
         let key = Key::new(options.key.unwrap_or(GREEN));
         return recording.rig().cameras().iter().map(|_| Ok(Box::new(ChromaKey::new(key)?) as _)).collect();
     }
-    let empty = EmptyRoom::find(options, recording, streaming)?;
-    empty.images.iter().map(|images| from_empty(options.method, images)).collect()
+    let empty = EmptyRoom::find(options, recording, streaming)?.images;
+    if options.method == Method::RunningGaussian {
+        return empty.iter().map(|images| learnt(images)).collect();
+    }
+    let plates = empty.iter().map(|images| CleanPlate::from_empty(images, Thresholds::default()));
+    if !options.mend {
+        return plates.map(|plate| Ok(Box::new(plate?) as _)).collect();
+    }
+    let frames = empty_room::throughout(recording, streaming)?;
+    plates.zip(&frames).map(|(plate, frames)| Ok(Box::new(plate?.mended_by(frames)?) as _)).collect()
 }
 
-fn from_empty(method: Method, empty: &[RgbImage]) -> Result<Box<dyn Segmenter>> {
-    if method == Method::RunningGaussian {
-        let mut room = RunningGaussian::new(Learning::default())?;
-        empty.iter().try_for_each(|image| room.learn(image))?;
-        return Ok(Box::new(room));
-    }
-    Ok(Box::new(CleanPlate::from_empty(empty, Thresholds::default())?))
+fn learnt(empty: &[RgbImage]) -> Result<Box<dyn Segmenter>> {
+    let mut room = RunningGaussian::new(Learning::default())?;
+    empty.iter().try_for_each(|image| room.learn(image))?;
+    Ok(Box::new(room))
 }
 
 /// The masks of a complete set, the cameras side by side.

@@ -263,7 +263,7 @@ fn what_cannot_be_segmented_is_told() {
     let dir = record(&folder, 2);
     says(&vhull(&folder.path("none"), &[]), 1, &["none", "folder of a recording"]);
     says(&vhull(&dir, &["--frames", "7.."]), 1, &["expected frames", "found none", "--bound"]);
-    says(&vhull(&dir, &["--frames", "3..2"]), 2, &["3..2", "10..90"]);
+    says(&vhull(&dir, &["--frames", "3..2"]), 2, &["3..2", "20..60"]);
     says(&vhull(&dir, &["--rate", "0"]), 1, &["positive", "found 0"]);
     says(&vhull(&dir, &["--method", "magic"]), 2, &["clean-plate"]);
     RgbImage::new(8, 8).save(dir.join("left/background.png")).unwrap();
@@ -278,4 +278,27 @@ fn what_cannot_be_segmented_is_told() {
         std::fs::remove_dir_all(dir.join(camera).join("image")).unwrap();
     }
     says(&vhull(&dir, &[]), 1, &["found masks alone", "nothing to segment"]);
+}
+
+#[test]
+fn a_room_that_is_learnt_gives_the_same_masks() {
+    let folder = Folder::new("learnt");
+    let dir = record(&folder, 3);
+    succeeds(&vhull(&dir, &["--method", "running-gaussian"]));
+    assert_masks(&dir, &[0, 1, 2]);
+}
+
+#[test]
+fn what_stands_in_an_old_picture_of_the_room_is_mended_away() {
+    let folder = Folder::new("mended");
+    let dir = record(&folder, 30);
+    let mut old = room();
+    for (x, y) in (230..300).flat_map(|x| (10..70).map(move |y| (x, y))) {
+        old.put_pixel(x, y, Rgb([20, 30, 220]));
+    }
+    Recording::open(&dir).unwrap().write_backgrounds(&[old.clone(), old]).unwrap();
+    succeeds(&vhull(&dir, &["--mend", "--frames", "10..12"]));
+    assert_masks(&dir, &[10, 11]);
+    says(&vhull(&dir, &["--mend", "--method", "chroma-key", "--force"]), 1, &["--mend", "clean-plate"]);
+    says(&vhull(&dir, &["--method", "chroma-key", "--key", "1,2"]), 2, &["red, green and blue", "1,2"]);
 }

@@ -19,27 +19,43 @@ pub struct EmptyRoom {
 impl EmptyRoom {
     /// The images that the options name, else those that lie in the recording.
     pub fn find(options: &Options, recording: &Recording, streaming: &StreamOptions) -> Result<Self> {
-        let cameras = recording.rig().cameras();
-        let of_camera = |(camera, calibrated): (usize, &ode_visual_hull::camera::Camera)| {
-            let name = calibrated.name();
+        let images = of_each_camera(recording, |camera| {
             if let Some(count) = options.empty {
-                let mut source = recording.source(camera, streaming)?;
-                return spread(&mut *source, count).map_err(|e| Error::view(name, e));
+                return spread(&mut *recording.source(camera, streaming)?, count);
             }
-            let path = background(options, name).map_err(|e| Error::view(name, e))?;
-            read(&path, calibrated.size()).map_err(|e| Error::view(name, e))
-        };
-        // Videos are decoded side by side.
-        let images = std::thread::scope(|scope| {
-            let threads: Vec<_> =
-                cameras.iter().enumerate().map(|at| scope.spawn(move || of_camera(at))).collect();
-            threads
-                .into_iter()
-                .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-                .collect::<Result<_>>()
+            let calibrated = &recording.rig().cameras()[camera];
+            read(&background(options, calibrated.name())?, calibrated.size())
         })?;
         Ok(Self { images })
     }
+}
+
+/// Images of each camera, evenly spread over the recording.
+pub fn throughout(recording: &Recording, streaming: &StreamOptions) -> Result<Vec<Vec<RgbImage>>> {
+    of_each_camera(recording, |camera| {
+        let mut source = recording.source(camera, streaming)?;
+        let count = source.frames_left().unwrap_or(u32::MAX);
+        spread(&mut *source, count)
+    })
+}
+
+/// What `images` gives for each camera; videos are decoded side by side.
+fn of_each_camera(
+    recording: &Recording,
+    images: impl Fn(usize) -> Result<Vec<RgbImage>> + Sync,
+) -> Result<Vec<Vec<RgbImage>>> {
+    let cameras = recording.rig().cameras();
+    let images = &images;
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..cameras.len()).map(|camera| scope.spawn(move || images(camera))).collect();
+        let joined = threads
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        joined
+            .zip(cameras)
+            .map(|(images, camera)| images.map_err(|e| Error::view(camera.name(), e)))
+            .collect()
+    })
 }
 
 /// The picture or video of a camera's empty room.

@@ -215,8 +215,9 @@ mod tests {
     fn a_camera_too_far_for_metres_is_noted_unless_the_unit_was_given() {
         let text = "500 0 320 0 0 500 240 0 0 0 1 -1500\n500 0 320 0 0 500 240 0 0 0 1 -2\n";
         let notes = |metres_per_unit| load_text(text, &Hints { metres_per_unit, ..HINTS }).unwrap().notes;
-        let is_noted =
-            |notes: Vec<String>| notes.iter().any(|note| note.contains("1500 m from the world's origin"));
+        let is_noted = |notes: Vec<String>| {
+            notes.iter().any(|note| note.contains("m from the world's origin: are these metres?"))
+        };
         assert!(is_noted(notes(None)) && !is_noted(notes(Some(1.0))));
     }
 }

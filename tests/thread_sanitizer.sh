@@ -23,5 +23,5 @@ cc -std=c99 -Wall -Wextra -Werror -g -O1 -I"$root/include" $(pkg-config --cflags
     "$root/tests/c/threads.c" "$root/tests/c/scene.c" -o "$target/$host/threads" \
     "$target/$host/debug/libode_visual_hull.a" -Wl,--whole-archive "$runtime" -Wl,--no-whole-archive \
     $(pkg-config --libs ode) $(sed -n 's/^Libs.private: //p' "$root/ode_visual_hull.pc.in") -lstdc++
-TSAN_OPTIONS="halt_on_error=0 exitcode=66" "$target/$host/threads"
+TSAN_OPTIONS="halt_on_error=0 exitcode=66 suppressions=$root/tests/thread_sanitizer.supp" "$target/$host/threads"
 echo "no data race in tests/c/threads.c"

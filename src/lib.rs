@@ -27,7 +27,8 @@
 //! | [`ode`] | a safe wrapper of ODE, and the hull as a geometry class |
 //!
 //! Beside them: [`source`] brings colour images from folders, videos and cameras, [`segment`] makes silhouettes of
-//! them, [`recording`] reads and writes what cameras saw, and [`synthetic`] renders subjects of known geometry, to try a camera layout before buying cameras.
+//! them, [`recording`] reads and writes what cameras saw, and [`synthetic`] renders subjects of known geometry, to try a
+//! camera layout before buying cameras.
 //!
 //! # Conventions
 //!
@@ -90,6 +91,7 @@
 
 #![deny(unsafe_code)]
 
+mod aabb;
 pub mod camera;
 mod capi;
 pub mod contact;

@@ -10,7 +10,6 @@
 //! nearest silhouette edge is found there, its normal is taken back to the world, and the way out along it is walked
 //! through the masks (paper, section 4). [`mod@reference`] is the same algorithm written to be read.
 
-mod aabb;
 mod batch;
 mod consistency;
 mod data;
@@ -31,7 +30,7 @@ mod sweep;
 mod tangents;
 mod view;
 
-pub use aabb::Aabb;
+pub use crate::aabb::Aabb;
 pub use batch::{Body, BodyResponse, Inside, PointResponse, Workspace};
 pub use consistency::Fit;
 pub use data::HullData;

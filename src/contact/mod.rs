@@ -81,6 +81,12 @@ impl Contacts {
         self.contacts.clear();
         self.escape = None;
     }
+
+    /// Becomes like `other`, in the same memory.
+    pub(crate) fn copy(&mut self, other: &Self) {
+        self.contacts.clone_from(&other.contacts);
+        self.escape = other.escape;
+    }
 }
 
 /// A body to collide.

@@ -1,9 +1,10 @@
 //! The collider of the class: a hull against a body's samples, and against a ray.
 
+use super::ahead::{self, Meeting, Moment, Question};
 use super::hull_geom::{Collidable, HullGeom};
 use super::{body_samples, convert, hull_class, hull_geom};
 use crate::camera::Ray;
-use crate::contact::{self, Body, Contact, Contacts, Settings};
+use crate::contact::{self, Contact, Contacts, Settings};
 use crate::hull::Hull;
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{
@@ -62,11 +63,15 @@ pub(super) unsafe fn collide_body(
     if flags & CONTACTS_UNIMPORTANT != 0 {
         contact::collide_any_into(&mut found, frame, &samples, &hull_from_other, &settings);
     } else {
-        let last_escape = collidable.last_escape;
-        let body = Body { samples: &samples, hull_from_body: hull_from_other, last_escape };
-        contact::collide_into(std::slice::from_mut(&mut found), frame, &[body], &settings);
-        // SAFETY: the caller vouches for the geoms.
-        unsafe { wake(geom, other, &collidable, &found, &hull_from_other) };
+        let Collidable { min_feature, last_escape, adopted, .. } = collidable;
+        let when = Moment { frame: adopted, hull_from_other };
+        let question = Question { other: other as usize, samples, when, settings, last_escape };
+        let meeting = Meeting { geom, hull: frame, other, hull_from_world: &hull_from_world, min_feature };
+        // SAFETY: the caller vouches for the geoms, and ODE for those in the spaces that it collides.
+        unsafe {
+            ahead::answer(&meeting, question, &mut found);
+            wake(geom, other, &collidable, &found, &hull_from_other);
+        }
     }
     let world_from_hull = hull_from_world.inverse();
     for (k, contact) in found.contacts.iter().enumerate() {

@@ -1,5 +1,6 @@
 //! What a hull geom knows: its data object, the frame it collides with, its settings, and what it touched last.
 
+use super::ahead::Ahead;
 use super::convert;
 use crate::Error;
 use crate::contact::Settings;
@@ -35,13 +36,16 @@ pub(crate) fn take_told() -> Option<String> {
 #[derive(Debug)]
 pub(super) struct HullGeom {
     state: Mutex<State>,
+    /// What is known already of the step; taken out while somebody uses it.
+    pub(super) ahead: Mutex<Option<Box<Ahead>>>,
 }
 
 #[derive(Debug)]
 struct State {
     data: Arc<HullData>,
-    serial: u64,
     hull: Option<Arc<Hull>>,
+    /// How many frames were taken up.
+    adopted: u64,
     settings: Settings,
     min_feature: f64,
     /// Where the hull was before the frame in force: bodies there must meet the collider once more, to learn that it
@@ -73,14 +77,16 @@ pub(super) struct Collidable {
     pub(super) settings: Settings,
     pub(super) min_feature: f64,
     pub(super) last_escape: Option<Vector3<f64>>,
+    /// How many frames were taken up: tells this one from others.
+    pub(super) adopted: u64,
 }
 
 impl HullGeom {
     pub(super) fn new(data: Arc<HullData>) -> Self {
         let state = State {
             data,
-            serial: 0,
             hull: None,
+            adopted: 0,
             settings: Settings::default(),
             min_feature: MIN_FEATURE,
             trail: Aabb::EMPTY,
@@ -89,7 +95,7 @@ impl HullGeom {
             clock: 0,
             trouble: None,
         };
-        Self { state: Mutex::new(state) }
+        Self { state: Mutex::new(state), ahead: Mutex::default() }
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -102,8 +108,7 @@ impl HullGeom {
 
     /// Binds the geom to other data, from the next adoption on.
     pub(super) fn set_data(&self, data: Arc<HullData>) {
-        let mut state = self.lock();
-        (state.data, state.serial) = (data, 0);
+        self.lock().data = data;
     }
 
     pub(super) fn settings(&self) -> Settings {
@@ -141,8 +146,7 @@ impl HullGeom {
     /// Takes the latest published frame into force; true where it is a new one.
     fn take_latest(&self) -> bool {
         let mut state = self.lock();
-        let latest = state.data.latest();
-        let (serial, hull) = latest.map_or((0, None), |(serial, hull)| (serial, Some(hull)));
+        let hull = state.data.latest().map(|(_, hull)| hull);
         let changed = match (&state.hull, &hull) {
             (Some(old), Some(new)) => !Arc::ptr_eq(old, new),
             (None, None) => false,
@@ -151,7 +155,8 @@ impl HullGeom {
         if changed {
             let left = state.aabb();
             state.trail = if state.served { left } else { state.trail.union(&left) };
-            (state.hull, state.serial, state.served) = (hull, serial, false);
+            (state.hull, state.served) = (hull, false);
+            state.adopted += 1;
         }
         changed
     }
@@ -176,9 +181,14 @@ impl HullGeom {
         let mut state = self.lock();
         state.served = true;
         state.clock += 1;
-        let last_escape = state.touches.get(&other).and_then(|touch| touch.escape);
         let hull = state.hull.clone()?;
-        Some(Collidable { hull, settings: state.settings, min_feature: state.min_feature, last_escape })
+        let State { settings, min_feature, adopted, .. } = *state;
+        Some(Collidable { hull, settings, min_feature, last_escape: state.last_escape(other), adopted })
+    }
+
+    /// The escape direction chosen last for the geom at address `other`, in the hull's frame.
+    pub(super) fn last_escape(&self, other: usize) -> Option<Vector3<f64>> {
+        self.lock().last_escape(other)
     }
 
     /// Notes how the geom at `other` met the hull. True where its body is asleep and should wake: the hull's surface
@@ -218,6 +228,10 @@ impl HullGeom {
 }
 
 impl State {
+    fn last_escape(&self, other: usize) -> Option<Vector3<f64>> {
+        self.touches.get(&other)?.escape
+    }
+
     fn aabb(&self) -> Aabb {
         self.hull.as_ref().map_or(Aabb::EMPTY, |hull| *hull.aabb())
     }

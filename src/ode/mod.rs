@@ -47,6 +47,7 @@
 #![allow(unsafe_code)]
 
 mod abort;
+mod ahead;
 mod arena;
 mod body;
 mod body_samples;

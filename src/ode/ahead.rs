@@ -1,0 +1,240 @@
+//! Contacts of many bodies with a hull, found together before ODE asks for them pair by pair.
+//!
+//! ```text
+//!   a step      A alone, B alone, C alone                        each is noted
+//!   the next    A is asked for again, elsewhere ─► A, B and C together
+//!               A, B and C are handed out as ODE asks for them
+//! ```
+//!
+//! Whoever was asked for in one step is likely to be asked for in the next. An answer is handed out for the very
+//! question that it answers, so that it is what the body alone would get; a body that has moved meanwhile is alone.
+//!
+//! Geoms are remembered by their addresses, which are compared and never followed: those to ask for ahead are met in
+//! the space that ODE is colliding.
+
+use super::hull_geom::HullGeom;
+use super::{body_samples, convert};
+use crate::contact::{self, Body, Contacts, Settings};
+use crate::hull::Hull;
+use crate::lock::lock;
+use crate::sample::Samples;
+use nalgebra::{Isometry3, Vector3};
+use ode_sys::{
+    dGeomGetClass, dGeomGetSpace, dGeomID, dQuadTreeSpaceClass, dSpaceGetGeom, dSpaceGetNumGeoms, dSpaceID,
+    dTriMeshClass,
+};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Steps in which nothing is asked ahead after most answers went unused: somebody moves bodies between questions.
+const REST: u32 = 16;
+
+/// Geoms that are remembered of a step: enough for any, and few enough for a program that never asks for one twice.
+const MOST: usize = 1 << 16;
+
+/// What the contacts of a body with a hull depend on.
+#[derive(Debug, Clone)]
+pub(super) struct Question {
+    /// The address of its geom.
+    pub(super) other: usize,
+    pub(super) samples: Arc<Samples>,
+    pub(super) when: Moment,
+    pub(super) settings: Settings,
+    pub(super) last_escape: Option<Vector3<f64>>,
+}
+
+/// Where a body was in which frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Moment {
+    /// How many frames the hull had taken up by then.
+    pub(super) frame: u64,
+    pub(super) hull_from_other: Isometry3<f64>,
+}
+
+/// A hull geom and another that ODE asks for.
+pub(super) struct Meeting<'a> {
+    pub(super) geom: &'a HullGeom,
+    pub(super) hull: &'a Hull,
+    pub(super) other: dGeomID,
+    pub(super) hull_from_world: &'a Isometry3<f64>,
+    pub(super) min_feature: f64,
+}
+
+/// The answers that wait for their questions.
+#[derive(Debug, Default)]
+pub(super) struct Ahead {
+    /// As many answers at least, which belong to the questions in their order.
+    questions: Vec<Question>,
+    answers: Vec<Contacts>,
+    /// The place of each geom's.
+    places: HashMap<usize, usize>,
+    handed_out: usize,
+    /// Geoms asked for in the last step and in this one, and when.
+    expected: HashMap<usize, Moment>,
+    asked: HashMap<usize, Moment>,
+    /// The addresses of the spaces that were looked through in this step.
+    spaces: Vec<usize>,
+    /// Steps in which nothing is asked ahead.
+    rest: u32,
+    /// Memory.
+    bodies: Vec<Body<'static>>,
+}
+
+impl Question {
+    fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.samples, &other.samples)
+            && self.when == other.when
+            && self.settings == other.settings
+            && self.last_escape == other.last_escape
+    }
+
+    fn body(&self) -> Body<'_> {
+        let Self { samples, when, last_escape, .. } = self;
+        Body { samples, hull_from_body: when.hull_from_other, last_escape: *last_escape }
+    }
+}
+
+/// Writes the answer to `question` to `contacts`.
+///
+/// # Safety
+/// The other geom of `meeting` is living, and nobody changes the space that it is in.
+pub(super) unsafe fn answer(meeting: &Meeting, question: Question, contacts: &mut Contacts) {
+    // No lock is held while ODE is called. Another thread that asks meanwhile begins anew.
+    let mut ahead = lock(&meeting.geom.ahead).take().unwrap_or_default();
+    if !ahead.hand_out(&question, contacts) {
+        // SAFETY: the caller vouches for the geom.
+        let space = unsafe { dGeomGetSpace(meeting.other) };
+        if ahead.expects(&question, space) {
+            // SAFETY: the caller vouches for the space.
+            unsafe { ahead.look_through(space, meeting, &question) };
+            ahead.hand_out(&question, contacts);
+        } else {
+            let body = [question.body()];
+            contact::collide_into(std::slice::from_mut(contacts), meeting.hull, &body, &question.settings);
+        }
+    }
+    *lock(&meeting.geom.ahead) = Some(ahead);
+}
+
+impl Ahead {
+    /// Writes the answer to `contacts`, if it has been found.
+    fn hand_out(&mut self, question: &Question, contacts: &mut Contacts) -> bool {
+        let place = self.places.get(&question.other).filter(|&&place| self.questions[place].is(question));
+        let Some(&place) = place else { return false };
+        contacts.copy(&self.answers[place]);
+        self.handed_out += 1;
+        self.asked.insert(question.other, question.when);
+        true
+    }
+
+    /// Notes the question, and says whether others of its space are worth being asked ahead.
+    fn expects(&mut self, question: &Question, space: dSpaceID) -> bool {
+        if self.asked.get(&question.other).is_some_and(|before| *before != question.when) {
+            self.begin_step();
+        }
+        if self.asked.len() >= MOST {
+            self.asked.clear();
+        }
+        self.asked.insert(question.other, question.when);
+        let is_new = !space.is_null() && !self.spaces.contains(&(space as usize));
+        let expects = is_new && self.rest == 0 && self.expected.len() > 1;
+        if expects && self.expected.contains_key(&question.other) {
+            self.spaces.push(space as usize);
+            return true;
+        }
+        false
+    }
+
+    /// A geom was asked for again, elsewhere or in another frame.
+    fn begin_step(&mut self) {
+        if self.rest > 0 {
+            self.rest -= 1;
+        } else if 2 * self.handed_out < self.questions.len() {
+            self.rest = REST;
+        }
+        std::mem::swap(&mut self.asked, &mut self.expected);
+        self.asked.clear();
+        self.spaces.clear();
+        self.questions.clear();
+        self.places.clear();
+        self.handed_out = 0;
+    }
+
+    /// Answers the question, together with those of all geoms in `space` that are expected and were not asked for yet.
+    ///
+    /// # Safety
+    /// `space` is living, and nobody changes it.
+    unsafe fn look_through(&mut self, space: dSpaceID, meeting: &Meeting, question: &Question) {
+        let first = self.questions.len();
+        self.questions.push(question.clone());
+        // SAFETY: the caller vouches for the space, and all geoms in it are living.
+        unsafe {
+            for_each_geom(space, |geom| {
+                let address = geom as usize;
+                if self.expected.contains_key(&address) && !self.asked.contains_key(&address) {
+                    self.questions.extend(question_of(geom, meeting, question));
+                }
+            });
+        }
+        for (place, question) in self.questions.iter().enumerate().skip(first) {
+            self.places.insert(question.other, place);
+        }
+        self.find_answers(first, meeting.hull, &question.settings);
+    }
+
+    /// Answers the questions from place `first` on.
+    fn find_answers(&mut self, first: usize, hull: &Hull, settings: &Settings) {
+        let Self { questions, answers, bodies, .. } = self;
+        if answers.len() < questions.len() {
+            answers.resize_with(questions.len(), Contacts::default);
+        }
+        // Collected in place, here and below: nothing is left to convert but the lifetime.
+        let mut list: Vec<Body> = std::mem::take(bodies);
+        list.extend(questions[first..].iter().map(Question::body));
+        contact::collide_into(&mut answers[first..questions.len()], hull, &list, settings);
+        list.clear();
+        *bodies = list.into_iter().map(|_| unreachable!("it was cleared")).collect();
+    }
+}
+
+/// What will be asked for `geom`, were it asked as in `question`; `None` for what cannot be sampled, which says so
+/// once it is asked, and for meshes, whose triangles would all be read twice.
+///
+/// # Safety
+/// `geom` is living.
+unsafe fn question_of(geom: dGeomID, meeting: &Meeting, question: &Question) -> Option<Question> {
+    // SAFETY: the caller vouches for the geom, of which the pose is its own.
+    let (world_from_geom, samples) = unsafe {
+        if dGeomGetClass(geom) == dTriMeshClass as i32 {
+            return None;
+        }
+        let pose = convert::any_pose(geom);
+        (pose, body_samples::of(geom, &pose, meeting.min_feature).ok()??)
+    };
+    let hull_from_other = meeting.hull_from_world * world_from_geom;
+    let is_finite = hull_from_other.to_homogeneous().iter().all(|x| x.is_finite());
+    let other = geom as usize;
+    is_finite.then(|| Question {
+        other,
+        samples,
+        when: Moment { hull_from_other, ..question.when },
+        settings: question.settings,
+        last_escape: meeting.geom.last_escape(other),
+    })
+}
+
+/// Shows all geoms of `space`, but none of a quadtree, which ODE 0.16 cannot enumerate.
+///
+/// # Safety
+/// `space` is living, and nobody changes it.
+unsafe fn for_each_geom(space: dSpaceID, mut visit: impl FnMut(dGeomID)) {
+    // SAFETY: the caller vouches for the space, which is a geom.
+    unsafe {
+        if dGeomGetClass(space.cast()) != dQuadTreeSpaceClass as i32 {
+            (0..dSpaceGetNumGeoms(space)).for_each(|k| visit(dSpaceGetGeom(space, k)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

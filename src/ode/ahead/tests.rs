@@ -1,0 +1,219 @@
+//! What the collider hands out is what each body gets alone, whatever was asked ahead.
+
+use super::*;
+use crate::hull::{Aabb, HullData};
+use crate::ode::{
+    BodyId, Convex, GeomId, Ode, Shape, SpaceId, SpaceKind, SweepAxes, TriMesh, World, hull_class,
+};
+use crate::synthetic::{Subject, layout, silhouette};
+use nalgebra::{Point3, Translation3, UnitQuaternion, point, vector};
+
+/// Boxes, balls and others that fly about a walking person, each on a course of its own.
+struct Flight {
+    world: World,
+    data: Arc<HullData>,
+    moments: Vec<Vec<image::GrayImage>>,
+    hull: GeomId,
+    flyers: Vec<(BodyId, GeomId)>,
+}
+
+impl Flight {
+    /// With the hull in the world's own space, and the bodies in `kind`.
+    fn new(kind: Option<SpaceKind>) -> Self {
+        let cameras =
+            layout::staggered(5, 3.2, &[0.3, 1.5, 0.8], point![0.0, 0.0, 0.95], (320, 240), 1.1).unwrap();
+        let data = Arc::new(HullData::new());
+        for camera in &cameras {
+            data.add_view(camera.clone()).unwrap();
+        }
+        data.set_bounds(Aabb::new(point![-1.0, -1.0, -0.1], point![1.0, 1.0, 2.0]).unwrap()).unwrap();
+        let masks = |time: f64| -> Vec<_> {
+            let person = Subject::person_at(time);
+            cameras.iter().map(|camera| silhouette(camera, &person)).collect()
+        };
+        let moments: Vec<_> = [0.0, 0.1, 0.2].map(masks).into();
+        let mut world = World::new(&Ode::init().unwrap()).unwrap();
+        let root = world.root_space();
+        let hull = world.add_hull(root, &data).unwrap();
+        let space = kind.map_or(root, |kind| world.add_space(root, kind).unwrap());
+        let mut flight = Self { world, data, moments, hull, flyers: Vec::new() };
+        shapes().iter().cycle().take(18).for_each(|shape| flight.add(space, shape));
+        flight
+    }
+
+    fn add(&mut self, space: SpaceId, shape: &Shape) {
+        let (body, geom) = (self.world.add_body(), self.world.add_geom(space, shape).unwrap());
+        self.world.geom_mut(geom).set_body(Some(body)).unwrap();
+        self.flyers.push((body, geom));
+    }
+
+    fn show(&self, step: usize) {
+        for (view, mask) in self.moments[step % self.moments.len()].iter().enumerate() {
+            self.data.set_mask(view, mask).unwrap();
+        }
+        self.data.update(step as f64 / 30.0).unwrap();
+    }
+
+    /// Puts each body where its course has led it.
+    fn fly(&mut self, step: usize) {
+        for (k, &(body, _)) in self.flyers.iter().enumerate() {
+            let t = 0.9 * k as f64 + 0.05 * step as f64;
+            let at = Translation3::new(0.16 * t.cos(), 0.2 * (1.7 * t).sin(), 0.3 + 0.075 * k as f64);
+            let pose = Isometry3::from_parts(at, UnitQuaternion::from_euler_angles(t, 0.4 * t, 0.3));
+            self.world.body_mut(body).set_pose(&pose).unwrap();
+        }
+    }
+
+    /// Collides, and compares each body's contacts with those that it gets alone. How many bodies touched, and how many
+    /// were handed out.
+    fn collide(&mut self) -> (usize, usize) {
+        let (hull, mut touching, mut asked) = (self.hull, 0, 0);
+        self.world
+            .collide(|pair| {
+                let Some(other) = pair.geoms().into_iter().find(|&geom| geom != hull) else { return };
+                if pair.geoms().contains(&hull) {
+                    // SAFETY: ODE shows living geoms, and both are used here alone.
+                    let alone = unsafe {
+                        let raw = pair.geom_views().map(|view| (view.id(), view.raw()));
+                        let find = |id| raw.iter().find(|(known, _)| *known == id).unwrap().1;
+                        alone(find(hull), find(other))
+                    };
+                    let found: Vec<_> =
+                        pair.contacts(8).iter().map(|contact| (contact.position, contact.depth)).collect();
+                    assert_eq!(found, alone);
+                    touching += usize::from(!found.is_empty());
+                    asked += 1;
+                }
+            })
+            .unwrap();
+        let handed_out = self.ahead(|ahead| ahead.handed_out);
+        assert!(handed_out <= asked);
+        (touching, handed_out)
+    }
+
+    fn ahead<R>(&self, read: impl FnOnce(&Ahead) -> R) -> R {
+        // SAFETY: the world outlives the id, which is not followed.
+        let raw = unsafe { self.world.geom(self.hull).raw() };
+        let geom = hull_class::find(raw).unwrap();
+        read(lock(&geom.ahead).as_ref().unwrap())
+    }
+}
+
+/// One of each class that is sampled; the mesh and the convex are tetrahedra.
+fn shapes() -> [Shape; 6] {
+    let corners = vec![
+        point![0.0, 0.0, 0.1],
+        point![0.1, 0.0, -0.05],
+        point![-0.05, 0.09, -0.05],
+        point![-0.05, -0.09, -0.05],
+    ];
+    let faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    let polygons: Vec<Vec<u32>> = faces.iter().map(|face| face.to_vec()).collect();
+    [
+        Shape::cuboid(0.1, 0.2, 0.25),
+        Shape::Sphere { radius: 0.09 },
+        Shape::Capsule { radius: 0.05, length: 0.12 },
+        Shape::Cylinder { radius: 0.06, length: 0.15 },
+        Shape::Convex(Arc::new(Convex::new(corners.clone(), &polygons).unwrap())),
+        Shape::TriMesh(Arc::new(TriMesh::new(corners, faces.to_vec()).unwrap())),
+    ]
+}
+
+/// Positions and depths of the contacts that a geom gets alone, in the frame in force.
+///
+/// # Safety
+/// Both are living.
+unsafe fn alone(hull: dGeomID, other: dGeomID) -> Vec<(Point3<f64>, f64)> {
+    let geom = hull_class::find(hull).unwrap();
+    // SAFETY: the caller vouches for the geom, of which the pose is its own.
+    let (pose, samples) = unsafe {
+        let pose = convert::any_pose(other);
+        (pose, body_samples::of(other, &pose, geom.min_feature()).unwrap().unwrap())
+    };
+    let (frame, last_escape) = (geom.hull().unwrap(), geom.last_escape(other as usize));
+    let contacts = contact::collide(&frame, &samples, &pose, &geom.settings(), last_escape).contacts;
+    contacts.iter().map(|contact| (contact.point, contact.depth)).collect()
+}
+
+fn kinds() -> [Option<SpaceKind>; 5] {
+    let extents = vector![2.0, 2.0, 2.0];
+    [
+        None,
+        Some(SpaceKind::Simple),
+        Some(SpaceKind::Hash { min_level: -3, max_level: 3 }),
+        Some(SpaceKind::SweepAndPrune(SweepAxes::Xyz)),
+        Some(SpaceKind::QuadTree { center: Point3::origin(), extents, depth: 3 }),
+    ]
+}
+
+#[test]
+fn in_every_kind_of_space_bodies_get_the_contacts_that_they_get_alone() {
+    for kind in kinds() {
+        let mut flight = Flight::new(kind);
+        let (mut touching, mut handed_out) = (0, 0);
+        for step in 0..12 {
+            if step % 3 == 0 {
+                flight.show(step);
+            }
+            flight.fly(step);
+            let (touch, handed) = flight.collide();
+            (touching, handed_out) = (touching + touch, handed_out + handed);
+        }
+        assert!(touching > 60, "{touching} in {kind:?}");
+        // Of six classes five are asked ahead, from the second step on; ODE cannot tell who is in a quadtree.
+        let expected = if matches!(kind, Some(SpaceKind::QuadTree { .. })) { 0..12 } else { 60..200 };
+        assert!(expected.contains(&handed_out), "{handed_out} in {kind:?}");
+    }
+}
+
+#[test]
+fn nobody_who_is_gone_is_followed() {
+    let mut flight = Flight::new(None);
+    let root = flight.world.root_space();
+    flight.show(0);
+    for step in 0..30 {
+        flight.fly(step);
+        flight.collide();
+        // Somebody goes in each step, and somebody else, perhaps at the same address, comes.
+        let (body, geom) = flight.flyers.remove(step % 5);
+        flight.world.remove_geom(geom);
+        flight.world.remove_body(body);
+        flight.add(root, &shapes()[step % 6]);
+    }
+}
+
+#[test]
+fn a_frame_or_a_setting_between_two_questions_makes_the_answers_old() {
+    let mut flight = Flight::new(None);
+    flight.show(0);
+    for step in 0..12 {
+        // Nobody moves from one collide to the next but the person.
+        flight.fly(step / 4);
+        match step % 4 {
+            1 => flight.show(step),
+            2 => flight.world.hull_mut(flight.hull).set_max_depth(0.01 + 0.001 * step as f64).unwrap(),
+            3 => flight.world.hull_mut(flight.hull).set_min_feature(0.02 + 0.001 * step as f64).unwrap(),
+            _ => {}
+        }
+        flight.collide();
+    }
+}
+
+#[test]
+fn nothing_is_asked_ahead_for_whoever_moves_bodies_between_questions() {
+    let mut flight = Flight::new(None);
+    flight.show(0);
+    for step in 0..40 {
+        for k in 0..5 {
+            // The others are where they were, but the answers for them are of no use once they move.
+            flight.fly(5 * step + k);
+            let other = flight.flyers[k].1;
+            let contacts = flight.world.collide_geoms(flight.hull, other, 8).unwrap();
+            // SAFETY: the world keeps both geoms.
+            let alone =
+                unsafe { alone(flight.world.geom(flight.hull).raw(), flight.world.geom(other).raw()) };
+            assert_eq!(contacts.len(), alone.len());
+        }
+    }
+    assert!(flight.ahead(|ahead| ahead.rest) > 0);
+}

@@ -4,7 +4,7 @@
 //! A window of 13x13 pixels is dear, and its sums have to be taken in order. So several windows are summed side by
 //! side.
 
-use super::edge::{Edge, SHORTEST_MEAN};
+use super::edge::{Edge, EdgePixel, SHORTEST_MEAN};
 use super::{HALF_COVERAGE, Silhouette};
 use crate::vectorised::vectorised;
 use nalgebra::{Point2, Vector2};
@@ -43,18 +43,18 @@ const BELL: [[f64; SIDE]; SIDE] = {
 type Sums = [[f64; ABREAST]; 3];
 
 /// Finds the edges at some background pixels of a silhouette, which remembers them.
-pub(crate) fn compute_edges(silhouette: &Silhouette, pixels: &[(i32, i32)]) {
+pub(crate) fn compute_edges(silhouette: &Silhouette, pixels: &[EdgePixel]) {
     for pixels in pixels.chunks(ABREAST) {
-        let sums = sums_around(silhouette, pixels);
-        for (slot, &pixel) in pixels.iter().enumerate() {
-            silhouette.derived.edges.get(silhouette, pixel, || edge(silhouette, pixel, &sums, slot));
+        let sums = sums_around(silhouette, pixels.iter().map(|pixel| pixel.at));
+        for (slot, pixel) in pixels.iter().enumerate() {
+            silhouette.derived.edges.get(pixel, || edge(silhouette, pixel.at, &sums, slot));
         }
     }
 }
 
 /// The edge at one pixel.
 pub(super) fn at(silhouette: &Silhouette, pixel: (i32, i32)) -> Option<Edge> {
-    edge(silhouette, pixel, &sums_around(silhouette, &[pixel]), 0)
+    edge(silhouette, pixel, &sums_around(silhouette, std::iter::once(pixel)), 0)
 }
 
 fn edge(silhouette: &Silhouette, (i, j): (i32, i32), [x, y, total]: &Sums, slot: usize) -> Option<Edge> {
@@ -64,12 +64,12 @@ fn edge(silhouette: &Silhouette, (i, j): (i32, i32), [x, y, total]: &Sums, slot:
     Some(Edge { point, normal })
 }
 
-fn sums_around(silhouette: &Silhouette, pixels: &[(i32, i32)]) -> Sums {
+fn sums_around(silhouette: &Silhouette, pixels: impl Iterator<Item = (i32, i32)>) -> Sums {
     if silhouette.has_coverage {
         return sums_of_bytes(silhouette, pixels);
     }
     let mut background = [[0; ABREAST]; SIDE];
-    for (slot, &pixel) in pixels.iter().enumerate() {
+    for (slot, pixel) in pixels.enumerate() {
         for (row, bits) in background.iter_mut().zip(silhouette.background_around(pixel)) {
             row[slot] = bits;
         }
@@ -97,9 +97,9 @@ vectorised! {
 }
 
 /// The sums of windows with coverage.
-fn sums_of_bytes(silhouette: &Silhouette, pixels: &[(i32, i32)]) -> Sums {
+fn sums_of_bytes(silhouette: &Silhouette, pixels: impl Iterator<Item = (i32, i32)>) -> Sums {
     let [mut x, mut y, mut total] = [[0.0; ABREAST]; 3];
-    for (slot, &(i, j)) in pixels.iter().enumerate() {
+    for (slot, (i, j)) in pixels.enumerate() {
         for (dy, bells) in (-WINDOW..).zip(&BELL) {
             for ((dx, bell), value) in (-WINDOW..).zip(bells).zip(silhouette.values_around(i, j + dy)) {
                 // Most pixels weigh nothing, and adding nothing changes no bit.

@@ -19,6 +19,14 @@ pub struct Edge {
     pub normal: Vector2<f64>,
 }
 
+/// A background pixel whose contact edge is asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct EdgePixel {
+    pub(crate) at: (i32, i32),
+    /// Its rank among the edge pixels, if it is one: only their edges are remembered.
+    rank: Option<u32>,
+}
+
 /// The contact edges of a silhouette's edge pixels, row-major, each once somebody asked for it.
 #[derive(Debug, Default)]
 pub(super) struct EdgeTable {
@@ -30,7 +38,7 @@ pub(super) struct EdgeTable {
 }
 
 /// Words of bits whose edge pixels are counted together.
-const BLOCK: usize = 16;
+const BLOCK: usize = 4;
 
 const UNKNOWN: u8 = 0;
 const NONE: u8 = 1;
@@ -49,36 +57,32 @@ impl EdgeTable {
         self.state[..count].iter_mut().for_each(|state| *state.get_mut() = UNKNOWN);
     }
 
-    /// The edge at `(i, j)`, computed by `edge` where it is not known yet.
+    /// The edge at `pixel`, computed by `edge` where it is not known yet.
     #[inline(always)]
-    pub(super) fn get(
-        &self,
-        silhouette: &Silhouette,
-        pixel: (i32, i32),
-        edge: impl FnOnce() -> Option<Edge>,
-    ) -> Option<Edge> {
-        let Some(index) = self.index(silhouette, pixel) else { return edge() };
-        self.known(index).unwrap_or_else(|| {
+    pub(super) fn get(&self, pixel: &EdgePixel, edge: impl FnOnce() -> Option<Edge>) -> Option<Edge> {
+        let Some(rank) = pixel.rank else { return edge() };
+        let rank = rank as usize;
+        self.known(rank).unwrap_or_else(|| {
             // Two threads may both get here. They store the same bits, before either says that they are known.
             let found = edge();
             if let Some(Edge { point, normal }) = found {
-                for (place, number) in self.edges[index].iter().zip([point.x, point.y, normal.x, normal.y]) {
+                for (place, number) in self.edges[rank].iter().zip([point.x, point.y, normal.x, normal.y]) {
                     place.store(number.to_bits(), Ordering::Relaxed);
                 }
             }
-            self.state[index].store(if found.is_some() { KNOWN } else { NONE }, Ordering::Release);
+            self.state[rank].store(if found.is_some() { KNOWN } else { NONE }, Ordering::Release);
             found
         })
     }
 
     /// The edge of this rank, if it is known whether there is one.
     #[inline(always)]
-    fn known(&self, index: usize) -> Option<Option<Edge>> {
-        match self.state[index].load(Ordering::Acquire) {
+    fn known(&self, rank: usize) -> Option<Option<Edge>> {
+        match self.state[rank].load(Ordering::Acquire) {
             UNKNOWN | CLAIMED => None,
             NONE => Some(None),
             _ => {
-                let number = |k: usize| f64::from_bits(self.edges[index][k].load(Ordering::Relaxed));
+                let number = |k: usize| f64::from_bits(self.edges[rank][k].load(Ordering::Relaxed));
                 let (point, normal) = (Point2::new(number(0), number(1)), Vector2::new(number(2), number(3)));
                 Some(Some(Edge { point, normal }))
             }
@@ -87,15 +91,15 @@ impl EdgeTable {
 
     /// Whether the edge of this rank was neither known nor claimed by anybody.
     #[inline(always)]
-    fn claim(&self, index: usize) -> bool {
-        let state = &self.state[index];
+    fn claim(&self, rank: u32) -> bool {
+        let state = &self.state[rank as usize];
         state.load(Ordering::Relaxed) == UNKNOWN
             && state.compare_exchange(UNKNOWN, CLAIMED, Ordering::Relaxed, Ordering::Relaxed).is_ok()
     }
 
     /// Rank of an edge pixel among all.
     #[inline(always)]
-    fn index(&self, silhouette: &Silhouette, (i, j): (i32, i32)) -> Option<usize> {
+    fn rank(&self, silhouette: &Silhouette, (i, j): (i32, i32)) -> Option<u32> {
         let (rect, words) = (silhouette.region.rect(), silhouette.region.words());
         if !rect.contains(i, j) {
             return None;
@@ -109,7 +113,7 @@ impl EdgeTable {
         }
         let block = place / BLOCK;
         let before: u32 = edges[block * BLOCK..place].iter().map(|word| word.count_ones()).sum();
-        Some((self.before[block] + before + (word & ((1 << bit) - 1)).count_ones()) as usize)
+        Some(self.before[block] + before + (word & ((1 << bit) - 1)).count_ones())
     }
 
     /// Bytes of memory behind the table.
@@ -133,16 +137,26 @@ vectorised! {
 
 impl Silhouette {
     /// The contact normal and edge point at background pixel `(i, j)`, computed once a pixel.
-    #[inline(always)]
     pub fn edge(&self, i: i32, j: i32) -> Option<Edge> {
-        self.derived.edges.get(self, (i, j), || contact_edge::at(self, (i, j)))
+        self.edge_at(&self.edge_pixel((i, j)))
+    }
+
+    /// A background pixel whose edge is to be asked for more than once.
+    #[inline(always)]
+    pub(crate) fn edge_pixel(&self, at: (i32, i32)) -> EdgePixel {
+        EdgePixel { at, rank: self.derived.edges.rank(self, at) }
+    }
+
+    /// [`Self::edge`] at a pixel.
+    #[inline(always)]
+    pub(crate) fn edge_at(&self, pixel: &EdgePixel) -> Option<Edge> {
+        self.derived.edges.get(pixel, || contact_edge::at(self, pixel.at))
     }
 
     /// Whether the caller is the first to ask for the edge at a pixel, and should see to it that it becomes known.
     #[inline(always)]
-    pub(crate) fn claim_edge(&self, pixel: (i32, i32)) -> bool {
-        let edges = &self.derived.edges;
-        edges.index(self, pixel).is_some_and(|index| edges.claim(index))
+    pub(crate) fn claim_edge(&self, pixel: &EdgePixel) -> bool {
+        pixel.rank.is_some_and(|rank| self.derived.edges.claim(rank))
     }
 
     /// The paper's normal (section 4.2) at background pixel `(i, j)`: the mean vector from there to the background

@@ -21,6 +21,7 @@ mod undistort;
 pub(crate) use contact_edge::compute_edges;
 pub(crate) use derived::Derived;
 pub use edge::Edge;
+pub(crate) use edge::EdgePixel;
 pub use mask::load_mask;
 pub use rect::Rect;
 pub use undistort::Undistortion;

@@ -163,11 +163,12 @@ fn contact_normals_are_the_weighted_mean_to_the_bit_however_many_are_asked() {
         (drawn(9, 7, |u, _| u > 4.0), Border::Background),
     ] {
         let (one_by_one, together) = (Silhouette::new(&mask, border), Silhouette::new(&mask, border));
-        let asked: Vec<_> = together.edge_pixels().collect();
+        let asked: Vec<_> = together.edge_pixels().map(|at| together.edge_pixel(at)).collect();
         compute_edges(&together, &asked);
         assert!(!asked.is_empty());
-        for &(i, j) in &asked {
-            assert!(!together.claim_edge((i, j)) && one_by_one.claim_edge((i, j)));
+        for pixel in &asked {
+            let (i, j) = pixel.at;
+            assert!(!together.claim_edge(pixel) && one_by_one.claim_edge(&one_by_one.edge_pixel((i, j))));
             let normal = weighted_mean(&one_by_one, i, j).try_normalize(0.3);
             assert_eq!(one_by_one.edge(i, j).map(|edge| edge.normal), normal, "{border:?} ({i}, {j})");
             assert_eq!(one_by_one.edge(i, j), together.edge(i, j));

@@ -9,7 +9,7 @@ use super::super::response::towards;
 use super::super::search::window_half_width;
 use super::sight::{Block, Field};
 use super::{Start, Wide};
-use crate::silhouette::{self, Edge};
+use crate::silhouette::{self, Edge, EdgePixel};
 use crate::vectorised::vectorised;
 use nalgebra::{Point2, Vector3};
 
@@ -18,9 +18,11 @@ use nalgebra::{Point2, Vector3};
 pub(super) struct Decided {
     /// A list for each view, of those near its background, and one of the others.
     points: Vec<[Vec<Point>; 2]>,
-    /// Of one view: the background pixels nearest to the points of both lists, and those whose edges are new.
-    nearest: [Vec<(i32, i32)>; 2],
-    new_edges: Vec<(i32, i32)>,
+    /// Of one view: the background pixels nearest to the points of a list, those of both lists as edge pixels, and
+    /// those whose edges are new.
+    found: Vec<(i32, i32)>,
+    nearest: [Vec<EdgePixel>; 2],
+    new_edges: Vec<EdgePixel>,
 }
 
 /// A point as the view sees it that decides.
@@ -81,14 +83,16 @@ impl Decided {
 
     /// Writes the directions of the ways out of all points taken up, and forgets them.
     pub(super) fn find_directions(&mut self, fields: &[Field], ways: &mut [(usize, Start)]) {
-        let Self { points, nearest, new_edges } = self;
+        let Self { points, nearest, found, new_edges } = self;
         for (field, lists) in fields.iter().zip(points) {
             let silhouette = field.view.silhouette();
             new_edges.clear();
             for (points, nearest) in lists.iter().zip(nearest.iter_mut()) {
+                found.clear();
+                find_nearest(field, points, found);
                 nearest.clear();
-                find_nearest(field, points, nearest);
-                new_edges.extend(nearest.iter().filter(|&&pixel| silhouette.claim_edge(pixel)));
+                nearest.extend(found.iter().map(|&at| silhouette.edge_pixel(at)));
+                new_edges.extend(nearest.iter().filter(|pixel| silhouette.claim_edge(pixel)));
             }
             silhouette::compute_edges(silhouette, new_edges);
             for (points, nearest) in lists.iter_mut().zip(nearest.iter()) {
@@ -121,7 +125,7 @@ vectorised! {
     fn find_directions(
         field: &Field,
         points: &[Point],
-        nearest: &[(i32, i32)],
+        nearest: &[EdgePixel],
         ways: &mut [(usize, Start)],
     ) {
         for (points, nearest) in points.chunks(LANES).zip(nearest.chunks(LANES)) {
@@ -142,10 +146,13 @@ vectorised! {
 
 /// The edge at the pixel nearest to a point, or what stands in for it: a line across the way there.
 #[inline(always)]
-fn edge(field: &Field, point: &Point, &(i, j): &(i32, i32)) -> Edge {
-    field.view.silhouette().edge(i, j).unwrap_or_else(|| Edge {
-        point: Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5),
-        normal: towards(i - point.pixel.0, j - point.pixel.1),
+fn edge(field: &Field, point: &Point, nearest: &EdgePixel) -> Edge {
+    field.view.silhouette().edge_at(nearest).unwrap_or_else(|| {
+        let (i, j) = nearest.at;
+        Edge {
+            point: Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5),
+            normal: towards(i - point.pixel.0, j - point.pixel.1),
+        }
     })
 }
 

@@ -1,8 +1,10 @@
 //! `vhull`: from cameras to a visual hull. A verb, a file.
 
 mod arguments;
+mod backdrop;
 mod capture;
 mod check;
+mod clock;
 mod convert;
 mod mesh;
 mod progress;

@@ -135,6 +135,32 @@ fn on_a_subject_that_keeps_still_the_stack_stands_on_it() {
     assert!((states(&recording).pop().unwrap()[4] - TABLE_TOP - 0.225).abs() < 0.02);
 }
 
+/// A video of each camera, of one colour.
+fn film(recording: &Path, colour: &str, rate: u32, frames: u32) {
+    let source = format!("color={colour}:s=200x160:r={rate}");
+    for camera in rig().cameras() {
+        let mut ffmpeg = Command::new("ffmpeg");
+        ffmpeg.args(["-nostdin", "-loglevel", "error", "-f", "lavfi", "-i", &source, "-c:v", "ffv1"]);
+        ffmpeg.args(["-frames:v", &frames.to_string()]).arg(recording.join(camera.name()).join("video.mkv"));
+        assert!(ffmpeg.status().expect("ffmpeg, which scripts/setup installs").success());
+    }
+}
+
+#[test]
+fn bodies_are_drawn_into_the_recordings_videos() {
+    let recording = record("videos", table, 3);
+    film(&recording, "blue", 30, 3);
+    success(&recording, &["--count", "1", "--hold", "0.2", "--frames", "1.."]);
+    let stills = image::open(recording.join("out/run.png")).unwrap().into_rgb8();
+    let [red, _, blue] = stills.get_pixel(3, 3).0;
+    assert!(red < 30 && blue > 200, "{:?}", stills.get_pixel(3, 3));
+    for camera in rig().cameras() {
+        std::fs::write(recording.join(camera.name()).join("video.mkv"), b"no video").unwrap();
+    }
+    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0"]);
+    assert!(code == Some(1) && text.contains("video.mkv: expected a video"), "{text}");
+}
+
 #[test]
 fn of_the_frames_those_asked_for_are_played() {
     let recording = record("frames", table, 6);

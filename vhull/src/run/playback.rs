@@ -1,6 +1,8 @@
 //! A real recording, played after its first frame has stood still for a while.
 
 use super::Options;
+use crate::backdrop::{Backdrop, Moment};
+use crate::clock::Clock;
 use image::RgbImage;
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
@@ -25,7 +27,7 @@ const SURVEYED: usize = 24;
 pub struct Playback {
     recording: Recording,
     /// The recorded frames that are played.
-    frames: Vec<u32>,
+    frames: Vec<Moment>,
     hold: usize,
     repeat: usize,
     /// The hulls of some frames, the first one's first.
@@ -34,8 +36,9 @@ pub struct Playback {
     shown: Aabb,
     /// The recorded frame whose masks are in force.
     published: Option<u32>,
-    /// The last picture read: recorded frame, view.
-    picture: Option<(u32, usize, RgbImage)>,
+    clock: Clock,
+    /// What a view saw, from the first picture on that was asked for.
+    backdrop: Option<(usize, Backdrop)>,
 }
 
 impl Playback {
@@ -43,10 +46,11 @@ impl Playback {
     pub fn open(options: &Options, data: &HullData) -> Result<Self> {
         let dir = &options.recording;
         let recording = Recording::open(dir)?;
-        let frames = frames_of(&recording, dir, options)?;
+        let clock = Clock::of(&recording, None)?;
+        let frames = frames_of(&recording, &clock, dir, options)?;
         prepare(data, &recording, options)?;
         let survey = survey(&recording, &frames, options)?;
-        check_hull(dir, frames[0], &survey[0])?;
+        check_hull(dir, frames[0].0, &survey[0])?;
         let repeat = (DURATION * FRAME_RATE / frames.len() as f64).round().max(1.0) as usize;
         let shown = survey.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
         let mut playback = Self {
@@ -57,7 +61,8 @@ impl Playback {
             shown: shown.reduce(|a, b| a.union(&b)).unwrap_or(*survey[0].aabb()).grown(MARGIN),
             survey,
             published: None,
-            picture: None,
+            clock,
+            backdrop: None,
         };
         playback.publish(0, data)?;
         Ok(playback)
@@ -85,13 +90,13 @@ impl Playback {
     }
 
     /// The recorded frame to show in `frame`.
-    fn recorded(&self, frame: usize) -> u32 {
+    fn recorded(&self, frame: usize) -> Moment {
         self.frames[(frame.saturating_sub(self.hold) / self.repeat).min(self.frames.len() - 1)]
     }
 }
 
 /// The recorded frames to play; at least one.
-fn frames_of(recording: &Recording, dir: &Path, options: &Options) -> Result<Vec<u32>> {
+fn frames_of(recording: &Recording, clock: &Clock, dir: &Path, options: &Options) -> Result<Vec<Moment>> {
     let all = recording.frames();
     let (Some(first), Some(last)) = (all.first(), all.last()) else {
         let problem =
@@ -99,7 +104,8 @@ fn frames_of(recording: &Recording, dir: &Path, options: &Options) -> Result<Vec
         return Err(Error::file(dir, problem));
     };
     let wanted = options.frames.clone().unwrap_or(0..u32::MAX);
-    let frames: Vec<u32> = all.iter().copied().filter(|frame| wanted.contains(frame)).collect();
+    let moments = all.iter().copied().zip(clock.times.iter().copied());
+    let frames: Vec<Moment> = moments.filter(|(frame, _)| wanted.contains(frame)).collect();
     if frames.is_empty() {
         return Err(Error::argument(format!(
             "--frames: expected frames of the recording, which has masks from {first} to {last}, found none from {} \
@@ -120,10 +126,10 @@ fn prepare(data: &HullData, recording: &Recording, options: &Options) -> Result<
 }
 
 /// The hulls of frames all over the recording, the first one's first.
-fn survey(recording: &Recording, frames: &[u32], options: &Options) -> Result<Vec<Arc<Hull>>> {
+fn survey(recording: &Recording, frames: &[Moment], options: &Options) -> Result<Vec<Arc<Hull>>> {
     let count = frames.len().min(SURVEYED);
     let chosen = (0..count).map(|i| frames[i * (frames.len() - 1) / count.saturating_sub(1).max(1)]);
-    let hull = |frame: u32| {
+    let hull = |(frame, _): Moment| {
         let data = HullData::new();
         prepare(&data, recording, options)?;
         for (view, mask) in recording.masks(frame)?.iter().enumerate() {
@@ -174,7 +180,7 @@ impl Capture for Playback {
     }
 
     fn publish(&mut self, frame: usize, data: &HullData) -> Result<()> {
-        let recorded = self.recorded(frame);
+        let (recorded, _) = self.recorded(frame);
         if self.published != Some(recorded) {
             for (view, mask) in self.recording.masks(recorded)?.iter().enumerate() {
                 data.set_mask(view, mask)?;
@@ -187,21 +193,15 @@ impl Capture for Playback {
 
     /// The nearest recorded image, else the mask.
     fn picture(&mut self, frame: usize, view: usize) -> Result<RgbImage> {
-        let masked = self.recorded(frame);
-        let nearest =
-            self.recording.image_frames().iter().copied().min_by_key(|image| image.abs_diff(masked));
-        let key = nearest.unwrap_or(masked);
-        if let Some((of, from, picture)) = &self.picture
-            && (*of, *from) == (key, view)
-        {
-            return Ok(picture.clone());
-        }
-        let picture = match nearest {
-            Some(image) => self.recording.images(image)?.swap_remove(view),
-            None => image::DynamicImage::from(self.recording.masks(masked)?.swap_remove(view)).into_rgb8(),
+        let moment = self.recorded(frame);
+        let Self { recording, clock, .. } = self;
+        let mut backdrop = match self.backdrop.take() {
+            Some((of, backdrop)) if of == view => backdrop,
+            _ => Backdrop::open(recording, view, moment, &clock.streaming, f64::INFINITY)?,
         };
-        self.picture = Some((key, view, picture.clone()));
-        Ok(picture)
+        let picture = backdrop.at(recording, moment);
+        self.backdrop = Some((view, backdrop));
+        picture
     }
 
     /// Around where the subject comes and where bodies fall.

@@ -40,6 +40,32 @@ fn a_synthetic_recording_is_fine() {
 }
 
 #[test]
+fn overlays_lie_on_images_of_their_own_time_alone() {
+    let folder = studio("check_overlays", "box");
+    let corner = |colour: [u8; 3]| {
+        let run = vhull(&folder, &["check", "studio", "--pictures", "overlays", "--frame", "1"]);
+        assert_eq!(run.code, 0, "{}{}", run.out, run.error);
+        let picture = image::open(folder.join("overlays/cam2_000001.png")).unwrap().into_rgb8();
+        let far = picture.get_pixel(2, 2).0.iter().zip(colour).any(|(a, b)| a.abs_diff(b) > 30);
+        assert!(!far, "{:?}", picture.get_pixel(2, 2));
+    };
+    for camera in 0..5 {
+        std::fs::remove_file(folder.join(format!("studio/cam{camera}/image/000001.png"))).unwrap();
+    }
+    corner([0; 3]);
+    for camera in 0..5 {
+        std::fs::remove_dir_all(folder.join(format!("studio/cam{camera}/image"))).unwrap();
+        let mut ffmpeg = std::process::Command::new("ffmpeg");
+        ffmpeg.args(["-nostdin", "-loglevel", "error", "-f", "lavfi", "-i", "color=blue:s=200x240:r=60"]);
+        ffmpeg
+            .args(["-frames:v", "3", "-c:v", "ffv1"])
+            .arg(folder.join(format!("studio/cam{camera}/video.mkv")));
+        assert!(ffmpeg.status().expect("ffmpeg, which scripts/setup installs").success());
+    }
+    corner([0, 0, 254]);
+}
+
+#[test]
 fn a_camera_that_is_off_is_named_alone() {
     let folder = studio("check_off", "person");
     with_camera_moved(&folder, 3, -7.0, 6.0).save(folder.join("off.toml")).unwrap();

@@ -86,6 +86,12 @@ pub fn parse_length(text: &str) -> std::result::Result<f64, String> {
     length.ok_or_else(|| format!("expected a number of metres above zero, found {text}"))
 }
 
+/// Images a second, above zero.
+pub fn parse_rate(text: &str) -> std::result::Result<f64, String> {
+    let rate = text.parse().ok().filter(|&rate: &f64| rate.is_finite() && rate > 0.0);
+    rate.ok_or_else(|| format!("expected a positive number of images a second, found {text}"))
+}
+
 /// Frames from A to before B, as `A..B`; what is left out is the first, or all that come.
 pub fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
     let number = |part: &str, open: u32| if part.is_empty() { Some(open) } else { part.parse().ok() };

@@ -12,6 +12,8 @@ pub struct Clock {
     /// In seconds, as [`Recording::frames`] has them.
     pub times: Vec<f64>,
     pub streaming: StreamOptions,
+    /// Nothing told the rate.
+    pub is_assumed: bool,
 }
 
 impl Clock {
@@ -19,9 +21,9 @@ impl Clock {
     pub fn of(recording: &Recording, rate: Option<f64>) -> Result<Self> {
         let streaming = StreamOptions { rate, ..StreamOptions::default() };
         if let Some(times) = recording.frame_times(&streaming)? {
-            return Ok(Self { times, streaming });
+            return Ok(Self { times, streaming, is_assumed: false });
         }
-        Self::of(recording, Some(ASSUMED_RATE))
+        Ok(Self { is_assumed: true, ..Self::of(recording, Some(ASSUMED_RATE))? })
     }
 
     /// Within how many seconds an image is of a frame's time: half the shortest time from one frame to the next.

@@ -4,7 +4,7 @@ mod empty_room;
 mod masks;
 mod tally;
 
-use crate::arguments::parse_frames;
+use crate::arguments::{parse_frames, parse_rate};
 use crate::{Outcome, progress};
 use clap::ValueEnum;
 use empty_room::EmptyRoom;
@@ -57,7 +57,7 @@ pub struct Options {
     #[arg(long, value_name = "A..B", value_parser = parse_frames, default_value = "..", hide_default_value = true)]
     frames: Range<u32>,
     /// Images a second [default: as frames.csv or the videos say, else 30].
-    #[arg(long, value_name = "RATE")]
+    #[arg(long, value_name = "RATE", value_parser = parse_rate)]
     rate: Option<f64>,
     /// Images of one time lie within so many seconds [default: half the time from one to the next].
     #[arg(long, value_name = "SECONDS")]

@@ -1,6 +1,7 @@
-//! A real recording, played after its first frame has stood still for a while.
+//! A real recording, played at its own pace after its first frame has stood still for a while.
 
 use super::Options;
+use super::timeline::Timeline;
 use crate::backdrop::{Backdrop, Moment};
 use crate::clock::Clock;
 use image::RgbImage;
@@ -14,9 +15,6 @@ use ode_visual_hull_film::{Capture, FRAME_RATE, Window};
 use std::path::Path;
 use std::sync::Arc;
 
-/// How long all frames last together at least, unless told otherwise, in seconds.
-const DURATION: f64 = 5.0;
-
 /// How much around the subject is drawn, in metres.
 const MARGIN: f64 = 0.4;
 
@@ -26,17 +24,17 @@ const SURVEYED: usize = 24;
 /// A recording that plays.
 pub struct Playback {
     recording: Recording,
-    /// The recorded frames that are played.
+    clock: Clock,
+    /// The recorded frames that are played, and when.
     frames: Vec<Moment>,
-    hold: usize,
-    repeat: usize,
+    timeline: Timeline,
+    hold: f64,
     /// The hulls of some frames, the first one's first.
     survey: Vec<Arc<Hull>>,
     /// What the film shows.
     shown: Aabb,
-    /// The recorded frame whose masks are in force.
-    published: Option<u32>,
-    clock: Clock,
+    /// The position of the recorded frame whose masks are in force.
+    published: Option<usize>,
     /// What a view saw, from the first picture on that was asked for.
     backdrop: Option<(usize, Backdrop)>,
 }
@@ -46,26 +44,36 @@ impl Playback {
     pub fn open(options: &Options, data: &HullData) -> Result<Self> {
         let dir = &options.recording;
         let recording = Recording::open(dir)?;
-        let clock = Clock::of(&recording, None)?;
+        let clock = Clock::of(&recording, options.rate)?;
         let frames = frames_of(&recording, &clock, dir, options)?;
         prepare(data, &recording, options)?;
         let survey = survey(&recording, &frames, options)?;
         check_hull(dir, frames[0].0, &survey[0])?;
-        let repeat = (DURATION * FRAME_RATE / frames.len() as f64).round().max(1.0) as usize;
+        let times: Vec<f64> = frames.iter().map(|&(_, time)| time).collect();
         let shown = survey.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
         let mut playback = Self {
             recording,
+            clock,
             frames,
-            hold: (options.hold * FRAME_RATE) as usize,
-            repeat: options.repeat.map_or(repeat, usize::from),
+            timeline: Timeline::new(&times, options.hold, options.linger),
+            hold: options.hold,
             shown: shown.reduce(|a, b| a.union(&b)).unwrap_or(*survey[0].aabb()).grown(MARGIN),
             survey,
             published: None,
-            clock,
             backdrop: None,
         };
-        playback.publish(0, data)?;
+        playback.publish(0.0, data)?;
         Ok(playback)
+    }
+
+    /// How many recorded frames are played, in how many seconds.
+    pub fn pace(&self) -> (usize, f64) {
+        (self.frames.len(), self.timeline.duration())
+    }
+
+    /// Whether nothing but the number of an image tells when it was taken.
+    pub fn is_rate_assumed(&self) -> bool {
+        self.clock.is_assumed
     }
 
     /// Metres that a pixel covers at the subject.
@@ -87,11 +95,6 @@ impl Playback {
     pub fn show(&mut self, foot: &Point3<f64>, side: f64, height: f64) {
         let head = foot + Vector3::z() * height;
         self.shown = self.shown.union(&Aabb::of_points([foot, &head]).grown(side));
-    }
-
-    /// The recorded frame to show in `frame`.
-    fn recorded(&self, frame: usize) -> Moment {
-        self.frames[(frame.saturating_sub(self.hold) / self.repeat).min(self.frames.len() - 1)]
     }
 }
 
@@ -167,33 +170,34 @@ impl Capture for Playback {
     }
 
     fn frames(&self) -> usize {
-        self.hold + self.frames.len() * self.repeat
+        self.timeline.film_frames()
     }
 
     fn still_until(&self) -> f64 {
-        self.hold as f64 / FRAME_RATE
+        self.hold
     }
 
     fn moments(&self) -> [f64; 3] {
-        let (still_until, end) = (self.still_until(), self.frames() as f64 / FRAME_RATE);
-        [0.2, still_until - 0.1, 0.5 * (still_until + end)]
+        let end = self.frames() as f64 / FRAME_RATE;
+        [0.2, self.hold - 0.1, 0.5 * (self.hold + end)]
     }
 
-    fn publish(&mut self, frame: usize, data: &HullData) -> Result<()> {
-        let (recorded, _) = self.recorded(frame);
-        if self.published != Some(recorded) {
-            for (view, mask) in self.recording.masks(recorded)?.iter().enumerate() {
+    fn publish(&mut self, time: f64, data: &HullData) -> Result<()> {
+        let position = self.timeline.at(time);
+        if self.published != Some(position) {
+            let (frame, _) = self.frames[position];
+            for (view, mask) in self.recording.masks(frame)?.iter().enumerate() {
                 data.set_mask(view, mask)?;
             }
-            self.published = Some(recorded);
-            data.update(frame as f64 / FRAME_RATE)?;
+            self.published = Some(position);
+            data.update(self.timeline.start(position))?;
         }
         Ok(())
     }
 
     /// The nearest recorded image, else the mask.
-    fn picture(&mut self, frame: usize, view: usize) -> Result<RgbImage> {
-        let moment = self.recorded(frame);
+    fn picture(&mut self, view: usize) -> Result<RgbImage> {
+        let moment = self.frames[self.published.unwrap_or(0)];
         let Self { recording, clock, .. } = self;
         let mut backdrop = match self.backdrop.take() {
             Some((of, backdrop)) if of == view => backdrop,
@@ -226,7 +230,7 @@ impl Capture for Playback {
         entry.map(|entry| Hit { t: start + entry.t, normal: entry.normal })
     }
 
-    fn real_top(&self, _: usize) -> Option<f64> {
+    fn real_top(&self) -> Option<f64> {
         None
     }
 

@@ -6,7 +6,7 @@ mod silhouettes;
 
 use crate::Outcome;
 use crate::arguments::{HintOptions, VolumeOptions, numbers};
-use crate::capture::Capture;
+use crate::recorded_hulls::RecordedHulls;
 use nalgebra::Point3;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::{Calibration, Rig};
@@ -97,11 +97,11 @@ pub fn run(options: &Options) -> Result<Outcome> {
     if let Some(folder) = folder.as_ref().filter(|_| !comparable) {
         println!("\nthe silhouettes in {} are not compared: the cameras come first", folder.display());
     } else if let Some(folder) = &folder {
-        let capture = Capture::new(Recording::open_with(folder, rig)?, folder, &options.volume)?;
+        let recorded = RecordedHulls::new(Recording::open_with(folder, rig)?, folder, &options.volume)?;
         println!();
-        silhouettes::report(&capture, options, &mut report)?;
+        silhouettes::report(&recorded, options, &mut report)?;
         if let Some(out) = &options.pictures {
-            pictures::write(&capture, options.frame, out)?;
+            pictures::write(&recorded, options.frame, out)?;
         }
     } else if options.pictures.is_some() || options.frame.is_some() {
         return Err(Error::argument(

@@ -2,12 +2,12 @@
 
 mod arguments;
 mod backdrop;
-mod capture;
 mod check;
 mod clock;
 mod convert;
 mod mesh;
 mod progress;
+mod recorded_hulls;
 mod run;
 mod segment;
 mod synth;

@@ -5,8 +5,8 @@ mod surface;
 
 use crate::Outcome;
 use crate::arguments::{VolumeOptions, parse_frames, parse_length};
-use crate::capture::Capture;
 use crate::progress;
+use crate::recorded_hulls::RecordedHulls;
 use field::Field;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::{Error, Result};
@@ -53,11 +53,11 @@ enum Format {
 pub fn run(options: &Options) -> Result<Outcome> {
     let format = format_of(&options.out)?;
     let recording = Recording::open(&options.recording)?;
-    let capture = Capture::new(recording, &options.recording, &options.volume)?;
-    let frames = frames(options, &capture)?;
+    let recorded = RecordedHulls::new(recording, &options.recording, &options.volume)?;
+    let frames = frames(options, &recorded)?;
     let bar = progress::bar(frames.len(), "meshes");
     for &frame in &frames {
-        let hull = capture.hull(frame)?;
+        let hull = recorded.hull(frame)?;
         let surface = Surface::of(&Field::of(&hull, options.resolution)?);
         if surface.triangles.is_empty() {
             let problem = format!(
@@ -97,8 +97,8 @@ fn format_of(path: &Path) -> Result<Format> {
     }
 }
 
-fn frames(options: &Options, capture: &Capture) -> Result<Vec<u32>> {
-    let all = capture.recording.frames();
+fn frames(options: &Options, recorded: &RecordedHulls) -> Result<Vec<u32>> {
+    let all = recorded.recording.frames();
     let Some(range) = &options.frames else {
         // A frame that is not there is refused when its masks are asked for.
         return Ok(vec![options.frame.unwrap_or(all[0])]);

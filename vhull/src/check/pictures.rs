@@ -1,9 +1,9 @@
 //! Each view's image with its silhouette and the hull's over it.
 
 use crate::backdrop::Backdrop;
-use crate::capture::Capture;
 use crate::clock::Clock;
 use crate::progress;
+use crate::recorded_hulls::RecordedHulls;
 use image::{GrayImage, Rgb, RgbImage};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::Hull;
@@ -20,11 +20,11 @@ const EDGE: [f64; 3] = [255.0, 230.0, 60.0];
 const STRENGTH: f64 = 0.55;
 
 /// Writes a picture for each view of a frame, the middle one unless told.
-pub fn write(capture: &Capture, frame: Option<u32>, out: &Path) -> Result<()> {
-    let recording = &capture.recording;
+pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result<()> {
+    let recording = &recorded.recording;
     let frames = recording.frames();
     let frame = frame.unwrap_or(frames[frames.len() / 2]);
-    let hull = capture.hull(frame)?;
+    let hull = recorded.hull(frame)?;
     std::fs::create_dir_all(out)
         .map_err(|e| Error::file(out, format!("expected to make this folder, found: {e}")))?;
     let masks = recording.masks(frame)?;

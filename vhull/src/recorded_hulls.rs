@@ -8,12 +8,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A recording with masks, and the data object that takes them.
-pub struct Capture {
+pub struct RecordedHulls {
     pub recording: Recording,
     data: HullData,
 }
 
-impl Capture {
+impl RecordedHulls {
     /// Gets ready to take the masks of the recording from `dir`.
     pub fn new(recording: Recording, dir: &Path, volume: &VolumeOptions) -> Result<Self> {
         if recording.frames().is_empty() {

@@ -2,10 +2,11 @@
 
 use clap::ValueEnum;
 use nalgebra::Point3;
-use ode_visual_hull::Result;
 use ode_visual_hull::hull::{Aabb, Unseen};
-use ode_visual_hull::rig::{Hints, Rig};
+use ode_visual_hull::rig::{Calibration, Hints, Rig};
+use ode_visual_hull::{Error, Result, Untold};
 use std::ops::Range;
+use std::path::Path;
 
 /// What a calibration does not tell.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
@@ -19,9 +20,36 @@ pub struct HintOptions {
 }
 
 impl HintOptions {
-    /// As the library takes them.
-    pub fn hints(self) -> Hints {
-        Hints { size: self.size, metres_per_unit: self.unit }
+    /// The calibration at `path`, with what the options tell.
+    pub fn load(self, path: &Path) -> Result<Calibration> {
+        Calibration::load(path, &Hints { size: self.size, metres_per_unit: self.unit })
+            .map_err(|e| hinted(e, "that is"))
+    }
+}
+
+/// Prints what is to be known of a calibration.
+pub fn print_notes(calibration: &Calibration) {
+    for note in &calibration.notes {
+        println!("note: {note}");
+    }
+    if calibration.is_unit_doubtful {
+        println!("note: {} says otherwise", option(Untold::MetresPerUnit));
+    }
+}
+
+/// `error`, and the option that helps where a calibration does not tell what it has to; `with` leads to it.
+pub fn hinted(error: Error, with: &str) -> Error {
+    match error {
+        Error::Untold { what, error } => Error::argument(format!("{error}: {with} {}", option(what))),
+        other => other,
+    }
+}
+
+fn option(what: Untold) -> &'static str {
+    match what {
+        Untold::Size => "--size WIDTHxHEIGHT",
+        Untold::MetresPerUnit => "--unit METRES",
+        _ => "--help",
     }
 }
 

@@ -5,11 +5,11 @@ mod placement;
 mod silhouettes;
 
 use crate::Outcome;
-use crate::arguments::{HintOptions, VolumeOptions, numbers};
+use crate::arguments::{HintOptions, VolumeOptions, numbers, print_notes};
 use crate::recorded_hulls::RecordedHulls;
 use nalgebra::Point3;
 use ode_visual_hull::recording::Recording;
-use ode_visual_hull::rig::{Calibration, Rig};
+use ode_visual_hull::rig::Rig;
 use ode_visual_hull::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -119,12 +119,9 @@ fn load(options: &Options) -> Result<(Rig, Option<PathBuf>)> {
         None if own.is_file() => (Some(own), has_pictures(&options.rig)?.then(|| options.rig.clone())),
         None => (None, None),
     };
-    let calibration =
-        Calibration::load(calibration.as_ref().unwrap_or(&options.rig), &options.hints.hints())?;
+    let calibration = options.hints.load(calibration.as_ref().unwrap_or(&options.rig))?;
     println!("{} cameras, read as {}", calibration.rig.len(), calibration.format);
-    for note in &calibration.notes {
-        println!("note: {note}");
-    }
+    print_notes(&calibration);
     Ok((calibration.rig, folder))
 }
 

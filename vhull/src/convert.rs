@@ -1,9 +1,8 @@
 //! `vhull convert`: a calibration of any known format becomes a rig file.
 
 use crate::Outcome;
-use crate::arguments::{HintOptions, numbers};
+use crate::arguments::{HintOptions, numbers, print_notes};
 use nalgebra::Vector2;
-use ode_visual_hull::rig::Calibration;
 use ode_visual_hull::{Error, Result};
 use std::path::PathBuf;
 
@@ -55,8 +54,8 @@ pub fn run(options: &Options) -> Result<Outcome> {
     if out.exists() && !force {
         return Err(Error::file(out, "expected no file yet, found one; choose another name or give --force"));
     }
-    let calibration = Calibration::load(rig, &hints.hints())?;
-    let mut rig = calibration.rig;
+    let calibration = hints.load(rig)?;
+    let mut rig = calibration.rig.clone();
     if let Some(factor) = *scale {
         rig = rig.scaled(factor)?;
     }
@@ -66,9 +65,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     rig.save(out)?;
     println!("{} cameras, read as {}", rig.len(), calibration.format);
     print!("{}", rig.describe());
-    for note in &calibration.notes {
-        println!("note: {note}");
-    }
+    print_notes(&calibration);
     println!("written to {}", out.display());
     Ok(Outcome::Done)
 }

@@ -60,6 +60,8 @@ fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Doubts) => ExitCode::from(3),
         Err(error) => {
+            // The rig file of a recording, which is read without options.
+            let error = arguments::hinted(error, "write the rig file anew, vhull convert ..");
             eprintln!("vhull: {error}");
             ExitCode::FAILURE
         }

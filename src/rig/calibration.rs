@@ -197,9 +197,14 @@ fn unknown(source: &Source) -> String {
             Some(line) => format!("a file that begins \"{}\"", line.chars().take(40).collect::<String>()),
             None => "an empty file".into(),
         },
-        None => format!("a folder of {} files, none of them", source.files().len()),
+        None if source.files().is_empty() => "a folder without files".into(),
+        None => format!("a folder of {} files that is none of them", source.files().len()),
     };
-    format!("expected a calibration ({}), found {found}; convert it to one of these", names.join(", "))
+    let next = match source.text() {
+        Some(_) => "convert it to one of these",
+        None => "check the path, or give the calibration's own file",
+    };
+    format!("expected a calibration ({}), found {found}; {next}", names.join(", "))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ mod placement;
 mod silhouettes;
 
 use crate::Outcome;
-use crate::arguments::{HintOptions, VolumeOptions, numbers, print_notes};
+use crate::arguments::{HintOptions, RIG, VolumeOptions, numbers, parse_positive, print_notes};
 use crate::recorded_hulls::RecordedHulls;
 use nalgebra::Point3;
 use ode_visual_hull::recording::Recording;
@@ -34,7 +34,7 @@ pub struct Options {
     #[arg(long, value_name = "X,Y,Z,SIZE", value_parser = parse_table, allow_hyphen_values = true)]
     table: Vec<Table>,
     /// How far a view's silhouettes may be shifted, in pixels; masks of real people leave 3 to 5 px open, exact ones none.
-    #[arg(long, value_name = "PIXELS", default_value_t = 5.0)]
+    #[arg(long, value_name = "PIXELS", default_value = "5", value_parser = parse_positive)]
     tolerance: f64,
     /// Look at so many frames at most, evenly spread.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
@@ -85,10 +85,6 @@ impl Report {
 }
 
 pub fn run(options: &Options) -> Result<Outcome> {
-    if !(options.tolerance.is_finite() && options.tolerance > 0.0) {
-        let found = options.tolerance;
-        return Err(Error::argument(format!("--tolerance: expected pixels above zero, found {found}")));
-    }
     let (rig, folder) = load(options)?;
     let mut report = Report::default();
     print!("{}", rig.describe());
@@ -98,6 +94,9 @@ pub fn run(options: &Options) -> Result<Outcome> {
         println!("\nthe silhouettes in {} are not compared: the cameras come first", folder.display());
     } else if let Some(folder) = &folder {
         let recorded = RecordedHulls::new(Recording::open_with(folder, rig)?, folder, &options.volume)?;
+        if let Some(frame) = options.frame {
+            recorded.check_has(frame)?;
+        }
         println!();
         silhouettes::report(&recorded, options, &mut report)?;
         if let Some(out) = &options.pictures {
@@ -113,13 +112,12 @@ pub fn run(options: &Options) -> Result<Outcome> {
 
 /// The rig, and the folder of the recording if there is one.
 fn load(options: &Options) -> Result<(Rig, Option<PathBuf>)> {
-    let own = options.rig.join("rig.toml");
-    let (calibration, folder) = match &options.recording {
-        Some(folder) => (own.is_file().then_some(own), Some(folder.clone())),
-        None if own.is_file() => (Some(own), has_pictures(&options.rig)?.then(|| options.rig.clone())),
-        None => (None, None),
+    let folder = match &options.recording {
+        Some(folder) => Some(folder.clone()),
+        None if options.rig.join(RIG).is_file() => has_pictures(&options.rig)?.then(|| options.rig.clone()),
+        None => None,
     };
-    let calibration = options.hints.load(calibration.as_ref().unwrap_or(&options.rig))?;
+    let calibration = options.hints.load(&options.rig)?;
     println!("{} cameras, read as {}", calibration.rig.len(), calibration.format);
     print_notes(&calibration);
     Ok((calibration.rig, folder))

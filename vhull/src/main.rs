@@ -6,6 +6,7 @@ mod check;
 mod clock;
 mod convert;
 mod mesh;
+mod output;
 mod progress;
 mod recorded_hulls;
 mod run;

@@ -37,6 +37,19 @@ impl RecordedHulls {
         self.data.update(0.0)
     }
 
+    /// Refuses a frame of `--frame` that has no masks.
+    pub fn check_has(&self, frame: u32) -> Result<()> {
+        let frames = self.recording.frames();
+        if frames.contains(&frame) {
+            return Ok(());
+        }
+        let (first, last) = (frames[0], frames[frames.len() - 1]);
+        Err(Error::argument(format!(
+            "--frame: expected one of the {} frames with masks from {first} to {last}, found {frame}",
+            frames.len()
+        )))
+    }
+
     /// At most `most` of the frames, evenly spread, the first and the last among them.
     pub fn spread(&self, most: usize) -> Vec<u32> {
         let frames = self.recording.frames();

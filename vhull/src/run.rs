@@ -150,7 +150,7 @@ fn drop(
     if poses.is_empty() {
         return Err(Error::argument(
             "expected a place above 0.3 m for a body to land, found none; check that the world's z is up and the \
-             floor at z = 0, or take a smaller --side",
+             floor at z = 0 (vhull check), take a smaller --side, or say with --stack and --at where boxes stand",
         ));
     }
     for (i, pose) in poses.iter().enumerate() {

@@ -165,6 +165,15 @@ fn bodies_are_drawn_into_the_recordings_videos() {
     }
     let (code, text) = failure(&recording, &["--count", "1", "--hold", "0"]);
     assert!(code == Some(1) && text.contains("video.mkv: expected a video"), "{text}");
+    // A video that ends before what is played of it.
+    for camera in rig().cameras() {
+        std::fs::remove_file(recording.join(camera.name()).join("video.mkv")).unwrap();
+    }
+    film(&recording, "blue", 30, 1);
+    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--frames", "1.."]);
+    assert!(code == Some(1) && text.contains("expected an image as frame 1"), "{text}");
+    assert!(text.contains("--no-gif"), "{text}");
+    success(&recording, &["--count", "1", "--hold", "0", "--frames", "1..", "--no-gif"]);
 }
 
 #[test]
@@ -202,7 +211,7 @@ fn of_the_frames_those_asked_for_are_played() {
     assert_eq!(states(&recording).len(), 6);
     let (code, text) = failure(&recording, &["--frames", "9.."]);
     assert_eq!(code, Some(1));
-    assert!(text.contains("--frames") && text.contains("from 0 to 5"), "{text}");
+    assert!(text.contains("from 0 to 5") && text.contains("none in 9..\n"), "{text}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::backdrop::Backdrop;
 use crate::clock::Clock;
+use crate::output::make_folder;
 use crate::progress;
 use crate::recorded_hulls::RecordedHulls;
 use image::{GrayImage, Rgb, RgbImage};
@@ -25,8 +26,7 @@ pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result
     let frames = recording.frames();
     let frame = frame.unwrap_or(frames[frames.len() / 2]);
     let hull = recorded.hull(frame)?;
-    std::fs::create_dir_all(out)
-        .map_err(|e| Error::file(out, format!("expected to make this folder, found: {e}")))?;
+    make_folder(out)?;
     let masks = recording.masks(frame)?;
     let clock = Clock::of(recording, None)?;
     let time = frames.binary_search(&frame).map_or(0.0, |k| clock.times[k]);

@@ -2,6 +2,7 @@
 
 use super::Options;
 use super::timeline::Timeline;
+use crate::arguments::{open_recording, shown_frames};
 use crate::backdrop::{Backdrop, Moment};
 use crate::clock::Clock;
 use image::RgbImage;
@@ -43,7 +44,7 @@ impl Playback {
     /// Opens the recording, adds its cameras to `data` and publishes its first frame.
     pub fn open(options: &Options, data: &HullData) -> Result<Self> {
         let dir = &options.recording;
-        let recording = Recording::open(dir)?;
+        let recording = open_recording(dir)?;
         let clock = Clock::of(&recording, options.rate)?;
         let frames = frames_of(&recording, &clock, dir, options)?;
         prepare(data, &recording, options)?;
@@ -111,9 +112,8 @@ fn frames_of(recording: &Recording, clock: &Clock, dir: &Path, options: &Options
     let frames: Vec<Moment> = moments.filter(|(frame, _)| wanted.contains(frame)).collect();
     if frames.is_empty() {
         return Err(Error::argument(format!(
-            "--frames: expected frames of the recording, which has masks from {first} to {last}, found none from {} \
-             to before {}",
-            wanted.start, wanted.end
+            "--frames: expected frames of the recording, which has masks from {first} to {last}, found none in {}",
+            shown_frames(&wanted)
         )));
     }
     Ok(frames)
@@ -199,11 +199,12 @@ impl Capture for Playback {
     fn picture(&mut self, view: usize) -> Result<RgbImage> {
         let moment = self.frames[self.published.unwrap_or(0)];
         let Self { recording, clock, .. } = self;
+        let undrawn = |e| Error::argument(format!("{e}; mend it, or do without a film: --no-gif"));
         let mut backdrop = match self.backdrop.take() {
             Some((of, backdrop)) if of == view => backdrop,
-            _ => Backdrop::open(recording, view, moment, &clock.streaming, f64::INFINITY)?,
+            _ => Backdrop::open(recording, view, moment, &clock.streaming, f64::INFINITY).map_err(undrawn)?,
         };
-        let picture = backdrop.at(recording, moment);
+        let picture = backdrop.at(recording, moment).map_err(undrawn);
         self.backdrop = Some((view, backdrop));
         picture
     }

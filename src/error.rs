@@ -35,9 +35,27 @@ pub enum Error {
     /// An argument is out of its range.
     #[error("{0}")]
     Argument(String),
+    /// A calibration does not tell what it has to, and the [`Hints`](crate::rig::Hints) did not either.
+    #[error("{error}")]
+    Untold {
+        /// What the hints should tell.
+        what: Untold,
+        /// The rest of it.
+        error: Box<Error>,
+    },
     /// ODE is missing, closed, or refused.
     #[error("ODE: {0}")]
     Ode(String),
+}
+
+/// What a calibration may leave out, and [`Hints`](crate::rig::Hints) can tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Untold {
+    /// Width and height of the images.
+    Size,
+    /// The unit of length.
+    MetresPerUnit,
 }
 
 /// A result with the crate's [`Error`].
@@ -57,6 +75,11 @@ impl Error {
     /// An [`Error::View`].
     pub fn view(view: impl ToString, problem: impl ToString) -> Self {
         Self::View { view: view.to_string(), problem: problem.to_string() }
+    }
+
+    /// An [`Error::Untold`].
+    pub(crate) fn untold(what: Untold, error: Self) -> Self {
+        Self::Untold { what, error: Box::new(error) }
     }
 
     /// An [`Error::Argument`].

@@ -25,7 +25,10 @@ fn open(path: &Path) -> Result<ImageReader<BufReader<File>>> {
 }
 
 fn none(path: &Path, found: &dyn std::fmt::Display) -> Error {
-    Error::file(path, format!("expected an image (png, jpeg or pnm), found: {found}"))
+    Error::file(
+        path,
+        format!("expected an image (png, jpeg or pnm), found: {found}; put a whole one in its place"),
+    )
 }
 
 /// Writes a PNG, whole or not at all: under another name first, which nobody reads.

@@ -109,7 +109,7 @@ pub mod source;
 pub mod synthetic;
 mod vectorised;
 
-pub use error::{Error, Result};
+pub use error::{Error, Result, Untold};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -59,10 +59,7 @@ impl Recording {
     /// no frame has all.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self> {
         let dir = dir.as_ref();
-        if !dir.is_dir() {
-            let problem = "expected the folder of a recording, found none; check the path";
-            return Err(Error::file(dir, problem));
-        }
+        check_folder(dir)?;
         if !dir.join(RIG).is_file() {
             let problem =
                 "expected the recording's rig file, found none; write the cameras' calibration there";
@@ -78,10 +75,7 @@ impl Recording {
     /// As [`open`](Self::open).
     pub fn open_with(dir: impl AsRef<Path>, rig: Rig) -> Result<Self> {
         let dir = dir.as_ref();
-        if !dir.is_dir() {
-            let problem = "expected the folder of a recording, found none; check the path";
-            return Err(Error::file(dir, problem));
-        }
+        check_folder(dir)?;
         check_names(&rig)?;
         let recording = Self::list(dir, rig)?;
         let Self { rig, images, masks, videos, .. } = &recording;
@@ -365,6 +359,15 @@ fn numbered_files(camera: &Path, kind: &str) -> Result<BTreeMap<u32, PathBuf>> {
         return image_file::numbered(&folder, &["", MASK_SUFFIX]);
     }
     image_file::numbered(&camera.join(IMAGE), &[MASK_SUFFIX])
+}
+
+fn check_folder(dir: &Path) -> Result<()> {
+    let found = match dir {
+        _ if dir.is_dir() => return Ok(()),
+        _ if dir.exists() => "a file; give the folder, which holds rig.toml and a folder for each camera",
+        _ => "none; check the path",
+    };
+    Err(Error::file(dir, format!("expected the folder of a recording, found {found}")))
 }
 
 /// Camera names become folders, which must stay inside the recording.

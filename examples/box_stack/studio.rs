@@ -36,6 +36,9 @@ const IMAGE: (u32, u32) = (640, 480);
 /// Sensor noise, in grey levels.
 const NOISE: f64 = 3.0;
 
+/// Times are multiples of a frame, but for this part of one.
+const ROUNDING: f64 = 1e-6;
+
 /// The synthetic studio.
 pub struct Studio {
     cameras: Vec<Camera>,
@@ -45,6 +48,8 @@ pub struct Studio {
     /// What is before the cameras, and what they see of it without noise.
     scene: Scene,
     images: Vec<RgbImage>,
+    /// Published last.
+    frame: Option<usize>,
 }
 
 impl Studio {
@@ -63,8 +68,8 @@ impl Studio {
         data.set_bounds(Aabb::new(Point3::new(-0.8, -0.8, -0.1), Point3::new(0.8, 0.8, 1.2))?)?;
         let sensor = Sensor::new(IMAGE, NOISE, u64::from(seed))?;
         let scene = Scene { subject: Subject::default(), room };
-        let mut studio = Self { cameras, plates, sensor, scene, images: Vec::new() };
-        studio.publish(0, data)?;
+        let mut studio = Self { cameras, plates, sensor, scene, images: Vec::new(), frame: None };
+        studio.publish(0.0, data)?;
         Ok(studio)
     }
 
@@ -115,7 +120,11 @@ impl Capture for Studio {
     }
 
     /// The whole way of a real system: image, noise, subtraction of the empty room, mask.
-    fn publish(&mut self, frame: usize, data: &HullData) -> Result<()> {
+    fn publish(&mut self, time: f64, data: &HullData) -> Result<()> {
+        let frame = (time * FRAME_RATE + ROUNDING) as usize;
+        if self.frame.replace(frame) == Some(frame) {
+            return Ok(());
+        }
         self.move_real_box(frame)?;
         in_parallel(&self.cameras, |view, _| {
             let exposure = (frame * self.cameras.len() + view) as u32;
@@ -128,7 +137,7 @@ impl Capture for Studio {
     }
 
     /// Without the noise, which is for the segmentation: a film of it would only be larger.
-    fn picture(&mut self, _: usize, view: usize) -> Result<RgbImage> {
+    fn picture(&mut self, view: usize) -> Result<RgbImage> {
         Ok(self.images[view].clone())
     }
 
@@ -140,8 +149,8 @@ impl Capture for Studio {
         self.scene.subject.first_hit(ray).map(|(hit, _)| hit)
     }
 
-    fn real_top(&self, frame: usize) -> Option<f64> {
-        Some((real_pose(time_of(frame)) * Point3::new(0.0, 0.0, 0.5 * REAL.z)).z)
+    fn real_top(&self) -> Option<f64> {
+        Some((real_pose(time_of(self.frame?)) * Point3::new(0.0, 0.0, 0.5 * REAL.z)).z)
     }
 
     fn lamp(&self) -> Point3<f64> {

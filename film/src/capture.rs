@@ -7,10 +7,10 @@ use ode_visual_hull::hull::{Hull, HullData};
 use ode_visual_hull::synthetic::Hit;
 use ode_visual_hull::{Error, Result};
 
-/// Frames a second.
+/// Frames of a film a second.
 pub const FRAME_RATE: f64 = 30.0;
 
-/// Calibrated cameras and what they see, frame by frame.
+/// Calibrated cameras and what they see in the course of time.
 pub trait Capture: Sync {
     /// What is captured, in a word.
     fn subject(&self) -> &str;
@@ -21,7 +21,7 @@ pub trait Capture: Sync {
     /// The camera that shows most.
     fn best_view(&self, data: &HullData) -> usize;
 
-    /// The number of frames.
+    /// The number of frames of a film of it.
     fn frames(&self) -> usize;
 
     /// Until when, in seconds, the subject does not move.
@@ -30,27 +30,28 @@ pub trait Capture: Sync {
     /// Three moments that tell the story, in seconds.
     fn moments(&self) -> [f64; 3];
 
-    /// Gives the masks of `frame` to `data` and publishes them.
+    /// Sees to it that `data` has published the masks of `time`, in seconds. It is called before each step of the
+    /// simulation, of which there are several in a frame of the film: cameras may be faster or slower than that.
     ///
     /// # Errors
     /// Masks that cannot be had, or that `data` refuses.
-    fn publish(&mut self, frame: usize, data: &HullData) -> Result<()>;
+    fn publish(&mut self, time: f64, data: &HullData) -> Result<()>;
 
-    /// What camera `view` sees in `frame`.
+    /// What camera `view` saw when the masks published last were taken.
     ///
     /// # Errors
     /// A picture that cannot be had.
-    fn picture(&mut self, frame: usize, view: usize) -> Result<RgbImage>;
+    fn picture(&mut self, view: usize) -> Result<RgbImage>;
 
     /// The part of camera `view`'s image to draw.
     fn window(&self, view: usize, data: &HullData) -> Window;
 
-    /// Where `ray`, a viewing ray of camera `view`, first meets the subject of the frame last published, whose hull
-    /// is `hull`.
+    /// Where `ray`, a viewing ray of camera `view`, first meets the subject as it was published last; its hull is
+    /// `hull`.
     fn hit(&self, ray: &Ray, view: usize, hull: &Hull) -> Option<Hit>;
 
-    /// The height of the subject's top in `frame`, where it is known.
-    fn real_top(&self, frame: usize) -> Option<f64>;
+    /// The height of the subject's top as it was published last, where it is known.
+    fn real_top(&self) -> Option<f64>;
 
     /// Where the light comes from.
     fn lamp(&self) -> Point3<f64>;

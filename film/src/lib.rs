@@ -5,8 +5,8 @@
 //!                                   └───────────► Log ──► CSV, plot, table
 //! ```
 //!
-//! [`shoot`] goes all the way. A [`Capture`] is whatever gives silhouettes frame by frame: rendered cameras or a
-//! recording. World z is up, the floor at z = 0; metres, seconds, radians.
+//! [`shoot`] goes all the way. A [`Capture`] is whatever gives silhouettes in the course of time: rendered cameras or a
+//! recording. It, the simulation and the film each have steps of their own. World z is up, the floor at z = 0; metres, seconds, radians.
 
 mod capture;
 mod easel;
@@ -24,4 +24,4 @@ pub use film::Film;
 pub use form::Form;
 pub use log::{Entry, Log};
 pub use shoot::{Shooting, shoot};
-pub use simulation::{Body, Simulation, State, Support, lean_deg};
+pub use simulation::{Body, STEPS_PER_SECOND, Simulation, State, Support, lean_deg};

@@ -5,7 +5,7 @@ use crate::easel::Easel;
 use crate::film::Film;
 use crate::log::Log;
 use crate::report;
-use crate::simulation::Simulation;
+use crate::simulation::{STEPS_PER_SECOND, Simulation};
 use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::{Error, Result};
@@ -14,6 +14,9 @@ use std::time::Instant;
 
 /// The longer side of the film, in pixels.
 const FILM_SIZE: u32 = 480;
+
+/// Steps of the simulation in a frame.
+const STEPS: usize = (STEPS_PER_SECOND / FRAME_RATE) as usize;
 
 /// What to shoot, and where to put it.
 #[derive(Debug, Clone, Copy)]
@@ -78,11 +81,13 @@ fn play(
     };
     let easel = shooting.view.map(|view| (view, easel(view)));
     for frame in 0..shooting.frames {
-        capture.publish(frame, data)?;
-        simulation.advance(1.0 / FRAME_RATE)?;
-        log.record(simulation, capture.real_top(frame));
+        for step in 0..STEPS {
+            capture.publish((frame * STEPS + step) as f64 / STEPS_PER_SECOND, data)?;
+            simulation.advance(1.0 / STEPS_PER_SECOND)?;
+        }
+        log.record(simulation, capture.real_top());
         if let Some((view, easel)) = &easel {
-            let picture = capture.picture(frame, *view)?;
+            let picture = capture.picture(*view)?;
             let hull = data.latest().map(|(_, hull)| hull);
             let real = |ray: &Ray| hull.as_ref().and_then(|hull| capture.hit(ray, *view, hull));
             film.push(easel.paint(&picture, &simulation.drawn(), &real));

@@ -9,7 +9,7 @@ use ode_visual_hull::{Error, Result};
 use std::sync::Arc;
 
 /// Steps of the simulation a second.
-const STEPS_PER_SECOND: f64 = 240.0;
+pub const STEPS_PER_SECOND: f64 = 240.0;
 
 /// Of the bodies, kg/m3: about that of a parcel.
 const DENSITY: f64 = 120.0;

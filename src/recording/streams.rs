@@ -31,7 +31,37 @@ pub struct StreamOptions {
 impl Recording {
     /// Whether every camera has images in a folder or a video.
     pub fn has_images(&self) -> bool {
-        self.images.files.iter().zip(&self.videos).all(|(files, video)| !files.is_empty() || video.is_some())
+        (0..self.rig.len()).all(|camera| self.has_images_of(camera))
+    }
+
+    /// Whether the camera at position `camera` of the rig has images in a folder or a video.
+    pub fn has_images_of(&self, camera: usize) -> bool {
+        let in_folder = self.images.files.get(camera).is_some_and(|files| !files.is_empty());
+        in_folder || self.videos.get(camera).is_some_and(Option::is_some)
+    }
+
+    /// When each of [`frames`](Self::frames) was taken, in seconds that grow: as the first camera's image of that
+    /// number, on the clock of [`source`](Self::source). `None` where neither `options` nor `frames.csv` nor a video
+    /// tells.
+    ///
+    /// # Errors
+    /// As [`source`](Self::source); a frame that `frames.csv` does not list for the first camera.
+    pub fn frame_times(&self, options: &StreamOptions) -> Result<Option<Vec<f64>>> {
+        let first = self.times(options)?.swap_remove(0);
+        let times = match (first, &self.videos[0]) {
+            (None, Some(video)) => {
+                Video::rate(video).map_err(|e| Error::view(self.name(0), e))?.map(Times::Rate)
+            }
+            (told, _) => told,
+        };
+        let Some(times) = times else { return Ok(None) };
+        times.check()?;
+        let of = |&frame: &u32| {
+            let fail =
+                |problem| Error::view(self.name(0), Error::file(self.dir.join(frames_csv::NAME), problem));
+            times.of(frame).map_err(fail)
+        };
+        self.frames().iter().map(of).collect::<Result<_>>().map(Some)
     }
 
     /// The images of the camera at position `camera` of the rig, from its folder, or else its video.

@@ -1,13 +1,13 @@
 //! From a calibration file of any format to a rig: which format it is, and the rules that hold for all of them.
 
-use super::length::FARTHEST;
+use super::length::{self, FARTHEST};
 use super::source::Source;
 use super::{
     Rig, colmap, easymocap, kalibr, matrices, middlebury, nerfstudio, opencv, panoptic, qualisys, ros,
     selfcal, toml, voxelpose,
 };
 use crate::camera::{Camera, Distortion};
-use crate::{Error, Result};
+use crate::{Error, Result, Untold};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::path::Path;
 
@@ -30,6 +30,8 @@ pub struct Calibration {
     /// What somebody who trusts the rig should know: units that were taken for granted, cameras left out, a mirrored
     /// world. A sentence each.
     pub notes: Vec<String>,
+    /// Whether one of the notes doubts the unit of length, which [`Hints::metres_per_unit`] tells.
+    pub is_unit_doubtful: bool,
 }
 
 /// One format.
@@ -101,6 +103,9 @@ const FOCAL_LENGTHS: std::ops::RangeInclusive<f64> = 0.1..=100.0;
 /// The note on a rig without a camera above the floor, as the world has it.
 const UPSIDE_DOWN: &str = "every camera stands below z = 0: does z point down?";
 
+/// How the note ends on a rig too large for metres.
+const HARDLY_METRES: &str = "are these metres? else give the metres per unit";
+
 impl Calibration {
     /// Reads a calibration file or folder; its content, not its name, says in which format it is.
     ///
@@ -115,11 +120,16 @@ impl Calibration {
             return Err(Error::file(path, unknown(&source)));
         };
         let read = |source: &Source| (format.read)(source, hints)?.into_rig(hints);
-        let (rig, notes) = read(&source).map_err(|e| match e {
+        let with_path = |e| match e {
             Error::File { .. } => e,
             other => Error::file(path, other),
+        };
+        let (rig, notes) = read(&source).map_err(|e| match e {
+            Error::Untold { what, error } => Error::untold(what, with_path(*error)),
+            other => with_path(other),
         })?;
-        Ok(Self { rig, format: format.name, notes })
+        let is_unit_doubtful = notes.iter().any(|note| note == length::NOTE || note.ends_with(HARDLY_METRES));
+        Ok(Self { rig, format: format.name, notes, is_unit_doubtful })
     }
 }
 
@@ -127,10 +137,9 @@ impl Contents {
     /// The rig, in metres and with pixel corners at whole numbers; and the notes.
     pub(super) fn into_rig(self, hints: &Hints) -> Result<(Rig, Vec<String>)> {
         let scale = hints.metres_per_unit.or(self.metres_per_unit).ok_or_else(|| {
-            Error::argument(
-                "expected to know the unit of length, found a format whose worlds have any scale; give the metres \
-                 per unit",
-            )
+            let problem = "expected to know the unit of length, found a format whose worlds have any scale; give the \
+                           metres per unit";
+            Error::untold(Untold::MetresPerUnit, Error::argument(problem))
         })?;
         if !(scale.is_finite() && scale > 0.0) {
             return Err(Error::argument(format!(
@@ -146,9 +155,7 @@ impl Contents {
         let distances = rig.cameras().iter().map(|camera| camera.centre().coords.norm());
         let farthest = distances.fold(0.0, f64::max);
         if hints.metres_per_unit.is_none() && farthest > FARTHEST {
-            notes.push(format!(
-                "a camera stands {farthest:.0} m from the world's origin: are these metres? else give the metres per unit"
-            ));
+            notes.push(format!("a camera stands {farthest:.0} m from the world's origin: {HARDLY_METRES}"));
         }
         Ok((rig, notes))
     }
@@ -160,7 +167,7 @@ impl Found {
         let Some(size) = size.or(hints.size) else {
             let problem = "expected to know the size of its images, found a file that does not tell; give width and \
                            height";
-            return Err(Error::camera(name, problem));
+            return Err(Error::untold(Untold::Size, Error::camera(name, problem)));
         };
         if centres == PixelCentres::Whole {
             k[(0, 2)] += 0.5;
@@ -190,15 +197,20 @@ fn unknown(source: &Source) -> String {
             Some(line) => format!("a file that begins \"{}\"", line.chars().take(40).collect::<String>()),
             None => "an empty file".into(),
         },
-        None => format!("a folder of {} files, none of them", source.files().len()),
+        None if source.files().is_empty() => "a folder without files".into(),
+        None => format!("a folder of {} files that is none of them", source.files().len()),
     };
-    format!("expected a calibration ({}), found {found}; convert it to one of these", names.join(", "))
+    let next = match source.text() {
+        Some(_) => "convert it to one of these",
+        None => "check the path, or give the calibration's own file",
+    };
+    format!("expected a calibration ({}), found {found}; {next}", names.join(", "))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::testing::{HINTS, load_text};
-    use super::{Hints, UPSIDE_DOWN};
+    use super::{Calibration, Hints, UPSIDE_DOWN};
 
     #[test]
     fn a_world_whose_z_points_down_is_noted() {
@@ -214,10 +226,12 @@ mod tests {
     #[test]
     fn a_camera_too_far_for_metres_is_noted_unless_the_unit_was_given() {
         let text = "500 0 320 0 0 500 240 0 0 0 1 -1500\n500 0 320 0 0 500 240 0 0 0 1 -2\n";
-        let notes = |metres_per_unit| load_text(text, &Hints { metres_per_unit, ..HINTS }).unwrap().notes;
-        let is_noted = |notes: Vec<String>| {
-            notes.iter().any(|note| note.contains("m from the world's origin: are these metres?"))
+        let load = |metres_per_unit| load_text(text, &Hints { metres_per_unit, ..HINTS }).unwrap();
+        let is_noted = |calibration: Calibration| {
+            let says = |note: &String| note.contains("m from the world's origin: are these metres?");
+            assert_eq!(calibration.notes.iter().any(says), calibration.is_unit_doubtful);
+            calibration.is_unit_doubtful
         };
-        assert!(is_noted(notes(None)) && !is_noted(notes(Some(1.0))));
+        assert!(is_noted(load(None)) && !is_noted(load(Some(1.0))));
     }
 }

@@ -1,7 +1,7 @@
 //! Lengths of formats that name no unit.
 
 use super::calibration::{Found, Hints};
-use crate::{Error, Result};
+use crate::{Error, Result, Untold};
 
 /// A camera that stands farther than this from the world's origin was hardly measured in metres.
 pub(super) const FARTHEST: f64 = 100.0;
@@ -20,14 +20,14 @@ pub(super) fn as_metres(cameras: &[Found], hints: &Hints) -> Result<Vec<String>>
     }
     let far = cameras.iter().find(|camera| camera.translation.norm() > FARTHEST);
     match far {
-        Some(camera) => Err(Error::camera(
-            &camera.name,
-            format!(
+        Some(camera) => {
+            let problem = format!(
                 "expected lengths in metres, found a camera {:.1} units from the world's origin in a file that names \
                  no unit; give the metres per unit, 0.001 if these are millimetres",
                 camera.translation.norm()
-            ),
-        )),
+            );
+            Err(Error::untold(Untold::MetresPerUnit, Error::camera(&camera.name, problem)))
+        }
         None => Ok(vec![NOTE.into()]),
     }
 }

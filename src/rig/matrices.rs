@@ -15,6 +15,7 @@
 //! without distortion; sizes are not in it.
 
 use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::length;
 use super::lines::{self, Line, is_number};
 use super::projections::pinholes;
 use super::source::{self, Source};
@@ -60,8 +61,11 @@ fn text_files(source: &Source) -> impl Iterator<Item = &Path> {
     source.files().iter().map(|path| path.as_path()).filter(is_text)
 }
 
-fn read(source: &Source, _: &Hints) -> Result<Contents> {
-    let mut notes = vec!["lengths are taken as metres: the file does not say".into()];
+fn read(source: &Source, hints: &Hints) -> Result<Contents> {
+    let mut notes = Vec::new();
+    if hints.metres_per_unit.is_none() {
+        notes.push(length::NOTE.into());
+    }
     let named = match source.text() {
         Some(text) => of_a_file(text)?,
         None => of_a_folder(source, &mut notes)?,

@@ -18,7 +18,7 @@ use super::document::{self, Entry, Node};
 use super::source::Source;
 use super::{image_names, lines, pose};
 use crate::camera::Distortion;
-use crate::{Error, Result};
+use crate::{Error, Result, Untold};
 use nalgebra::Matrix3;
 
 pub(super) const FORMAT: Format = Format { name: "nerfstudio's transforms.json", recognise, read };
@@ -120,10 +120,16 @@ impl<'a> View<'a> {
             (Some(fx), Some(fy), Some(cx), Some(cy)) => {
                 Ok(Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0))
             }
-            _ => Err(self.frame.fail(format!(
-                "expected focal lengths and a principal point, found too little to know them; {INTRINSICS}, or give \
-                 width and height"
-            ))),
+            _ => {
+                let problem = "expected focal lengths and a principal point, found too little to know them";
+                match size {
+                    Some(_) => Err(self.frame.fail(format!("{problem}; {INTRINSICS}"))),
+                    None => {
+                        let e = self.frame.fail(format!("{problem}; {INTRINSICS}, or give width and height"));
+                        Err(Error::untold(Untold::Size, e))
+                    }
+                }
+            }
         }
     }
 

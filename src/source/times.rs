@@ -16,7 +16,7 @@ pub enum Times {
 impl Times {
     /// # Errors
     /// A rate that is not positive.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         match self {
             Self::Rate(rate) if !(rate.is_finite() && *rate > 0.0) => {
                 Err(Error::argument(format!("expected a positive number of images per second, found {rate}")))
@@ -26,7 +26,7 @@ impl Times {
     }
 
     /// The time of image `number`, in seconds; what is wrong where none is listed.
-    pub(super) fn of(&self, number: u32) -> std::result::Result<f64, String> {
+    pub(crate) fn of(&self, number: u32) -> std::result::Result<f64, String> {
         match self {
             Self::Rate(rate) => Ok(f64::from(number) / rate),
             Self::Listed(listed) => listed.get(&number).copied().ok_or_else(|| {

@@ -2,16 +2,21 @@
 
 use clap::ValueEnum;
 use nalgebra::Point3;
-use ode_visual_hull::Result;
 use ode_visual_hull::hull::{Aabb, Unseen};
-use ode_visual_hull::rig::{Hints, Rig};
+use ode_visual_hull::recording::Recording;
+use ode_visual_hull::rig::{Calibration, Hints, Rig};
+use ode_visual_hull::{Error, Result, Untold};
 use std::ops::Range;
+use std::path::Path;
+
+/// The calibration of a recording, in its folder.
+pub const RIG: &str = "rig.toml";
 
 /// What a calibration does not tell.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct HintOptions {
     /// Metres per unit of length of the calibration, instead of its format's own.
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", value_parser = parse_length)]
     pub unit: Option<f64>,
     /// Size of the images, where the calibration does not tell.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
@@ -19,9 +24,51 @@ pub struct HintOptions {
 }
 
 impl HintOptions {
-    /// As the library takes them.
-    pub fn hints(self) -> Hints {
-        Hints { size: self.size, metres_per_unit: self.unit }
+    /// The calibration at `path`, or of the recording there, with what the options tell.
+    pub fn load(self, path: &Path) -> Result<Calibration> {
+        let own = path.join(RIG);
+        Calibration::load(
+            if own.is_file() { &own } else { path },
+            &Hints { size: self.size, metres_per_unit: self.unit },
+        )
+        .map_err(|e| hinted(e, "that is"))
+    }
+}
+
+/// The recording in folder `dir`.
+pub fn open_recording(dir: &Path) -> Result<Recording> {
+    Recording::open(dir).map_err(|e| match e {
+        Error::File { path, problem } if path == dir.join(RIG) && !path.exists() => {
+            let problem = format!("{problem}: vhull convert CALIBRATION {}", path.display());
+            Error::File { path, problem }
+        }
+        other => other,
+    })
+}
+
+/// Prints what is to be known of a calibration.
+pub fn print_notes(calibration: &Calibration) {
+    for note in &calibration.notes {
+        println!("note: {note}");
+    }
+    if calibration.is_unit_doubtful {
+        println!("note: {} says otherwise", option(Untold::MetresPerUnit));
+    }
+}
+
+/// `error`, and the option that helps where a calibration does not tell what it has to; `with` leads to it.
+pub fn hinted(error: Error, with: &str) -> Error {
+    match error {
+        Error::Untold { what, error } => Error::argument(format!("{error}: {with} {}", option(what))),
+        other => other,
+    }
+}
+
+fn option(what: Untold) -> &'static str {
+    match what {
+        Untold::Size => "--size WIDTHxHEIGHT",
+        Untold::MetresPerUnit => "--unit METRES",
+        _ => "--help",
     }
 }
 
@@ -82,8 +129,18 @@ pub fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
 
 /// A length in metres above zero.
 pub fn parse_length(text: &str) -> std::result::Result<f64, String> {
-    let length = text.parse().ok().filter(|&length: &f64| length.is_finite() && length > 0.0);
-    length.ok_or_else(|| format!("expected a number of metres above zero, found {text}"))
+    parse_positive(text).map_err(|_| format!("expected a number of metres above zero, found {text}"))
+}
+
+/// A number above zero, of anything.
+pub fn parse_positive(text: &str) -> std::result::Result<f64, String> {
+    let number = text.parse().ok().filter(|&number: &f64| number.is_finite() && number > 0.0);
+    number.ok_or_else(|| format!("expected a number above zero, found {text}"))
+}
+
+/// Images a second, above zero.
+pub fn parse_rate(text: &str) -> std::result::Result<f64, String> {
+    parse_positive(text).map_err(|_| format!("expected a positive number of images a second, found {text}"))
 }
 
 /// Frames from A to before B, as `A..B`; what is left out is the first, or all that come.
@@ -93,6 +150,12 @@ pub fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
     range
         .filter(|range| !range.is_empty())
         .ok_or_else(|| format!("expected A..B with A below B, as in 20..60, 20.. or ..60, found {text}"))
+}
+
+/// A range of frames as [`parse_frames`] takes it.
+pub fn shown_frames(range: &Range<u32>) -> String {
+    let end = if range.end == u32::MAX { String::new() } else { range.end.to_string() };
+    format!("{}..{end}", range.start)
 }
 
 /// `N` finite numbers between commas, in the order `named`.
@@ -111,6 +174,7 @@ mod tests {
     #[test]
     fn either_end_of_a_range_of_frames_may_be_left_out() {
         for (text, range) in [("3..7", 3..7), ("3..", 3..u32::MAX), ("..7", 0..7), ("..", 0..u32::MAX)] {
+            assert_eq!(parse_frames(&shown_frames(&range)), Ok(range.clone()));
             assert_eq!(parse_frames(text), Ok(range));
         }
         for bad in ["", "3", "7..3", "3..3", "a..b", "-1..3", "1..2..3"] {

@@ -5,11 +5,11 @@ mod placement;
 mod silhouettes;
 
 use crate::Outcome;
-use crate::arguments::{HintOptions, VolumeOptions, numbers};
-use crate::capture::Capture;
+use crate::arguments::{HintOptions, RIG, VolumeOptions, numbers, parse_positive, print_notes};
+use crate::recorded_hulls::RecordedHulls;
 use nalgebra::Point3;
 use ode_visual_hull::recording::Recording;
-use ode_visual_hull::rig::{Calibration, Rig};
+use ode_visual_hull::rig::Rig;
 use ode_visual_hull::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ pub struct Options {
     #[arg(long, value_name = "X,Y,Z,SIZE", value_parser = parse_table, allow_hyphen_values = true)]
     table: Vec<Table>,
     /// How far a view's silhouettes may be shifted, in pixels; masks of real people leave 3 to 5 px open, exact ones none.
-    #[arg(long, value_name = "PIXELS", default_value_t = 5.0)]
+    #[arg(long, value_name = "PIXELS", default_value = "5", value_parser = parse_positive)]
     tolerance: f64,
     /// Look at so many frames at most, evenly spread.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
@@ -85,10 +85,6 @@ impl Report {
 }
 
 pub fn run(options: &Options) -> Result<Outcome> {
-    if !(options.tolerance.is_finite() && options.tolerance > 0.0) {
-        let found = options.tolerance;
-        return Err(Error::argument(format!("--tolerance: expected pixels above zero, found {found}")));
-    }
     let (rig, folder) = load(options)?;
     let mut report = Report::default();
     print!("{}", rig.describe());
@@ -97,11 +93,14 @@ pub fn run(options: &Options) -> Result<Outcome> {
     if let Some(folder) = folder.as_ref().filter(|_| !comparable) {
         println!("\nthe silhouettes in {} are not compared: the cameras come first", folder.display());
     } else if let Some(folder) = &folder {
-        let capture = Capture::new(Recording::open_with(folder, rig)?, folder, &options.volume)?;
+        let recorded = RecordedHulls::new(Recording::open_with(folder, rig)?, folder, &options.volume)?;
+        if let Some(frame) = options.frame {
+            recorded.check_has(frame)?;
+        }
         println!();
-        silhouettes::report(&capture, options, &mut report)?;
+        silhouettes::report(&recorded, options, &mut report)?;
         if let Some(out) = &options.pictures {
-            pictures::write(&capture, options.frame, out)?;
+            pictures::write(&recorded, options.frame, out)?;
         }
     } else if options.pictures.is_some() || options.frame.is_some() {
         return Err(Error::argument(
@@ -113,18 +112,14 @@ pub fn run(options: &Options) -> Result<Outcome> {
 
 /// The rig, and the folder of the recording if there is one.
 fn load(options: &Options) -> Result<(Rig, Option<PathBuf>)> {
-    let own = options.rig.join("rig.toml");
-    let (calibration, folder) = match &options.recording {
-        Some(folder) => (own.is_file().then_some(own), Some(folder.clone())),
-        None if own.is_file() => (Some(own), has_pictures(&options.rig)?.then(|| options.rig.clone())),
-        None => (None, None),
+    let folder = match &options.recording {
+        Some(folder) => Some(folder.clone()),
+        None if options.rig.join(RIG).is_file() => has_pictures(&options.rig)?.then(|| options.rig.clone()),
+        None => None,
     };
-    let calibration =
-        Calibration::load(calibration.as_ref().unwrap_or(&options.rig), &options.hints.hints())?;
+    let calibration = options.hints.load(&options.rig)?;
     println!("{} cameras, read as {}", calibration.rig.len(), calibration.format);
-    for note in &calibration.notes {
-        println!("note: {note}");
-    }
+    print_notes(&calibration);
     Ok((calibration.rig, folder))
 }
 

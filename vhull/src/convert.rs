@@ -1,9 +1,9 @@
 //! `vhull convert`: a calibration of any known format becomes a rig file.
 
 use crate::Outcome;
-use crate::arguments::{HintOptions, numbers};
+use crate::arguments::{HintOptions, numbers, parse_positive, print_notes};
+use crate::output::make_folder_of;
 use nalgebra::Vector2;
-use ode_visual_hull::rig::Calibration;
 use ode_visual_hull::{Error, Result};
 use std::path::PathBuf;
 
@@ -13,14 +13,14 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Calibration file or folder.
+    /// Calibration file or folder, or the folder of a recording.
     rig: PathBuf,
     /// Rig file to write; its name ends in .toml.
     out: PathBuf,
     #[command(flatten)]
     hints: HintOptions,
     /// The images have been scaled by this since they were calibrated.
-    #[arg(long, value_name = "FACTOR")]
+    #[arg(long, value_name = "FACTOR", value_parser = parse_positive)]
     scale: Option<f64>,
     /// What this camera sees appears so many pixels farther right and down than the calibration says (pixels of the
     /// scaled images): its principal point is moved. May be given for each camera.
@@ -55,20 +55,19 @@ pub fn run(options: &Options) -> Result<Outcome> {
     if out.exists() && !force {
         return Err(Error::file(out, "expected no file yet, found one; choose another name or give --force"));
     }
-    let calibration = Calibration::load(rig, &hints.hints())?;
-    let mut rig = calibration.rig;
+    let calibration = hints.load(rig)?;
+    let mut rig = calibration.rig.clone();
     if let Some(factor) = *scale {
         rig = rig.scaled(factor)?;
     }
     for Shift { camera, by } in shift {
         rig = rig.shifted(camera, *by)?;
     }
+    make_folder_of(out)?;
     rig.save(out)?;
     println!("{} cameras, read as {}", rig.len(), calibration.format);
     print!("{}", rig.describe());
-    for note in &calibration.notes {
-        println!("note: {note}");
-    }
+    print_notes(&calibration);
     println!("written to {}", out.display());
     Ok(Outcome::Done)
 }

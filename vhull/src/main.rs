@@ -1,11 +1,14 @@
 //! `vhull`: from cameras to a visual hull. A verb, a file.
 
 mod arguments;
-mod capture;
+mod backdrop;
 mod check;
+mod clock;
 mod convert;
 mod mesh;
+mod output;
 mod progress;
+mod recorded_hulls;
 mod run;
 mod segment;
 mod synth;
@@ -58,6 +61,8 @@ fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Doubts) => ExitCode::from(3),
         Err(error) => {
+            // The rig file of a recording, which is read without options.
+            let error = arguments::hinted(error, "write the rig file anew, vhull convert ..");
             eprintln!("vhull: {error}");
             ExitCode::FAILURE
         }

@@ -4,11 +4,11 @@ mod field;
 mod surface;
 
 use crate::Outcome;
-use crate::arguments::{VolumeOptions, parse_frames, parse_length};
-use crate::capture::Capture;
+use crate::arguments::{VolumeOptions, open_recording, parse_frames, parse_length, shown_frames};
+use crate::output::make_folder_of;
 use crate::progress;
+use crate::recorded_hulls::RecordedHulls;
 use field::Field;
-use ode_visual_hull::recording::Recording;
 use ode_visual_hull::{Error, Result};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ pub struct Options {
     /// Edge of the cells.
     #[arg(long, value_name = "METRES", default_value = "0.01", value_parser = parse_length)]
     resolution: f64,
-    /// File to write: its name ends in .ply (binary) or .obj.
+    /// File to write: its name ends in .ply (binary) or .obj; its folder is made if need be.
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
@@ -52,12 +52,13 @@ enum Format {
 
 pub fn run(options: &Options) -> Result<Outcome> {
     let format = format_of(&options.out)?;
-    let recording = Recording::open(&options.recording)?;
-    let capture = Capture::new(recording, &options.recording, &options.volume)?;
-    let frames = frames(options, &capture)?;
+    let recording = open_recording(&options.recording)?;
+    let recorded = RecordedHulls::new(recording, &options.recording, &options.volume)?;
+    let frames = frames(options, &recorded)?;
+    make_folder_of(&options.out)?;
     let bar = progress::bar(frames.len(), "meshes");
     for &frame in &frames {
-        let hull = capture.hull(frame)?;
+        let hull = recorded.hull(frame)?;
         let surface = Surface::of(&Field::of(&hull, options.resolution)?);
         if surface.triangles.is_empty() {
             let problem = format!(
@@ -76,17 +77,22 @@ pub fn run(options: &Options) -> Result<Outcome> {
             .map_err(|e| Error::file(&path, format!("expected to write a mesh, found: {e}")))?;
         bar.suspend(|| {
             println!(
-                "{}: {} vertices, {} triangles, {:.4} m3",
+                "{}: {} vertices, {} triangles, {}",
                 path.display(),
                 surface.points.len(),
                 surface.triangles.len(),
-                surface.volume()
+                shown_volume(surface.volume())
             );
         });
         bar.inc(1);
     }
     bar.finish_and_clear();
     Ok(Outcome::Done)
+}
+
+/// A person's in cubic metres, a doll's in cubic centimetres.
+fn shown_volume(volume: f64) -> String {
+    if volume.abs() < 0.01 { format!("{:.1} cm3", 1e6 * volume) } else { format!("{volume:.4} m3") }
 }
 
 fn format_of(path: &Path) -> Result<Format> {
@@ -97,8 +103,8 @@ fn format_of(path: &Path) -> Result<Format> {
     }
 }
 
-fn frames(options: &Options, capture: &Capture) -> Result<Vec<u32>> {
-    let all = capture.recording.frames();
+fn frames(options: &Options, recorded: &RecordedHulls) -> Result<Vec<u32>> {
+    let all = recorded.recording.frames();
     let Some(range) = &options.frames else {
         // A frame that is not there is refused when its masks are asked for.
         return Ok(vec![options.frame.unwrap_or(all[0])]);
@@ -107,8 +113,8 @@ fn frames(options: &Options, capture: &Capture) -> Result<Vec<u32>> {
     if frames.is_empty() {
         let (first, last) = (all[0], all[all.len() - 1]);
         return Err(Error::argument(format!(
-            "--frames: expected some of frames {first} to {last}, found {}..{}",
-            range.start, range.end
+            "--frames: expected some of frames {first} to {last}, found {}",
+            shown_frames(range)
         )));
     }
     Ok(frames)

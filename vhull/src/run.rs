@@ -3,8 +3,10 @@
 mod landing;
 mod obstacle;
 mod playback;
+mod timeline;
 
-use crate::arguments::{VolumeOptions, numbers, parse_frames};
+use crate::arguments::{VolumeOptions, numbers, parse_frames, parse_rate};
+use crate::clock::ASSUMED_RATE;
 use crate::{Outcome, progress};
 use clap::ValueEnum;
 use nalgebra::{Isometry3, Vector3};
@@ -20,9 +22,10 @@ use std::sync::Arc;
 
 /// Drop virtual bodies on a recorded subject, or let it knock over a stack of boxes.
 ///
-/// The recording's masks collide, frame by frame; its first frame stands still until the bodies have come to rest.
-/// World z is up, the floor at z = 0. Writes a film (GIF) and three stills of it, the state of each body in each
-/// frame (CSV) and a plot of their heights, and prints what became of them.
+/// The recording's masks collide, at the pace at which they were recorded; its first frame stands still until the
+/// bodies have come to rest. World z is up, the floor at z = 0. Writes a film (GIF, 30 frames a second) and three stills
+/// of it, the state of each body in each frame of the film (CSV) and a plot of their heights, and prints what became of
+/// them. The film shows the recording's images or videos (these need ffmpeg), or its masks where there are none.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
@@ -54,12 +57,15 @@ pub struct Options {
     /// Recorded frames to play, from A to before B; either may be left out [default: all].
     #[arg(long, value_name = "A..B", value_parser = parse_frames, help_heading = "Film")]
     frames: Option<Range<u32>>,
-    /// How often each recorded frame is shown, at 30 a second [default: so that all of them last 5 seconds].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Film")]
-    repeat: Option<u16>,
+    /// Recorded images a second [default: as frames.csv or the videos say, else 30].
+    #[arg(long, value_name = "RATE", value_parser = parse_rate, help_heading = "Film")]
+    rate: Option<f64>,
     /// Seconds for which the first frame stands still.
     #[arg(long, value_name = "SECONDS", value_parser = parse_hold, default_value = "3", help_heading = "Film")]
     hold: f64,
+    /// Seconds for which the last frame stands still.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_hold, default_value = "1", help_heading = "Film")]
+    linger: f64,
     /// Camera whose view is drawn, by name or by number from 0 [default: the nearest].
     #[arg(long, value_name = "CAMERA", help_heading = "Film")]
     view: Option<String>,
@@ -75,7 +81,8 @@ const EXAMPLES: &str = "\
 Examples:
   vhull run my_recording                                     six boxes fall on the subject
   vhull run my_recording --drop mix --count 20 --side 0.08   boxes and balls
-  vhull run my_recording --stack 5 --view left --repeat 1    the subject knocks over five boxes, seen from `left`
+  vhull run my_recording --stack 5 --view left               the subject knocks over five boxes, seen from `left`
+  vhull run my_recording --rate 60                           it was recorded at 60 images a second, and does not say so
   vhull run my_recording --stack 3 --at 0.4,-0.2             they stand where you say
   vhull run my_recording --no-gif --out states               the states alone
 
@@ -114,11 +121,19 @@ pub fn run(options: &Options) -> Result<Outcome> {
         frames: playback.frames(),
         view: (!options.no_gif).then_some(view),
     };
+    if playback.is_rate_assumed() && playback.pace().0 > 1 {
+        eprintln!(
+            "note: the recording does not say how many images a second it has; taken as {ASSUMED_RATE}, give --rate if \
+             it has others"
+        );
+    }
     let bar = progress::bar(shooting.frames, "frames");
     let text = shoot(&shooting, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
     bar.finish_and_clear();
+    let (count, seconds) = playback.pace();
+    let text = format!("{place}\n{count} recorded frames play in {seconds:.2} s\n{}", text?);
     // A reader who has seen enough may close the pipe.
-    let _ = std::io::stdout().write_all(format!("{place}\n{}", text?).as_bytes());
+    let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(Outcome::Done)
 }
 
@@ -135,7 +150,7 @@ fn drop(
     if poses.is_empty() {
         return Err(Error::argument(
             "expected a place above 0.3 m for a body to land, found none; check that the world's z is up and the \
-             floor at z = 0, or take a smaller --side",
+             floor at z = 0 (vhull check), take a smaller --side, or say with --stack and --at where boxes stand",
         ));
     }
     for (i, pose) in poses.iter().enumerate() {

@@ -4,7 +4,7 @@ mod empty_room;
 mod masks;
 mod tally;
 
-use crate::arguments::parse_frames;
+use crate::arguments::{open_recording, parse_frames, parse_rate};
 use crate::{Outcome, progress};
 use clap::ValueEnum;
 use empty_room::EmptyRoom;
@@ -57,7 +57,7 @@ pub struct Options {
     #[arg(long, value_name = "A..B", value_parser = parse_frames, default_value = "..", hide_default_value = true)]
     frames: Range<u32>,
     /// Images a second [default: as frames.csv or the videos say, else 30].
-    #[arg(long, value_name = "RATE")]
+    #[arg(long, value_name = "RATE", value_parser = parse_rate)]
     rate: Option<f64>,
     /// Images of one time lie within so many seconds [default: half the time from one to the next].
     #[arg(long, value_name = "SECONDS")]
@@ -94,7 +94,8 @@ enum Method {
 }
 
 pub fn run(options: &Options) -> Result<Outcome> {
-    let recording = Recording::open(&options.recording)?;
+    check(options)?;
+    let recording = open_recording(&options.recording)?;
     if !recording.has_images() {
         let problem =
             "expected images or a video of every camera, found masks alone; there is nothing to segment";
@@ -136,6 +137,22 @@ pub fn run(options: &Options) -> Result<Outcome> {
     tally.report(&options.recording, masks.dir(), &sets)
 }
 
+/// Refuses options that do not go with the method.
+fn check(options: &Options) -> Result<()> {
+    if options.key.is_some() && options.method != Method::ChromaKey {
+        return Err(Error::argument("--key: expected --method chroma-key, found another; leave one out"));
+    }
+    if (options.empty.is_some() || options.background.is_some()) && options.method == Method::ChromaKey {
+        let problem = "--empty, --background: expected a --method that asks for the empty room, found chroma-key; \
+                       leave one out";
+        return Err(Error::argument(problem));
+    }
+    if options.mend && options.method != Method::CleanPlate {
+        return Err(Error::argument("--mend: expected --method clean-plate, found another; leave one out"));
+    }
+    Ok(())
+}
+
 /// How many of `frames` there are, where `left` are known to come from the first on; 0 where nothing is known.
 fn count(frames: &Range<u32>, left: Option<u32>) -> usize {
     let asked = (frames.end < u32::MAX).then(|| frames.end - frames.start);
@@ -148,9 +165,6 @@ fn segmenters(
     recording: &Recording,
     streaming: &StreamOptions,
 ) -> Result<Vec<Box<dyn Segmenter>>> {
-    if options.mend && options.method != Method::CleanPlate {
-        return Err(Error::argument("--mend: expected --method clean-plate, found another; leave one out"));
-    }
     if options.method == Method::ChromaKey {
         let key = Key::new(options.key.unwrap_or(GREEN));
         return recording.rig().cameras().iter().map(|_| Ok(Box::new(ChromaKey::new(key)?) as _)).collect();

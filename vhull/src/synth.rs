@@ -8,6 +8,7 @@ use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
+use ode_visual_hull::source::frames_csv;
 use ode_visual_hull::synthetic::{
     Paint, Placed, Room, Scene, Solid, Subject, add_noise, clean_plate, coverage, layout, render_over,
 };
@@ -103,8 +104,18 @@ pub fn run(options: &Options) -> Result<Outcome> {
         bar.inc(1);
     }
     bar.finish_and_clear();
+    write_times(options)?;
     println!("{} frames of {} cameras in {}", options.frames, rig.len(), options.dir.display());
     Ok(Outcome::Done)
+}
+
+/// Says when the images were taken.
+fn write_times(options: &Options) -> Result<()> {
+    let line = |frame: u32| format!("{frame},{:.6}\n", f64::from(frame) / RATE);
+    let text = format!("frame,time\n{}", (0..options.frames).map(line).collect::<String>());
+    let path = options.dir.join(frames_csv::NAME);
+    std::fs::write(&path, text)
+        .map_err(|e| Error::file(path, format!("expected to write the images' times, found: {e}")))
 }
 
 fn cameras(options: &Options) -> Result<Vec<Camera>> {

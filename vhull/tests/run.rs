@@ -23,7 +23,13 @@ fn table(_: u32) -> Subject {
     placed(Solid::cuboid(Vector3::new(0.5, 0.5, TABLE_TOP)).unwrap(), 0.0, 0.5 * TABLE_TOP)
 }
 
-/// A ball that comes along x, at 1.2 m/s where each frame is shown once.
+/// The table, lifted by 5 mm from frame to frame.
+fn lifted(frame: u32) -> Subject {
+    let half = 0.5 * TABLE_TOP;
+    placed(Solid::cuboid(Vector3::new(0.5, 0.5, TABLE_TOP)).unwrap(), 0.0, half + 0.005 * f64::from(frame))
+}
+
+/// A ball that comes along x, at 1.2 m/s where 30 frames make a second.
 fn rolling(frame: u32) -> Subject {
     placed(Solid::sphere(0.25).unwrap(), -0.6 + 0.04 * f64::from(frame), 0.35)
 }
@@ -75,7 +81,7 @@ fn states(recording: &Path) -> Vec<Vec<f64>> {
 #[test]
 fn a_box_falls_on_the_subject_and_stays() {
     let recording = record("table", table, 3);
-    let text = success(&recording, &["--count", "1", "--hold", "1.5", "--repeat", "1"]);
+    let text = success(&recording, &["--count", "1", "--hold", "1.5", "--linger", "0"]);
     assert!(text.contains("fall on the subject") && text.contains("box 1"), "{text}");
     let states = states(&recording);
     assert_eq!(states.len(), 48, "1.5 s of 30 frames and 3 recorded ones, one body");
@@ -90,18 +96,18 @@ fn a_box_falls_on_the_subject_and_stays() {
 #[test]
 fn boxes_and_balls_take_turns_and_nothing_is_drawn_where_nobody_asks() {
     let recording = record("mix", table, 1);
-    let arguments = ["--drop", "mix", "--count", "3", "--hold", "0.2", "--repeat", "2", "--no-gif"];
+    let arguments =
+        ["--drop", "mix", "--count", "3", "--hold", "0.2", "--linger", "0", "--rate", "15", "--no-gif"];
     let text = success(&recording, &arguments);
     assert!(["box 1", "ball 2", "box 3"].iter().all(|name| text.contains(name)), "{text}");
-    assert_eq!(states(&recording).len(), 3 * 8);
+    assert_eq!(states(&recording).len(), 3 * 7);
     assert!(!recording.join("out/run.gif").exists());
 }
 
 #[test]
 fn a_moving_subject_knocks_a_stack_over_and_the_same_seed_does_it_again() {
     let recording = record("rolling", rolling, 30);
-    let arguments =
-        ["--stack", "3", "--hold", "0.5", "--repeat", "1", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
+    let arguments = ["--stack", "3", "--hold", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
     let text = success(&recording, &arguments);
     assert!(text.contains("in the subject's way"), "{text}");
     let first = states(&recording);
@@ -119,7 +125,7 @@ fn a_stack_stands_where_it_is_told_to_on_what_is_there() {
     let recording = record("told", table, 2);
     for (at, foot) in [("0.05,-0.05", TABLE_TOP), ("0.6,0.3", 0.0)] {
         let arguments =
-            ["--stack", "2", "--side", "0.1", "--hold", "0.5", "--repeat", "1", "--no-gif", "--at", at];
+            ["--stack", "2", "--side", "0.1", "--hold", "0.5", "--linger", "0", "--no-gif", "--at", at];
         success(&recording, &arguments);
         let last = states(&recording).pop().unwrap();
         assert!((last[4] - foot - 0.15).abs() < 0.02, "the second box, at {at}: {last:?}");
@@ -129,20 +135,83 @@ fn a_stack_stands_where_it_is_told_to_on_what_is_there() {
 #[test]
 fn on_a_subject_that_keeps_still_the_stack_stands_on_it() {
     let recording = record("still", table, 4);
-    let arguments = ["--stack", "2", "--side", "0.15", "--hold", "0.5", "--repeat", "1", "--no-gif"];
+    let arguments = ["--stack", "2", "--side", "0.15", "--hold", "0.5", "--linger", "0", "--no-gif"];
     let text = success(&recording, &arguments);
     assert!(text.contains("on the subject"), "{text}");
     assert!((states(&recording).pop().unwrap()[4] - TABLE_TOP - 0.225).abs() < 0.02);
 }
 
+/// A video of each camera, of one colour.
+fn film(recording: &Path, colour: &str, rate: u32, frames: u32) {
+    let source = format!("color={colour}:s=200x160:r={rate}");
+    for camera in rig().cameras() {
+        let mut ffmpeg = Command::new("ffmpeg");
+        ffmpeg.args(["-nostdin", "-loglevel", "error", "-f", "lavfi", "-i", &source, "-c:v", "ffv1"]);
+        ffmpeg.args(["-frames:v", &frames.to_string()]).arg(recording.join(camera.name()).join("video.mkv"));
+        assert!(ffmpeg.status().expect("ffmpeg, which scripts/setup installs").success());
+    }
+}
+
+#[test]
+fn bodies_are_drawn_into_the_recordings_videos() {
+    let recording = record("videos", table, 3);
+    film(&recording, "blue", 30, 3);
+    success(&recording, &["--count", "1", "--hold", "0.2", "--frames", "1.."]);
+    let stills = image::open(recording.join("out/run.png")).unwrap().into_rgb8();
+    let [red, _, blue] = stills.get_pixel(3, 3).0;
+    assert!(red < 30 && blue > 200, "{:?}", stills.get_pixel(3, 3));
+    for camera in rig().cameras() {
+        std::fs::write(recording.join(camera.name()).join("video.mkv"), b"no video").unwrap();
+    }
+    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0"]);
+    assert!(code == Some(1) && text.contains("video.mkv: expected a video"), "{text}");
+    // A video that ends before what is played of it.
+    for camera in rig().cameras() {
+        std::fs::remove_file(recording.join(camera.name()).join("video.mkv")).unwrap();
+    }
+    film(&recording, "blue", 30, 1);
+    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--frames", "1.."]);
+    assert!(code == Some(1) && text.contains("expected an image as frame 1"), "{text}");
+    assert!(text.contains("--no-gif"), "{text}");
+    success(&recording, &["--count", "1", "--hold", "0", "--frames", "1..", "--no-gif"]);
+}
+
+#[test]
+fn the_subject_moves_by_the_recordings_times_and_the_film_has_its_own() {
+    let recording = record("pace", lifted, 30);
+    let play = |options: &[&str]| {
+        let arguments = [&["--count", "1", "--hold", "1", "--linger", "0", "--no-gif"], options].concat();
+        let output = run(&recording, &arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let heights: Vec<f64> = states(&recording).iter().map(|row| row[4]).collect();
+        // A pixel covers 9 mm here.
+        let lift = heights[heights.len() - 1] - heights[29];
+        assert!((lift - 0.145).abs() < 0.02, "{lift}");
+        (heights, String::from_utf8(output.stderr).unwrap())
+    };
+    let (heights, note) = play(&[]);
+    assert_eq!(heights.len(), 60, "a second of 30, a second of 30 frames");
+    assert!(note.contains("--rate"), "{note}");
+    let (at_60, note) = play(&["--rate", "60"]);
+    assert_eq!((at_60.len(), note.as_str()), (45, ""), "a second of 30, half a second of 60 frames");
+    let lines = (0..30).map(|frame| format!("{frame},{:.6}\n", 3.0 + f64::from(frame) / 60.0));
+    std::fs::write(recording.join("frames.csv"), format!("frame,time\n{}", lines.collect::<String>()))
+        .unwrap();
+    assert_eq!(play(&[]).0, at_60);
+    assert_eq!(play(&["--rate", "30"]).0, heights, "what is given stands above what is written");
+    std::fs::remove_file(recording.join("frames.csv")).unwrap();
+    film(&recording, "blue", 60, 2);
+    assert_eq!(play(&[]).0, at_60);
+}
+
 #[test]
 fn of_the_frames_those_asked_for_are_played() {
     let recording = record("frames", table, 6);
-    success(&recording, &["--count", "1", "--frames", "2..5", "--hold", "0", "--repeat", "2", "--no-gif"]);
+    success(&recording, &["--count", "1", "--frames", "2..5", "--hold", "0", "--linger", "0.1", "--no-gif"]);
     assert_eq!(states(&recording).len(), 6);
     let (code, text) = failure(&recording, &["--frames", "9.."]);
     assert_eq!(code, Some(1));
-    assert!(text.contains("--frames") && text.contains("from 0 to 5"), "{text}");
+    assert!(text.contains("from 0 to 5") && text.contains("none in 9..\n"), "{text}");
 }
 
 #[test]
@@ -185,6 +254,8 @@ fn a_command_line_that_means_nothing_is_told_from_an_error() {
         (&["--side", "7"], "0.05 to 2 m"),
         (&["--hold=-1"], "0 to 3600 s"),
         (&["--hold", "NaN"], "0 to 3600 s"),
+        (&["--linger", "x"], "0 to 3600 s"),
+        (&["--rate", "0"], "images a second"),
         (&["--frames", "5..5"], "A below B"),
         (&["--frames", "x..y"], "20..60"),
         (&["--stack", "2", "--at", "1"], "x,y"),
@@ -206,7 +277,7 @@ fn what_was_played_before_a_broken_mask_is_kept() {
     // Of 40 frames 24 are looked at beforehand; this is not one of them.
     let broken = recording.join(rig().cameras()[1].name()).join("mask/000021.png");
     std::fs::write(&broken, b"no image").unwrap();
-    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--repeat", "1", "--no-gif"]);
+    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--no-gif"]);
     assert_eq!(code, Some(1));
     assert!(text.contains("000021.png") && text.contains("the 21 frames before"), "{text}");
     assert_eq!(states(&recording).len(), 21);
@@ -216,7 +287,7 @@ fn what_was_played_before_a_broken_mask_is_kept() {
 fn a_folder_that_cannot_be_made_is_named() {
     let recording = record("unwritable", table, 1);
     std::fs::write(recording.join("out"), b"a file").unwrap();
-    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--repeat", "1", "--no-gif"]);
+    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--no-gif"]);
     assert_eq!(code, Some(1));
     assert!(text.contains("expected to make this folder"), "{text}");
 }

@@ -264,8 +264,11 @@ fn what_cannot_be_segmented_is_told() {
     says(&vhull(&folder.path("none"), &[]), 1, &["none", "folder of a recording"]);
     says(&vhull(&dir, &["--frames", "7.."]), 1, &["expected frames", "found none", "--bound"]);
     says(&vhull(&dir, &["--frames", "3..2"]), 2, &["3..2", "20..60"]);
-    says(&vhull(&dir, &["--rate", "0"]), 1, &["positive", "found 0"]);
+    says(&vhull(&dir, &["--rate", "0"]), 2, &["positive", "found 0"]);
     says(&vhull(&dir, &["--method", "magic"]), 2, &["clean-plate"]);
+    says(&vhull(&dir, &["--key", "1,2,3"]), 1, &["--key", "--method chroma-key"]);
+    says(&vhull(&dir, &["--method", "chroma-key", "--empty", "1"]), 1, &["--empty", "chroma-key"]);
+    says(&vhull(&dir, &["--empty", "99"]), 1, &["view \"left\"", "--empty", "99 images"]);
     RgbImage::new(8, 8).save(dir.join("left/background.png")).unwrap();
     says(&vhull(&dir, &[]), 1, &["view \"left\"", "background.png", "320 x 240", "found 8 x 8"]);
     // Masks alone.

@@ -61,6 +61,35 @@ fn videos_and_folders_of_images_make_sets_by_their_numbers() {
 }
 
 #[test]
+fn masks_have_the_times_of_the_first_cameras_images() {
+    let folder = Folder::new("mask_times");
+    let dir = empty(&folder);
+    let masks = [image::GrayImage::new(16, 8), image::GrayImage::new(8, 16)];
+    for frame in [1, 4] {
+        Recording::open(&dir)
+            .or_else(|_| Recording::resume(&dir, &rig()))
+            .unwrap()
+            .write_masks(frame, &masks)
+            .unwrap();
+    }
+    let times = |rate| {
+        let recording = Recording::open(&dir).unwrap();
+        recording.frame_times(&StreamOptions { rate, ..StreamOptions::default() })
+    };
+    assert_eq!(times(None), Ok(None), "nothing tells");
+    assert_eq!(times(Some(2.0)), Ok(Some(vec![0.5, 2.0])));
+    assert!(times(Some(0.0)).is_err());
+    write_video(&dir.join("videos/right.b.avi"), 2, "8x16");
+    assert_eq!(times(None), Ok(Some(vec![0.1, 0.4])), "another camera's video");
+    write_video(&dir.join("left/video.avi"), 2, "16x8");
+    assert_eq!(times(None), Ok(Some(vec![0.1, 0.4])), "its own");
+    std::fs::write(dir.join("frames.csv"), "frame,left,right.b\n1,5,7\n4,5.25,8\n").unwrap();
+    assert_eq!(times(None), Ok(Some(vec![5.0, 5.25])));
+    std::fs::write(dir.join("frames.csv"), "frame,time\n1,5\n").unwrap();
+    assert_contains(&times(None).unwrap_err().to_string(), &["left", "frames.csv", "frame 4"]);
+}
+
+#[test]
 fn listed_times_decide_what_belongs_together() {
     let folder = Folder::new("listed");
     let dir = empty(&folder);

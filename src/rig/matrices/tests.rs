@@ -1,5 +1,5 @@
-use super::super::Hints;
 use super::super::testing::{HINTS, assert_refused, assert_sees, load_folder, load_text};
+use super::super::{Hints, length};
 
 const ROWS: &str = "# a rig of two\n# left:\n500 0 320 960\n0 500 240 720\n0 0 1 3\n\nright =\n[480 0 320 900;\n 0 480 240 700;\n 0 0 1 3]\n";
 
@@ -35,7 +35,7 @@ fn cameras_without_names_are_numbered() {
 #[test]
 fn metres_are_taken_for_granted_and_sizes_asked_for() {
     let found = load_text(ROWS, &Hints { size: Some((640, 480)), metres_per_unit: None }).unwrap();
-    assert_eq!(found.notes[0], "lengths are taken as metres: the file does not say");
+    assert_eq!(found.notes[0], length::NOTE);
     let millimetres = Hints { metres_per_unit: Some(0.001), ..HINTS };
     let rig = load_text(ROWS, &millimetres).unwrap().rig;
     assert!((rig.cameras()[0].cam_from_world().translation.vector.z - 0.003).abs() < 1e-15);
@@ -53,7 +53,7 @@ fn a_sign_is_turned_and_noted() {
         500.0 * 0.5 / 4.0 + 320.5,
         500.0 * -0.3 / 4.0 + 240.5,
     );
-    assert_eq!(found.notes[1], "signs turned round: the matrices of left give negative depths");
+    assert_eq!(found.notes[0], "signs turned round: the matrices of left give negative depths");
 }
 
 #[test]

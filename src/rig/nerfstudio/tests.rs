@@ -1,5 +1,6 @@
 use super::super::Hints;
 use super::super::testing::{HINTS, assert_refused, assert_sees, load_text};
+use crate::{Error, Untold};
 
 const TEXT: &str = r#"{
 "camera_model": "OPENCV", "fl_x": 500, "fl_y": 501, "cx": 320, "cy": 240, "w": 640, "h": 480,
@@ -42,12 +43,16 @@ fn a_field_of_view_stands_for_the_focal_length() {
     assert!((k[(0, 0)] - 500.0).abs() < 1e-9 && (k[(1, 1)] - 500.0).abs() < 1e-9);
     assert_eq!((k[(0, 2)], k[(1, 2)]), (320.0, 240.0));
     let no_size = Hints { size: None, ..HINTS };
-    assert_refused(load_text(&text, &no_size), &["line 5, `frames[0]`", "or give width and height"]);
+    let refused = load_text(&text, &no_size);
+    assert!(matches!(refused, Err(Error::Untold { what: Untold::Size, .. })));
+    assert_refused(refused, &["calibration.txt: line 5, `frames[0]`", "or give width and height"]);
 }
 
 #[test]
 fn the_scale_is_demanded() {
-    assert_refused(load_text(TEXT, &Hints::default()), &["any scale; give the metres per unit"]);
+    let refused = load_text(TEXT, &Hints::default());
+    assert!(matches!(refused, Err(Error::Untold { what: Untold::MetresPerUnit, .. })));
+    assert_refused(refused, &["calibration.txt: ", "any scale; give the metres per unit"]);
 }
 
 #[test]

@@ -1,8 +1,11 @@
 //! Each view's image with its silhouette and the hull's over it.
 
-use crate::capture::Capture;
+use crate::backdrop::Backdrop;
+use crate::clock::Clock;
+use crate::output::make_folder;
 use crate::progress;
-use image::{DynamicImage, GrayImage, Rgb, RgbImage};
+use crate::recorded_hulls::RecordedHulls;
+use image::{GrayImage, Rgb, RgbImage};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::Hull;
 use ode_visual_hull::silhouette::SUBJECT;
@@ -18,21 +21,20 @@ const EDGE: [f64; 3] = [255.0, 230.0, 60.0];
 const STRENGTH: f64 = 0.55;
 
 /// Writes a picture for each view of a frame, the middle one unless told.
-pub fn write(capture: &Capture, frame: Option<u32>, out: &Path) -> Result<()> {
-    let recording = &capture.recording;
+pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result<()> {
+    let recording = &recorded.recording;
     let frames = recording.frames();
     let frame = frame.unwrap_or(frames[frames.len() / 2]);
-    let hull = capture.hull(frame)?;
-    std::fs::create_dir_all(out)
-        .map_err(|e| Error::file(out, format!("expected to make this folder, found: {e}")))?;
+    let hull = recorded.hull(frame)?;
+    make_folder(out)?;
     let masks = recording.masks(frame)?;
-    let images = recording.image_frames().contains(&frame).then(|| recording.images(frame)).transpose()?;
+    let clock = Clock::of(recording, None)?;
+    let time = frames.binary_search(&frame).map_or(0.0, |k| clock.times[k]);
     let bar = progress::bar(masks.len(), "pictures");
     for (k, (camera, mask)) in recording.rig().cameras().iter().zip(&masks).enumerate() {
-        let mut picture = match &images {
-            Some(images) => images[k].clone(),
-            None => DynamicImage::from(mask.clone()).into_rgb8(),
-        };
+        let moment = (frame, time);
+        let mut backdrop = Backdrop::open(recording, k, moment, &clock.streaming, clock.bound())?;
+        let mut picture = backdrop.at(recording, moment)?;
         paint(&mut picture, camera, mask, &hull);
         let path = out.join(format!("{}_{frame:06}.png", camera.name()));
         picture

@@ -1,8 +1,8 @@
 //! Whether a recording's silhouettes belong to one subject: shifts, cuts, and why a hull is empty.
 
 use super::{Options, Report};
-use crate::capture::Capture;
 use crate::progress;
+use crate::recorded_hulls::RecordedHulls;
 use ode_visual_hull::hull::{Emptiness, Fit, Hull, HullData, Shift, Tangents};
 use ode_visual_hull::rig::{Reading, Rig};
 use ode_visual_hull::{Error, Result};
@@ -23,16 +23,16 @@ const LEAST_GAIN: f64 = 0.1;
 /// A view of whose silhouettes the hull fills less than this share has something wrong with it or with the others.
 const LEAST_FILLED: f64 = 0.75;
 
-pub fn report(capture: &Capture, options: &Options, report: &mut Report) -> Result<()> {
+pub fn report(recorded: &RecordedHulls, options: &Options, report: &mut Report) -> Result<()> {
     let frames = match (options.frames, options.frame) {
         (1, Some(frame)) => vec![frame],
-        (most, _) => capture.spread(most as usize),
+        (most, _) => recorded.spread(most as usize),
     };
     let (mut tangents, mut fits, mut empty) = (Tangents::new(), Vec::new(), Vec::new());
     let bar = progress::bar(frames.len(), "silhouettes");
     let fitted = frames.len().div_ceil(FITTED);
     for (k, &frame) in frames.iter().enumerate() {
-        let hull = capture.hull(frame)?;
+        let hull = recorded.hull(frame)?;
         tangents.add(&hull);
         if k % fitted == 0 {
             let of_frame = hull.fits(STEP);
@@ -47,10 +47,10 @@ pub fn report(capture: &Capture, options: &Options, report: &mut Report) -> Resu
     println!("silhouettes of {} frames, {} to {}", frames.len(), frames[0], frames[frames.len() - 1]);
     let shifts = tangents.shifts();
     let fits = totals(&fits);
-    table(capture.recording.rig(), &shifts, &fits);
-    judge(capture.recording.rig(), &shifts, &fits, options, report);
+    table(recorded.recording.rig(), &shifts, &fits);
+    judge(recorded.recording.rig(), &shifts, &fits, options, report);
     if let Some((frame, hull)) = empty.first() {
-        report.fault(format!("frame {frame}: the hull is empty: {}", why(hull, capture, *frame)?));
+        report.fault(format!("frame {frame}: the hull is empty: {}", why(hull, recorded, *frame)?));
     }
     Ok(())
 }
@@ -153,7 +153,7 @@ fn judge(rig: &Rig, shifts: &[Shift], fits: &[Fit], options: &Options, report: &
 }
 
 /// Why a frame's hull is empty, and what would fill it.
-fn why(hull: &Hull, capture: &Capture, frame: u32) -> Result<String> {
+fn why(hull: &Hull, recorded: &RecordedHulls, frame: u32) -> Result<String> {
     let name = |view: usize| hull.views()[view].name().to_owned();
     let reason = match hull.emptiness() {
         Some(Emptiness::NoViews) => "no view takes part".into(),
@@ -165,11 +165,11 @@ fn why(hull: &Hull, capture: &Capture, frame: u32) -> Result<String> {
         None => "no point is subject in all views".into(),
     };
     for reading in Reading::ALL {
-        if capture
+        if recorded
             .recording
             .rig()
             .read_as(reading)
-            .and_then(|rig| fills(&rig, capture, frame))
+            .and_then(|rig| fills(&rig, recorded, frame))
             .unwrap_or(false)
         {
             return Ok(format!("{reason}; with {} it is not: convert the poses so", reading.describe()));
@@ -181,11 +181,11 @@ fn why(hull: &Hull, capture: &Capture, frame: u32) -> Result<String> {
 }
 
 /// Whether a frame's hull by another rig holds anything.
-fn fills(rig: &Rig, capture: &Capture, frame: u32) -> Result<bool> {
+fn fills(rig: &Rig, recorded: &RecordedHulls, frame: u32) -> Result<bool> {
     let data = HullData::new();
     data.add_views(rig.cameras())?;
     data.set_bounds(rig.work_volume()?)?;
-    for (view, mask) in capture.recording.masks(frame)?.iter().enumerate() {
+    for (view, mask) in recorded.recording.masks(frame)?.iter().enumerate() {
         data.set_mask(view, mask)?;
     }
     let hull: Arc<Hull> = data.update(0.0).map_err(|e| Error::argument(e.to_string()))?;

@@ -1,6 +1,10 @@
-//! A real recording, played after its first frame has stood still for a while.
+//! A real recording, played at its own pace after its first frame has stood still for a while.
 
 use super::Options;
+use super::timeline::Timeline;
+use crate::arguments::{open_recording, shown_frames};
+use crate::backdrop::{Backdrop, Moment};
+use crate::clock::Clock;
 use image::RgbImage;
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
@@ -12,9 +16,6 @@ use ode_visual_hull_film::{Capture, FRAME_RATE, Window};
 use std::path::Path;
 use std::sync::Arc;
 
-/// How long all frames last together at least, unless told otherwise, in seconds.
-const DURATION: f64 = 5.0;
-
 /// How much around the subject is drawn, in metres.
 const MARGIN: f64 = 0.4;
 
@@ -24,43 +25,56 @@ const SURVEYED: usize = 24;
 /// A recording that plays.
 pub struct Playback {
     recording: Recording,
-    /// The recorded frames that are played.
-    frames: Vec<u32>,
-    hold: usize,
-    repeat: usize,
+    clock: Clock,
+    /// The recorded frames that are played, and when.
+    frames: Vec<Moment>,
+    timeline: Timeline,
+    hold: f64,
     /// The hulls of some frames, the first one's first.
     survey: Vec<Arc<Hull>>,
     /// What the film shows.
     shown: Aabb,
-    /// The recorded frame whose masks are in force.
-    published: Option<u32>,
-    /// The last picture read: recorded frame, view.
-    picture: Option<(u32, usize, RgbImage)>,
+    /// The position of the recorded frame whose masks are in force.
+    published: Option<usize>,
+    /// What a view saw, from the first picture on that was asked for.
+    backdrop: Option<(usize, Backdrop)>,
 }
 
 impl Playback {
     /// Opens the recording, adds its cameras to `data` and publishes its first frame.
     pub fn open(options: &Options, data: &HullData) -> Result<Self> {
         let dir = &options.recording;
-        let recording = Recording::open(dir)?;
-        let frames = frames_of(&recording, dir, options)?;
+        let recording = open_recording(dir)?;
+        let clock = Clock::of(&recording, options.rate)?;
+        let frames = frames_of(&recording, &clock, dir, options)?;
         prepare(data, &recording, options)?;
         let survey = survey(&recording, &frames, options)?;
-        check_hull(dir, frames[0], &survey[0])?;
-        let repeat = (DURATION * FRAME_RATE / frames.len() as f64).round().max(1.0) as usize;
+        check_hull(dir, frames[0].0, &survey[0])?;
+        let times: Vec<f64> = frames.iter().map(|&(_, time)| time).collect();
         let shown = survey.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
         let mut playback = Self {
             recording,
+            clock,
             frames,
-            hold: (options.hold * FRAME_RATE) as usize,
-            repeat: options.repeat.map_or(repeat, usize::from),
+            timeline: Timeline::new(&times, options.hold, options.linger),
+            hold: options.hold,
             shown: shown.reduce(|a, b| a.union(&b)).unwrap_or(*survey[0].aabb()).grown(MARGIN),
             survey,
             published: None,
-            picture: None,
+            backdrop: None,
         };
-        playback.publish(0, data)?;
+        playback.publish(0.0, data)?;
         Ok(playback)
+    }
+
+    /// How many recorded frames are played, in how many seconds.
+    pub fn pace(&self) -> (usize, f64) {
+        (self.frames.len(), self.timeline.duration())
+    }
+
+    /// Whether nothing but the number of an image tells when it was taken.
+    pub fn is_rate_assumed(&self) -> bool {
+        self.clock.is_assumed
     }
 
     /// Metres that a pixel covers at the subject.
@@ -83,15 +97,10 @@ impl Playback {
         let head = foot + Vector3::z() * height;
         self.shown = self.shown.union(&Aabb::of_points([foot, &head]).grown(side));
     }
-
-    /// The recorded frame to show in `frame`.
-    fn recorded(&self, frame: usize) -> u32 {
-        self.frames[(frame.saturating_sub(self.hold) / self.repeat).min(self.frames.len() - 1)]
-    }
 }
 
 /// The recorded frames to play; at least one.
-fn frames_of(recording: &Recording, dir: &Path, options: &Options) -> Result<Vec<u32>> {
+fn frames_of(recording: &Recording, clock: &Clock, dir: &Path, options: &Options) -> Result<Vec<Moment>> {
     let all = recording.frames();
     let (Some(first), Some(last)) = (all.first(), all.last()) else {
         let problem =
@@ -99,12 +108,12 @@ fn frames_of(recording: &Recording, dir: &Path, options: &Options) -> Result<Vec
         return Err(Error::file(dir, problem));
     };
     let wanted = options.frames.clone().unwrap_or(0..u32::MAX);
-    let frames: Vec<u32> = all.iter().copied().filter(|frame| wanted.contains(frame)).collect();
+    let moments = all.iter().copied().zip(clock.times.iter().copied());
+    let frames: Vec<Moment> = moments.filter(|(frame, _)| wanted.contains(frame)).collect();
     if frames.is_empty() {
         return Err(Error::argument(format!(
-            "--frames: expected frames of the recording, which has masks from {first} to {last}, found none from {} \
-             to before {}",
-            wanted.start, wanted.end
+            "--frames: expected frames of the recording, which has masks from {first} to {last}, found none in {}",
+            shown_frames(&wanted)
         )));
     }
     Ok(frames)
@@ -120,10 +129,10 @@ fn prepare(data: &HullData, recording: &Recording, options: &Options) -> Result<
 }
 
 /// The hulls of frames all over the recording, the first one's first.
-fn survey(recording: &Recording, frames: &[u32], options: &Options) -> Result<Vec<Arc<Hull>>> {
+fn survey(recording: &Recording, frames: &[Moment], options: &Options) -> Result<Vec<Arc<Hull>>> {
     let count = frames.len().min(SURVEYED);
     let chosen = (0..count).map(|i| frames[i * (frames.len() - 1) / count.saturating_sub(1).max(1)]);
-    let hull = |frame: u32| {
+    let hull = |(frame, _): Moment| {
         let data = HullData::new();
         prepare(&data, recording, options)?;
         for (view, mask) in recording.masks(frame)?.iter().enumerate() {
@@ -161,47 +170,43 @@ impl Capture for Playback {
     }
 
     fn frames(&self) -> usize {
-        self.hold + self.frames.len() * self.repeat
+        self.timeline.film_frames()
     }
 
     fn still_until(&self) -> f64 {
-        self.hold as f64 / FRAME_RATE
+        self.hold
     }
 
     fn moments(&self) -> [f64; 3] {
-        let (still_until, end) = (self.still_until(), self.frames() as f64 / FRAME_RATE);
-        [0.2, still_until - 0.1, 0.5 * (still_until + end)]
+        let end = self.frames() as f64 / FRAME_RATE;
+        [0.2, self.hold - 0.1, 0.5 * (self.hold + end)]
     }
 
-    fn publish(&mut self, frame: usize, data: &HullData) -> Result<()> {
-        let recorded = self.recorded(frame);
-        if self.published != Some(recorded) {
-            for (view, mask) in self.recording.masks(recorded)?.iter().enumerate() {
+    fn publish(&mut self, time: f64, data: &HullData) -> Result<()> {
+        let position = self.timeline.at(time);
+        if self.published != Some(position) {
+            let (frame, _) = self.frames[position];
+            for (view, mask) in self.recording.masks(frame)?.iter().enumerate() {
                 data.set_mask(view, mask)?;
             }
-            self.published = Some(recorded);
-            data.update(frame as f64 / FRAME_RATE)?;
+            self.published = Some(position);
+            data.update(self.timeline.start(position))?;
         }
         Ok(())
     }
 
     /// The nearest recorded image, else the mask.
-    fn picture(&mut self, frame: usize, view: usize) -> Result<RgbImage> {
-        let masked = self.recorded(frame);
-        let nearest =
-            self.recording.image_frames().iter().copied().min_by_key(|image| image.abs_diff(masked));
-        let key = nearest.unwrap_or(masked);
-        if let Some((of, from, picture)) = &self.picture
-            && (*of, *from) == (key, view)
-        {
-            return Ok(picture.clone());
-        }
-        let picture = match nearest {
-            Some(image) => self.recording.images(image)?.swap_remove(view),
-            None => image::DynamicImage::from(self.recording.masks(masked)?.swap_remove(view)).into_rgb8(),
+    fn picture(&mut self, view: usize) -> Result<RgbImage> {
+        let moment = self.frames[self.published.unwrap_or(0)];
+        let Self { recording, clock, .. } = self;
+        let undrawn = |e| Error::argument(format!("{e}; mend it, or do without a film: --no-gif"));
+        let mut backdrop = match self.backdrop.take() {
+            Some((of, backdrop)) if of == view => backdrop,
+            _ => Backdrop::open(recording, view, moment, &clock.streaming, f64::INFINITY).map_err(undrawn)?,
         };
-        self.picture = Some((key, view, picture.clone()));
-        Ok(picture)
+        let picture = backdrop.at(recording, moment).map_err(undrawn);
+        self.backdrop = Some((view, backdrop));
+        picture
     }
 
     /// Around where the subject comes and where bodies fall.
@@ -226,7 +231,7 @@ impl Capture for Playback {
         entry.map(|entry| Hit { t: start + entry.t, normal: entry.normal })
     }
 
-    fn real_top(&self, _: usize) -> Option<f64> {
+    fn real_top(&self) -> Option<f64> {
         None
     }
 

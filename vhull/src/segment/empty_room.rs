@@ -21,7 +21,13 @@ impl EmptyRoom {
     pub fn find(options: &Options, recording: &Recording, streaming: &StreamOptions) -> Result<Self> {
         let images = of_each_camera(recording, |camera| {
             if let Some(count) = options.empty {
-                return spread(&mut *recording.source(camera, streaming)?, count);
+                let mut source = recording.source(camera, streaming)?;
+                if let Some(found) = source.frames_left().filter(|&found| found < count) {
+                    let problem =
+                        format!("--empty: expected at least {count} images, found {found}; give fewer");
+                    return Err(Error::argument(problem));
+                }
+                return spread(&mut *source, count);
             }
             let calibrated = &recording.rig().cameras()[camera];
             read(&background(options, calibrated.name())?, calibrated.size())

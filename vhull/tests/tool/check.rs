@@ -40,6 +40,32 @@ fn a_synthetic_recording_is_fine() {
 }
 
 #[test]
+fn overlays_lie_on_images_of_their_own_time_alone() {
+    let folder = studio("check_overlays", "box");
+    let corner = |colour: [u8; 3]| {
+        let run = vhull(&folder, &["check", "studio", "--pictures", "overlays", "--frame", "1"]);
+        assert_eq!(run.code, 0, "{}{}", run.out, run.error);
+        let picture = image::open(folder.join("overlays/cam2_000001.png")).unwrap().into_rgb8();
+        let far = picture.get_pixel(2, 2).0.iter().zip(colour).any(|(a, b)| a.abs_diff(b) > 30);
+        assert!(!far, "{:?}", picture.get_pixel(2, 2));
+    };
+    for camera in 0..5 {
+        std::fs::remove_file(folder.join(format!("studio/cam{camera}/image/000001.png"))).unwrap();
+    }
+    corner([0; 3]);
+    for camera in 0..5 {
+        std::fs::remove_dir_all(folder.join(format!("studio/cam{camera}/image"))).unwrap();
+        let mut ffmpeg = std::process::Command::new("ffmpeg");
+        ffmpeg.args(["-nostdin", "-loglevel", "error", "-f", "lavfi", "-i", "color=blue:s=200x240:r=60"]);
+        ffmpeg
+            .args(["-frames:v", "3", "-c:v", "ffv1"])
+            .arg(folder.join(format!("studio/cam{camera}/video.mkv")));
+        assert!(ffmpeg.status().expect("ffmpeg, which scripts/setup installs").success());
+    }
+    corner([0, 0, 254]);
+}
+
+#[test]
 fn a_camera_that_is_off_is_named_alone() {
     let folder = studio("check_off", "person");
     with_camera_moved(&folder, 3, -7.0, 6.0).save(folder.join("off.toml")).unwrap();
@@ -129,13 +155,46 @@ fn wrong_input_is_told_with_file_and_next_step() {
         (&["check", "studio"], &["view \"cam1\"", "000001.png: expected an image"]),
         (
             &["check", "studio", "--frame", "9", "--frames", "1"],
-            &["expected cam0/mask/000009", "3 frames from 0 to 2"],
+            &["--frame: expected one of the 3 frames with masks from 0 to 2", "found 9"],
         ),
         (&["check", "studio/rig.toml", "--pictures", "p"], &["expected a recording"]),
-        (&["check", "studio", "--tolerance", "0"], &["--tolerance: expected pixels above zero"]),
     ] {
         let run = vhull(&folder, words);
         assert_eq!(run.code, 1, "{words:?}: {}{}", run.out, run.error);
         assert!(parts.iter().all(|part| run.error.contains(part)), "{words:?}: {}", run.error);
     }
+}
+
+#[test]
+fn what_check_is_not_given_is_named_with_the_next_step() {
+    let folder = studio("check_next_step", "box");
+    std::fs::create_dir(folder.join("empty")).unwrap();
+    for (code, words, part) in [
+        (
+            1,
+            &["check", "studio", "--frame", "9"][..],
+            "--frame: expected one of the 3 frames with masks from 0 to 2",
+        ),
+        (1, &["check", "empty"], "found a folder without files; check the path"),
+        (
+            1,
+            &["check", "studio/cam0"],
+            "that is none of them; check the path, or give the calibration's own file",
+        ),
+        (1, &["check", "studio/rig.toml", "studio/cam0/background.png"], "found a file; give the folder"),
+        (2, &["check", "studio", "--tolerance", "0"], "above zero, found 0"),
+        (2, &["check", "studio", "--unit", "0"], "above zero, found 0"),
+        (2, &["convert", "studio", "other.toml", "--scale", "x"], "above zero, found x"),
+    ] {
+        let run = vhull(&folder, words);
+        assert_eq!(run.code, code, "{words:?}: {}{}", run.out, run.error);
+        assert!(run.error.contains(part), "{words:?}: {}", run.error);
+    }
+    let mask = folder.join("studio/cam3/mask/000001.png");
+    let png = std::fs::read(&mask).unwrap();
+    std::fs::write(&mask, &png[..png.len() / 2]).unwrap();
+    let run = vhull(&folder, &["check", "studio"]);
+    let parts =
+        ["view \"cam3\"", "cam3/mask/000001.png", "expected an image", "put a whole one in its place"];
+    assert!(run.code == 1 && parts.iter().all(|part| run.error.contains(part)), "{}", run.error);
 }

@@ -1,4 +1,4 @@
-use super::{studio, vhull};
+use super::{folder, studio, vhull};
 use ode_visual_hull::rig::Rig;
 
 #[test]
@@ -15,4 +15,34 @@ fn a_rig_is_converted_and_nothing_replaced_unasked() {
     assert_eq!(vhull(&folder, &["convert", "studio/rig.toml", "copy.toml", "--force"]).code, 0);
     let other = vhull(&folder, &["convert", "studio/rig.toml", "copy.yml"]);
     assert!(other.code == 1 && other.error.contains("ends in .toml"), "{}", other.error);
+}
+
+#[test]
+fn what_a_calibration_leaves_out_leads_to_the_option_that_tells_it() {
+    let folder = folder("convert_untold");
+    let far = "500 0 320 0 0 500 240 0 0 0 1 -1500\n500 0 320 0 0 500 240 0 0 0 1 -2\n";
+    std::fs::write(folder.join("matrices.txt"), far).unwrap();
+    let millimetres = r#"{"a": {"K": [[500, 0, 320], [0, 500, 240], [0, 0, 1]], "R": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+                          "T": [0, 0, 2500], "size": [640, 480]}}"#;
+    std::fs::write(folder.join("far.json"), millimetres).unwrap();
+    for verb in [&["check"][..], &["convert", "--force"]] {
+        let run = |words: &[&str]| {
+            let out = if verb.len() == 2 { &["out.toml"][..] } else { &[] };
+            vhull(&folder, &[&verb[..1], &words[..1], out, &verb[1..], &words[1..]].concat())
+        };
+        let size = run(&["matrices.txt"]);
+        assert_eq!(size.code, 1);
+        let told = ["matrices.txt", "\"camera0\"", "give width and height", "--size WIDTHxHEIGHT"];
+        told.iter().for_each(|part| assert!(size.error.contains(part), "{}", size.error));
+        let unit = run(&["far.json"]);
+        assert_eq!(unit.code, 1);
+        let told = ["far.json", "2500.0 units", "0.001 if these are millimetres", "--unit METRES"];
+        told.iter().for_each(|part| assert!(unit.error.contains(part), "{}", unit.error));
+        // What is only doubtful is noted.
+        let doubtful = run(&["matrices.txt", "--size", "640x480"]);
+        assert!(doubtful.out.contains("are these metres?"), "{}", doubtful.out);
+        assert!(doubtful.out.contains("note: --unit METRES says otherwise"), "{}", doubtful.out);
+        let told = run(&["matrices.txt", "--size", "640x480", "--unit", "0.001"]);
+        assert!(!told.out.contains("--unit"), "{}", told.out);
+    }
 }

@@ -118,7 +118,10 @@ fn meshes_that_cannot_be_are_refused() {
             &["mesh", "studio", "--bounds", "0.6,0.7,0.6,0.7,0.5,0.6", "-o", "hull.ply"],
             "let vhull check tell why",
         ),
-        (&["mesh", "studio", "-o", "no/such/folder/hull.ply"], "expected to write a mesh"),
+        (&["mesh", "studio", "-o", "studio/rig.toml/hull.ply"], "expected to make this folder"),
+        (&["mesh", "studio", "--frames", "7..", "-o", "hull.ply"], "found 7..\n"),
+        (&["mesh", "studio/rig.toml", "-o", "hull.ply"], "found a file; give the folder"),
+        (&["mesh", ".", "-o", "hull.ply"], "vhull convert CALIBRATION ./rig.toml"),
         (&["mesh", "absent", "-o", "hull.ply"], "expected the folder of a recording"),
     ] {
         let run = vhull(&folder, words);
@@ -126,4 +129,19 @@ fn meshes_that_cannot_be_are_refused() {
         assert!(run.error.contains(part), "{words:?}: {}", run.error);
     }
     assert!(!folder.join("hull.ply").exists());
+}
+
+#[test]
+fn the_folder_of_a_mesh_is_made_and_small_volumes_keep_their_digits() {
+    let folder = studio("mesh_small", "ball");
+    let small = vhull(&folder, &["convert", "studio", "small/rig.toml", "--unit", "0.1"]);
+    assert_eq!(small.code, 0, "a recording is converted by its rig file: {}", small.error);
+    for camera in 0..5 {
+        let [from, to] = ["studio", "small"].map(|name| folder.join(format!("{name}/cam{camera}")));
+        std::fs::rename(from, to).unwrap();
+    }
+    let run = vhull(&folder, &["mesh", "small", "--resolution", "0.002", "-o", "made/for/it/hull.ply"]);
+    assert_eq!(run.code, 0, "{}", run.error);
+    let mesh = read_ply(&folder.join("made/for/it/hull.ply"));
+    assert!(run.out.contains(&format!(", {:.1} cm3", 1e6 * mesh.volume())), "{}", run.out);
 }

@@ -1,11 +1,13 @@
 use super::{folder, studio, vhull};
-use ode_visual_hull::recording::Recording;
+use ode_visual_hull::recording::{Recording, StreamOptions};
 
 #[test]
 fn a_recording_has_images_backgrounds_and_masks() {
     let folder = studio("synth_all", "ring");
     let recording = Recording::open(folder.join("studio")).unwrap();
     assert_eq!((recording.rig().len(), recording.frames()), (5, &[0, 1, 2][..]));
+    let times = recording.frame_times(&StreamOptions::default()).unwrap();
+    assert_eq!(times, Some(vec![0.0, 0.033333, 0.066667]));
     let (images, masks) = (recording.images(2).unwrap(), recording.masks(2).unwrap());
     let plate = recording.background(4).unwrap();
     let (mut inside, mut outside) = ((0.0, 0), (0.0, 0));

@@ -8,12 +8,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A recording with masks, and the data object that takes them.
-pub struct Capture {
+pub struct RecordedHulls {
     pub recording: Recording,
     data: HullData,
 }
 
-impl Capture {
+impl RecordedHulls {
     /// Gets ready to take the masks of the recording from `dir`.
     pub fn new(recording: Recording, dir: &Path, volume: &VolumeOptions) -> Result<Self> {
         if recording.frames().is_empty() {
@@ -35,6 +35,19 @@ impl Capture {
         }
         // Frames may be asked in any order, so none has a time of its own.
         self.data.update(0.0)
+    }
+
+    /// Refuses a frame of `--frame` that has no masks.
+    pub fn check_has(&self, frame: u32) -> Result<()> {
+        let frames = self.recording.frames();
+        if frames.contains(&frame) {
+            return Ok(());
+        }
+        let (first, last) = (frames[0], frames[frames.len() - 1]);
+        Err(Error::argument(format!(
+            "--frame: expected one of the {} frames with masks from {first} to {last}, found {frame}",
+            frames.len()
+        )))
     }
 
     /// At most `most` of the frames, evenly spread, the first and the last among them.

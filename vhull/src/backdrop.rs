@@ -1,0 +1,93 @@
+//! What a camera saw while its masks were taken, for pictures to be drawn over it.
+
+use image::{DynamicImage, RgbImage};
+use ode_visual_hull::Result;
+use ode_visual_hull::recording::{Recording, StreamOptions};
+use ode_visual_hull::source::{Frame, ReadAhead, WhenFull};
+
+/// So many images are read ahead.
+const DEPTH: usize = 3;
+
+/// The images of one camera, from its folder or its video; its masks where it has no image.
+#[derive(Debug)]
+pub struct Backdrop {
+    camera: usize,
+    images: Option<Images>,
+    /// An image farther than this from the time asked for is none, in seconds.
+    within: f64,
+}
+
+/// Images in the order of time.
+#[derive(Debug)]
+struct Images {
+    stream: ReadAhead,
+    now: Frame,
+    /// The one after, where it has been read.
+    next: Option<Frame>,
+}
+
+/// A frame that has masks: its number, and when it was taken, in seconds.
+pub type Moment = (u32, f64);
+
+impl Backdrop {
+    /// What the camera at position `camera` saw from `first` on.
+    pub fn open(
+        recording: &Recording,
+        camera: usize,
+        first: Moment,
+        streaming: &StreamOptions,
+        within: f64,
+    ) -> Result<Self> {
+        let (frame, time) = first;
+        let from = |first| Images::open(recording, camera, &StreamOptions { first, ..*streaming });
+        let images = match recording.has_images_of(camera) {
+            false => None,
+            true => match from(frame)? {
+                Some(images) if images.now.time <= time => Some(images),
+                // Not every mask has an image of its number: one before may be nearer.
+                _ => from(0)?,
+            },
+        };
+        Ok(Self { camera, images, within })
+    }
+
+    /// The image taken nearest to the moment, else the mask. Moments follow one another.
+    pub fn at(&mut self, recording: &Recording, (frame, time): Moment) -> Result<RgbImage> {
+        if let Some(images) = &mut self.images {
+            let nearest = images.nearest(time)?;
+            if (nearest.time - time).abs() <= self.within {
+                return Ok(nearest.image.clone());
+            }
+        }
+        Ok(DynamicImage::from(recording.masks(frame)?.swap_remove(self.camera)).into_rgb8())
+    }
+}
+
+impl Images {
+    fn open(recording: &Recording, camera: usize, streaming: &StreamOptions) -> Result<Option<Self>> {
+        let name = recording.rig().cameras()[camera].name();
+        let source = recording.source(camera, streaming)?;
+        let mut stream = ReadAhead::spawn(name, source, DEPTH, WhenFull::Wait)?;
+        let first = stream.next().transpose()?;
+        Ok(first.map(|now| Self { stream, now, next: None }))
+    }
+
+    fn nearest(&mut self, time: f64) -> Result<&Frame> {
+        // No farther than needed: a video that ends in a fault is good before.
+        while self.now.time < time {
+            match self.next.take() {
+                Some(next) if next.time <= time => self.now = next,
+                Some(next) => {
+                    self.next = Some(next);
+                    break;
+                }
+                None => match self.stream.next().transpose()? {
+                    next @ Some(_) => self.next = next,
+                    None => break,
+                },
+            }
+        }
+        let nearest = self.next.as_ref().filter(|next| next.time - time < time - self.now.time);
+        Ok(nearest.unwrap_or(&self.now))
+    }
+}

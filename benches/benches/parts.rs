@@ -49,7 +49,7 @@ fn respond(bencher: Bencher) {
     let points = points_inside(&frame);
     let (count, points) = (ItemsCount::new(points.len()), Points::new(&points));
     let mut workspace = Workspace::new();
-    bencher.counter(count).bench_local(|| frame.sum_of_responses(&points, &mut workspace));
+    bencher.counter(count).bench_local(|| frame.rise_of_responses(&points, &mut workspace));
 }
 
 #[divan::bench(args = [EdgeModel::Pixel, EdgeModel::Coverage])]

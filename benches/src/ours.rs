@@ -2,7 +2,7 @@
 
 use crate::scene::{Bodies, Scene};
 use image::GrayImage;
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3};
 use ode_visual_hull::contact::{self, Contacts, Settings};
 use ode_visual_hull::hull::{Aabb, BodyResponse, Hull, HullData, Inside, Points, Workspace};
 use ode_visual_hull::sample::Samples;
@@ -82,10 +82,10 @@ impl Frame {
         self.0.inside_many(points, world_from_points, workspace).expect("a finite pose")
     }
 
-    /// The paper's responses of `points`, added up.
-    pub fn sum_of_responses(&self, points: &Points, workspace: &mut Workspace) -> Vector3<f32> {
+    /// How far up the paper's responses of `points` lead, added up.
+    pub fn rise_of_responses(&self, points: &Points, workspace: &mut Workspace) -> f32 {
         let responses = self.0.respond_many(points, &Isometry3::identity(), workspace);
-        responses.expect("a finite pose").iter().map(|response| response.w()).sum()
+        responses.expect("a finite pose").iter().map(|response| response.w().z).sum()
     }
 
     /// The paper's body vectors (section 5), written to `vectors`.

@@ -98,7 +98,7 @@ pub fn respond<'a>(
     race.with(format!("literal {label}"), move || {
         plain.iter().filter_map(|p| Some(literal.respond(p)?.w()[2])).sum::<f32>()
     })
-    .with(format!("ours {label}"), move || frame.sum_of_responses(&batch, &mut workspace))
+    .with(format!("ours {label}"), move || frame.rise_of_responses(&batch, &mut workspace))
 }
 
 /// `count` points at random in the hull's box.

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! [`shoot`] goes all the way. A [`Capture`] is whatever gives silhouettes in the course of time: rendered cameras or a
-//! recording. It, the simulation and the film each have steps of their own. World z is up, the floor at z = 0; metres, seconds, radians.
+//! recording. It, the simulation and the film each have steps of their own. World z is up, the floor at z = 0; metres,
+//! seconds, radians.
 
 mod capture;
 mod easel;

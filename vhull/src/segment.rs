@@ -3,6 +3,7 @@
 mod empty_room;
 mod masks;
 mod tally;
+mod times;
 
 use crate::arguments::{open_recording, parse_frames, parse_rate};
 use crate::{Outcome, progress};
@@ -33,7 +34,7 @@ use tally::Tally;
 pub struct Options {
     /// Folder of the recording.
     recording: PathBuf,
-    /// Folder to write the masks to, as a recording of its own [default: the recording].
+    /// Folder to write the masks to, as a recording of its own with their times [default: the recording].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// How to tell the subject from the room.
@@ -101,8 +102,8 @@ pub fn run(options: &Options) -> Result<Outcome> {
             "expected images or a video of every camera, found masks alone; there is nothing to segment";
         return Err(Error::file(&options.recording, problem));
     }
-    let mut masks = Masks::open(options, recording.rig())?;
     let streaming = StreamOptions { first: 0, rate: options.rate, bound: options.bound };
+    let mut masks = Masks::open(options, &recording, &streaming)?;
     let mut segmenters = segmenters(options, &recording, &streaming)?;
 
     let mut sets = recording.synchronised(&StreamOptions { first: options.frames.start, ..streaming })?;
@@ -122,7 +123,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
                 tally.kept += 1;
             } else {
                 tally.frame_at_work = Some(number);
-                masks.write(number, &segment(&mut segmenters, &set)?)?;
+                masks.write(number, set.time, &segment(&mut segmenters, &set)?)?;
                 tally.written(&set);
             }
             Ok(true)

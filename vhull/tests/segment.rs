@@ -3,7 +3,7 @@
 use image::{GrayImage, Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Camera;
-use ode_visual_hull::recording::Recording;
+use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::rig::Rig;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -134,7 +134,28 @@ fn images_and_videos_become_masks() {
     let out = folder.path("out");
     succeeds(&vhull(&dir, &["--frames", "4..", "--out", out.to_str().unwrap()]));
     assert_masks(&out, &[4, 5]);
-    assert_eq!(files(&out), ["left", "rig.toml", "right"]);
+    assert_eq!(files(&out), ["frames.csv", "left", "rig.toml", "right"]);
+}
+
+#[test]
+fn masks_in_a_folder_of_their_own_keep_their_times_where_the_recording_tells_them() {
+    let folder = Folder::new("own_times");
+    let dir = record(&folder, 4);
+    let out = folder.path("out");
+    let segment = |more: &[&str]| succeeds(&vhull(&dir, &[&["--out", out.to_str().unwrap()], more].concat()));
+    let times = || Recording::open(&out).unwrap().frame_times(&StreamOptions::default()).unwrap();
+    segment(&["--frames", "..1"]);
+    assert_eq!(times(), None, "nobody tells");
+    std::fs::write(dir.join("frames.csv"), "frame,left,right\n0,5,5\n1,5.5,5.5\n2,6.25,6.25\n3,8,8\n")
+        .unwrap();
+    segment(&["--frames", "..1", "--force"]);
+    segment(&["--frames", "..3", "--resume"]);
+    assert_eq!(times(), Some(vec![5.0, 5.5, 6.25]));
+    segment(&["--force", "--rate", "2"]);
+    assert_eq!(times(), Some(vec![0.0, 0.5, 1.0, 1.5]), "a rate goes before the table");
+    std::fs::write(out.join("frames.csv"), "frame,left,right\n0,0,0\n1,1,1\n2,2,2\n3,3,3\n").unwrap();
+    segment(&["--force"]);
+    assert_eq!(times(), Some(vec![0.0, 1.0, 2.0, 3.0]), "somebody's own table stays");
 }
 
 #[test]

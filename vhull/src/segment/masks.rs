@@ -1,8 +1,9 @@
 //! Where the masks go.
 
 use super::Options;
+use super::times::Times;
 use image::GrayImage;
-use ode_visual_hull::recording::Recording;
+use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::{Error, Result};
 use std::collections::BTreeSet;
@@ -15,6 +16,8 @@ pub struct Masks {
     recording: Option<Recording>,
     /// Frames that keep the masks they have.
     kept: BTreeSet<u32>,
+    /// Of masks that are written elsewhere, and only where the recording tells.
+    times: Option<Times>,
 }
 
 impl Masks {
@@ -22,7 +25,8 @@ impl Masks {
     ///
     /// # Errors
     /// Masks of frames that are asked for, unless the options say what to do with them.
-    pub fn open(options: &Options, rig: &Rig) -> Result<Self> {
+    pub fn open(options: &Options, images: &Recording, streaming: &StreamOptions) -> Result<Self> {
+        let rig = images.rig();
         let dir = options.out.as_ref().unwrap_or(&options.recording).clone();
         let recording = dir.exists().then(|| Recording::resume(&dir, rig)).transpose()?;
         let frames = recording.as_ref().map_or(&[][..], Recording::frames);
@@ -37,7 +41,13 @@ impl Masks {
             return Err(Error::file(dir, problem));
         }
         let kept = if options.resume { there } else { BTreeSet::new() };
-        Ok(Self { dir, rig: rig.clone(), recording, kept })
+        let times = match &options.out {
+            Some(out) if !matches!(images.frame_times(streaming), Ok(None)) => {
+                Times::open(out, options.force.then_some(&options.frames))?
+            }
+            _ => None,
+        };
+        Ok(Self { dir, rig: rig.clone(), recording, kept, times })
     }
 
     pub fn dir(&self) -> &Path {
@@ -49,11 +59,13 @@ impl Masks {
         self.kept.contains(&number)
     }
 
-    pub fn write(&mut self, number: u32, masks: &[GrayImage]) -> Result<()> {
+    /// Writes the masks of frame `number`, taken at `time` seconds.
+    pub fn write(&mut self, number: u32, time: f64, masks: &[GrayImage]) -> Result<()> {
         let recording = match &mut self.recording {
             Some(recording) => recording,
             none => none.insert(Recording::resume(&self.dir, &self.rig)?),
         };
-        recording.write_masks(number, masks)
+        recording.write_masks(number, masks)?;
+        self.times.as_mut().map_or(Ok(()), |times| times.add(number, time))
     }
 }

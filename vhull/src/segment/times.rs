@@ -1,0 +1,62 @@
+//! When masks in a folder of their own were taken: without the images nothing else there tells.
+
+use ode_visual_hull::source::frames_csv;
+use ode_visual_hull::{Error, Result};
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// The first line of what is written here. A table with other columns is somebody else's.
+const COLUMNS: &str = "frame,time";
+
+/// A table that grows by a line with each frame.
+#[derive(Debug)]
+pub struct Times {
+    path: PathBuf,
+    is_new: bool,
+}
+
+impl Times {
+    /// That of the masks in `dir`, without what it says of the frames `anew`; `None` where somebody else's is there.
+    ///
+    /// # Errors
+    /// A table that can be neither read nor written.
+    pub fn open(dir: &Path, anew: Option<&Range<u32>>) -> Result<Option<Self>> {
+        let path = dir.join(frames_csv::NAME);
+        let text = match std::fs::read_to_string(&path) {
+            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Some(Self { path, is_new: true })),
+            text => text.map_err(|e| {
+                Error::file(&path, format!("expected the masks' times, found: {e}; move it away"))
+            })?,
+        };
+        if text.lines().next() != Some(COLUMNS) {
+            return Ok(None);
+        }
+        let frame = |line: &str| line.split(',').next().and_then(|frame| frame.parse::<u32>().ok());
+        let stays =
+            |line: &&str| !frame(line).is_some_and(|frame| anew.is_some_and(|anew| anew.contains(&frame)));
+        let kept: String = text.lines().filter(stays).map(|line| format!("{line}\n")).collect();
+        if kept != text {
+            std::fs::write(&path, kept).map_err(|e| not_written(&path, &e))?;
+        }
+        Ok(Some(Self { path, is_new: false }))
+    }
+
+    /// Adds a frame, taken at `time` seconds.
+    pub fn add(&mut self, frame: u32, time: f64) -> Result<()> {
+        let heading = if self.is_new { format!("{COLUMNS}\n") } else { String::new() };
+        let file = OpenOptions::new().create(true).append(true).open(&self.path);
+        file.and_then(|mut file| file.write_all(format!("{heading}{frame},{time:.6}\n").as_bytes()))
+            .map_err(|e| not_written(&self.path, &e))?;
+        self.is_new = false;
+        Ok(())
+    }
+}
+
+fn not_written(path: &Path, e: &std::io::Error) -> Error {
+    Error::file(
+        path,
+        format!("expected to write the masks' times, found: {e}; make room, or choose another --out"),
+    )
+}

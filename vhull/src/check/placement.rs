@@ -63,7 +63,8 @@ fn volume(rig: &Rig, options: &Options, report: &mut Report) -> Result<bool> {
     println!("work volume {} to {}", place(&volume.min), place(&volume.max));
     let shares = rig.coverage(&volume, FINENESS);
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    let counted = shares.iter().enumerate().filter(|(_, share)| **share > 0.0);
+    // What would read "0 %" is left out.
+    let counted = shares.iter().enumerate().filter(|(_, share)| **share >= 0.005);
     let counted: Vec<_> = counted.map(|(n, &share)| format!("{} by {n}", percent(share))).collect();
     println!("  seen by so many cameras: {}", counted.join(", "));
     let of: Vec<f64> = rig.cameras().iter().map(|c| Rig::coverage_of(c, &volume, FINENESS)).collect();

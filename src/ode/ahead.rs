@@ -24,7 +24,7 @@ use ode_sys::{
     dTriMeshClass,
 };
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Steps in which nothing is asked ahead after most answers went unused: somebody moves bodies between questions.
 const REST: u32 = 16;
@@ -77,6 +77,7 @@ pub(super) struct Ahead {
     /// Steps in which nothing is asked ahead.
     rest: u32,
     /// Memory.
+    met: Vec<usize>,
     bodies: Vec<Body<'static>>,
 }
 
@@ -99,8 +100,10 @@ impl Question {
 /// # Safety
 /// The other geom of `meeting` is living, and nobody changes the space that it is in.
 pub(super) unsafe fn answer(meeting: &Meeting, question: Question, contacts: &mut Contacts) {
-    // No lock is held while ODE is called. Another thread that asks meanwhile begins anew.
-    let mut ahead = lock(&meeting.geom.ahead).take().unwrap_or_default();
+    // No lock is held while ODE is called: another thread that asks meanwhile asks for its body alone.
+    let Some(mut ahead) = lock(&meeting.geom.ahead).take() else {
+        return answer_alone(meeting, &question, contacts);
+    };
     if !ahead.hand_out(&question, contacts) {
         // SAFETY: the caller vouches for the geom.
         let space = unsafe { dGeomGetSpace(meeting.other) };
@@ -109,11 +112,15 @@ pub(super) unsafe fn answer(meeting: &Meeting, question: Question, contacts: &mu
             unsafe { ahead.look_through(space, meeting, &question) };
             ahead.hand_out(&question, contacts);
         } else {
-            let body = [question.body()];
-            contact::collide_into(std::slice::from_mut(contacts), meeting.hull, &body, &question.settings);
+            answer_alone(meeting, &question, contacts);
         }
     }
     *lock(&meeting.geom.ahead) = Some(ahead);
+}
+
+fn answer_alone(meeting: &Meeting, question: &Question, contacts: &mut Contacts) {
+    let contacts = std::slice::from_mut(contacts);
+    contact::collide_into(contacts, meeting.hull, &[question.body()], &question.settings);
 }
 
 impl Ahead {
@@ -167,14 +174,14 @@ impl Ahead {
     unsafe fn look_through(&mut self, space: dSpaceID, meeting: &Meeting, question: &Question) {
         let first = self.questions.len();
         self.questions.push(question.clone());
-        // SAFETY: the caller vouches for the space, and all geoms in it are living.
-        unsafe {
-            for_each_geom(space, |geom| {
-                let address = geom as usize;
-                if self.expected.contains_key(&address) && !self.asked.contains_key(&address) {
-                    self.questions.extend(question_of(geom, meeting, question));
-                }
-            });
+        self.met.clear();
+        // SAFETY: the caller vouches for the space.
+        unsafe { meet(space, &mut self.met) };
+        for &address in &self.met {
+            if self.expected.contains_key(&address) && !self.asked.contains_key(&address) {
+                // SAFETY: the geom is in the space, and so it is living.
+                self.questions.extend(unsafe { question_of(address as dGeomID, meeting, question) });
+            }
         }
         for (place, question) in self.questions.iter().enumerate().skip(first) {
             self.places.insert(question.other, place);
@@ -223,15 +230,19 @@ unsafe fn question_of(geom: dGeomID, meeting: &Meeting, question: &Question) -> 
     })
 }
 
-/// Shows all geoms of `space`, but none of a quadtree, which ODE 0.16 cannot enumerate.
+/// Adds the addresses of all geoms in `space`, but of none in a quadtree, which ODE 0.16 cannot enumerate.
 ///
 /// # Safety
 /// `space` is living, and nobody changes it.
-unsafe fn for_each_geom(space: dSpaceID, mut visit: impl FnMut(dGeomID)) {
+unsafe fn meet(space: dSpaceID, addresses: &mut Vec<usize>) {
+    // A space remembers which geom it was asked for last, and threads may collide pairs of one space side by side.
+    static ENUMERATION: Mutex<()> = Mutex::new(());
+    let _one_at_a_time = lock(&ENUMERATION);
     // SAFETY: the caller vouches for the space, which is a geom.
     unsafe {
         if dGeomGetClass(space.cast()) != dQuadTreeSpaceClass as i32 {
-            (0..dSpaceGetNumGeoms(space)).for_each(|k| visit(dSpaceGetGeom(space, k)));
+            let geom = |k| dSpaceGetGeom(space, k) as usize;
+            addresses.extend((0..dSpaceGetNumGeoms(space)).map(geom));
         }
     }
 }

@@ -95,7 +95,7 @@ impl HullGeom {
             clock: 0,
             trouble: None,
         };
-        Self { state: Mutex::new(state), ahead: Mutex::default() }
+        Self { state: Mutex::new(state), ahead: Mutex::new(Some(Box::default())) }
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

@@ -12,8 +12,9 @@
 //! Geoms are remembered by their addresses, which are compared and never followed: those to ask for ahead are met in
 //! the space that ODE is colliding.
 
-use super::hull_geom::HullGeom;
+use super::hull_geom::{Collidable, HullGeom};
 use super::{body_samples, convert};
+use crate::Result;
 use crate::contact::{self, Body, Contacts, Settings};
 use crate::hull::Hull;
 use crate::lock::lock;
@@ -51,13 +52,11 @@ pub(super) struct Moment {
     pub(super) hull_from_other: Isometry3<f64>,
 }
 
-/// A hull geom and another that ODE asks for.
-pub(super) struct Meeting<'a> {
+/// What is in force in a hull geom while ODE asks it.
+pub(super) struct InForce<'a> {
     pub(super) geom: &'a HullGeom,
-    pub(super) hull: &'a Hull,
-    pub(super) other: dGeomID,
+    pub(super) now: &'a Collidable,
     pub(super) hull_from_world: &'a Isometry3<f64>,
-    pub(super) min_feature: f64,
 }
 
 /// The answers that wait for their questions.
@@ -82,6 +81,29 @@ pub(super) struct Ahead {
 }
 
 impl Question {
+    /// That for the contacts of `geom`; `None` for a class that has no surface, and in a pose that is not finite.
+    ///
+    /// # Errors
+    /// A shape that cannot be sampled.
+    ///
+    /// # Safety
+    /// `geom` is living.
+    pub(super) unsafe fn of(geom: dGeomID, in_force: &InForce) -> Result<Option<Self>> {
+        let Collidable { settings, min_feature, adopted, .. } = *in_force.now;
+        // SAFETY: the caller vouches for the geom.
+        let world_from_geom = unsafe { convert::any_pose(geom) };
+        let hull_from_other = in_force.hull_from_world * world_from_geom;
+        if !hull_from_other.to_homogeneous().iter().all(|x| x.is_finite()) {
+            return Ok(None);
+        }
+        // SAFETY: as above; the pose is the geom's.
+        let samples = unsafe { body_samples::of(geom, &world_from_geom, min_feature)? };
+        let (other, when) = (geom as usize, Moment { frame: adopted, hull_from_other });
+        let question =
+            |samples| Self { other, samples, when, settings, last_escape: in_force.geom.last_escape(other) };
+        Ok(samples.map(question))
+    }
+
     fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.samples, &other.samples)
             && self.when == other.when
@@ -95,32 +117,31 @@ impl Question {
     }
 }
 
-/// Writes the answer to `question` to `contacts`.
+/// Writes the answer to `question`, which is of `other`, to `contacts`.
 ///
 /// # Safety
-/// The other geom of `meeting` is living, and nobody changes the space that it is in.
-pub(super) unsafe fn answer(meeting: &Meeting, question: Question, contacts: &mut Contacts) {
+/// `other` is living, and nobody changes the space that it is in.
+pub(super) unsafe fn answer(in_force: &InForce, other: dGeomID, question: Question, contacts: &mut Contacts) {
     // No lock is held while ODE is called: another thread that asks meanwhile asks for its body alone.
-    let Some(mut ahead) = lock(&meeting.geom.ahead).take() else {
-        return answer_alone(meeting, &question, contacts);
+    let Some(mut ahead) = lock(&in_force.geom.ahead).take() else {
+        return answer_alone(&in_force.now.hull, &question, contacts);
     };
     if !ahead.hand_out(&question, contacts) {
         // SAFETY: the caller vouches for the geom.
-        let space = unsafe { dGeomGetSpace(meeting.other) };
+        let space = unsafe { dGeomGetSpace(other) };
         if ahead.expects(&question, space) {
             // SAFETY: the caller vouches for the space.
-            unsafe { ahead.look_through(space, meeting, &question) };
+            unsafe { ahead.look_through(space, in_force, &question) };
             ahead.hand_out(&question, contacts);
         } else {
-            answer_alone(meeting, &question, contacts);
+            answer_alone(&in_force.now.hull, &question, contacts);
         }
     }
-    *lock(&meeting.geom.ahead) = Some(ahead);
+    *lock(&in_force.geom.ahead) = Some(ahead);
 }
 
-fn answer_alone(meeting: &Meeting, question: &Question, contacts: &mut Contacts) {
-    let contacts = std::slice::from_mut(contacts);
-    contact::collide_into(contacts, meeting.hull, &[question.body()], &question.settings);
+fn answer_alone(hull: &Hull, question: &Question, contacts: &mut Contacts) {
+    contact::collide_into(std::slice::from_mut(contacts), hull, &[question.body()], &question.settings);
 }
 
 impl Ahead {
@@ -168,10 +189,11 @@ impl Ahead {
     }
 
     /// Answers the question, together with those of all geoms in `space` that are expected and were not asked for yet.
+    /// What cannot be sampled says so once it is asked for itself.
     ///
     /// # Safety
     /// `space` is living, and nobody changes it.
-    unsafe fn look_through(&mut self, space: dSpaceID, meeting: &Meeting, question: &Question) {
+    unsafe fn look_through(&mut self, space: dSpaceID, in_force: &InForce, question: &Question) {
         let first = self.questions.len();
         self.questions.push(question.clone());
         self.met.clear();
@@ -179,14 +201,20 @@ impl Ahead {
         unsafe { meet(space, &mut self.met) };
         for &address in &self.met {
             if self.expected.contains_key(&address) && !self.asked.contains_key(&address) {
+                let geom = address as dGeomID;
                 // SAFETY: the geom is in the space, and so it is living.
-                self.questions.extend(unsafe { question_of(address as dGeomID, meeting, question) });
+                unsafe {
+                    // All triangles of a mesh would be read twice.
+                    if dGeomGetClass(geom) != dTriMeshClass as i32 {
+                        self.questions.extend(Question::of(geom, in_force).ok().flatten());
+                    }
+                }
             }
         }
         for (place, question) in self.questions.iter().enumerate().skip(first) {
             self.places.insert(question.other, place);
         }
-        self.find_answers(first, meeting.hull, &question.settings);
+        self.find_answers(first, &in_force.now.hull, &question.settings);
     }
 
     /// Answers the questions from place `first` on.
@@ -202,32 +230,6 @@ impl Ahead {
         list.clear();
         *bodies = list.into_iter().map(|_| unreachable!("it was cleared")).collect();
     }
-}
-
-/// What will be asked for `geom`, were it asked as in `question`; `None` for what cannot be sampled, which says so
-/// once it is asked, and for meshes, whose triangles would all be read twice.
-///
-/// # Safety
-/// `geom` is living.
-unsafe fn question_of(geom: dGeomID, meeting: &Meeting, question: &Question) -> Option<Question> {
-    // SAFETY: the caller vouches for the geom, of which the pose is its own.
-    let (world_from_geom, samples) = unsafe {
-        if dGeomGetClass(geom) == dTriMeshClass as i32 {
-            return None;
-        }
-        let pose = convert::any_pose(geom);
-        (pose, body_samples::of(geom, &pose, meeting.min_feature).ok()??)
-    };
-    let hull_from_other = meeting.hull_from_world * world_from_geom;
-    let is_finite = hull_from_other.to_homogeneous().iter().all(|x| x.is_finite());
-    let other = geom as usize;
-    is_finite.then(|| Question {
-        other,
-        samples,
-        when: Moment { hull_from_other, ..question.when },
-        settings: question.settings,
-        last_escape: meeting.geom.last_escape(other),
-    })
 }
 
 /// Adds the addresses of all geoms in `space`, but of none in a quadtree, which ODE 0.16 cannot enumerate.

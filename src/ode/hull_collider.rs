@@ -1,10 +1,10 @@
 //! The collider of the class: a hull against a body's samples, and against a ray.
 
-use super::ahead::{self, Meeting, Moment, Question};
-use super::hull_geom::{Collidable, HullGeom};
-use super::{body_samples, convert, hull_class, hull_geom};
+use super::ahead::{self, InForce, Question};
+use super::hull_geom::HullGeom;
+use super::{convert, hull_class, hull_geom};
 use crate::camera::Ray;
-use crate::contact::{self, Contact, Contacts, Settings};
+use crate::contact::{self, Contact, Contacts};
 use crate::hull::Hull;
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{
@@ -35,42 +35,31 @@ pub(super) unsafe fn collide_body(
     skip: c_int,
 ) -> c_int {
     // SAFETY: the caller vouches for both geoms.
-    let (geom, hull_from_world, world_from_other) = unsafe {
+    let (geom, hull_from_world) = unsafe {
         let Some(geom) = hull_class::data(hull) else { return 0 };
-        (geom, hull_geom::pose(hull).inverse(), convert::any_pose(other))
+        (geom, hull_geom::pose(hull).inverse())
     };
-    let Some(collidable) = geom.begin(other as usize) else { return 0 };
-    let hull_from_other = hull_from_world * world_from_other;
-    if !hull_from_other.to_homogeneous().iter().all(|x| x.is_finite()) {
-        return 0;
-    }
-    // SAFETY: as above; `world_from_other` is the geom's pose.
-    let samples = unsafe { body_samples::of(other, &world_from_other, collidable.min_feature) };
-    let samples = match samples {
-        Ok(Some(samples)) => samples,
+    let Some(mut now) = geom.begin() else { return 0 };
+    let flags = flags as u32;
+    now.settings.max_contacts = now.settings.max_contacts.min((flags & ROOM) as usize);
+    let in_force = InForce { geom, now: &now, hull_from_world: &hull_from_world };
+    // SAFETY: as above.
+    let question = match unsafe { Question::of(other, &in_force) } {
+        Ok(Some(question)) => question,
         Ok(None) => return 0,
         Err(error) => {
             geom.report(error);
             return 0;
         }
     };
-    let flags = flags as u32;
-    let room = (flags & ROOM) as usize;
-    let settings =
-        Settings { max_contacts: collidable.settings.max_contacts.min(room), ..collidable.settings };
-    let frame: &Hull = &collidable.hull;
-    let mut found = SPARE.take();
+    let (hull_from_other, mut found) = (question.when.hull_from_other, SPARE.take());
     if flags & CONTACTS_UNIMPORTANT != 0 {
-        contact::collide_any_into(&mut found, frame, &samples, &hull_from_other, &settings);
+        contact::collide_any_into(&mut found, &now.hull, &question.samples, &hull_from_other, &now.settings);
     } else {
-        let Collidable { min_feature, last_escape, adopted, .. } = collidable;
-        let when = Moment { frame: adopted, hull_from_other };
-        let question = Question { other: other as usize, samples, when, settings, last_escape };
-        let meeting = Meeting { geom, hull: frame, other, hull_from_world: &hull_from_world, min_feature };
         // SAFETY: the caller vouches for the geoms, and ODE for those in the spaces that it collides.
         unsafe {
-            ahead::answer(&meeting, question, &mut found);
-            wake(geom, other, &collidable, &found, &hull_from_other);
+            ahead::answer(&in_force, other, question, &mut found);
+            wake(geom, other, &now.hull, &found, &hull_from_other);
         }
     }
     let world_from_hull = hull_from_world.inverse();
@@ -93,7 +82,7 @@ pub(super) unsafe fn collide_body(
 unsafe fn wake(
     geom: &HullGeom,
     other: dGeomID,
-    collidable: &Collidable,
+    frame: &Hull,
     found: &contact::Contacts,
     hull_from_other: &Isometry3<f64>,
 ) {
@@ -102,7 +91,7 @@ unsafe fn wake(
     // SAFETY: as above.
     let asleep = !body.is_null() && unsafe { dBodyIsEnabled(body) } == 0;
     let depth = found.contacts.iter().map(|contact| contact.depth).reduce(f64::max);
-    let pixel = collidable.hull.pixel_size(&Point3::from(hull_from_other.translation.vector));
+    let pixel = frame.pixel_size(&Point3::from(hull_from_other.translation.vector));
     if geom.finish(other as usize, asleep, depth, found.escape, pixel) {
         // SAFETY: as above; it sets flags of the body and touches no space.
         unsafe { dBodyEnable(body) };

@@ -76,7 +76,6 @@ pub(super) struct Collidable {
     pub(super) hull: Arc<Hull>,
     pub(super) settings: Settings,
     pub(super) min_feature: f64,
-    pub(super) last_escape: Option<Vector3<f64>>,
     /// How many frames were taken up: tells this one from others.
     pub(super) adopted: u64,
 }
@@ -176,19 +175,19 @@ impl HullGeom {
         [aabb.min.x, aabb.max.x, aabb.min.y, aabb.max.y, aabb.min.z, aabb.max.z]
     }
 
-    /// What is needed to collide with the geom at address `other`; `None` before the first frame.
-    pub(super) fn begin(&self, other: usize) -> Option<Collidable> {
+    /// What is needed to collide once; `None` before the first frame.
+    pub(super) fn begin(&self) -> Option<Collidable> {
         let mut state = self.lock();
         state.served = true;
         state.clock += 1;
         let hull = state.hull.clone()?;
         let State { settings, min_feature, adopted, .. } = *state;
-        Some(Collidable { hull, settings, min_feature, last_escape: state.last_escape(other), adopted })
+        Some(Collidable { hull, settings, min_feature, adopted })
     }
 
     /// The escape direction chosen last for the geom at address `other`, in the hull's frame.
     pub(super) fn last_escape(&self, other: usize) -> Option<Vector3<f64>> {
-        self.lock().last_escape(other)
+        self.lock().touches.get(&other)?.escape
     }
 
     /// Notes how the geom at `other` met the hull. True where its body is asleep and should wake: the hull's surface
@@ -228,10 +227,6 @@ impl HullGeom {
 }
 
 impl State {
-    fn last_escape(&self, other: usize) -> Option<Vector3<f64>> {
-        self.touches.get(&other)?.escape
-    }
-
     fn aabb(&self) -> Aabb {
         self.hull.as_ref().map_or(Aabb::EMPTY, |hull| *hull.aabb())
     }

@@ -13,7 +13,6 @@ use ode_sys::{dAllocateMaskAll, dAllocateODEDataForThread, dCollide, dContactGeo
 struct Flight {
     world: World,
     data: Arc<HullData>,
-    moments: Vec<Vec<image::GrayImage>>,
     hull: GeomId,
     flyers: Vec<(BodyId, GeomId)>,
 }
@@ -24,20 +23,13 @@ impl Flight {
         let cameras =
             layout::staggered(5, 3.2, &[0.3, 1.5, 0.8], point![0.0, 0.0, 0.95], (320, 240), 1.1).unwrap();
         let data = Arc::new(HullData::new());
-        for camera in &cameras {
-            data.add_view(camera.clone()).unwrap();
-        }
+        data.add_views(&cameras).unwrap();
         data.set_bounds(Aabb::new(point![-1.0, -1.0, -0.1], point![1.0, 1.0, 2.0]).unwrap()).unwrap();
-        let masks = |time: f64| -> Vec<_> {
-            let person = Subject::person_at(time);
-            cameras.iter().map(|camera| silhouette(camera, &person)).collect()
-        };
-        let moments: Vec<_> = [0.0, 0.1, 0.2].map(masks).into();
         let mut world = World::new(&Ode::init().unwrap()).unwrap();
         let root = world.root_space();
         let hull = world.add_hull(root, &data).unwrap();
         let space = kind.map_or(root, |kind| world.add_space(root, kind).unwrap());
-        let mut flight = Self { world, data, moments, hull, flyers: Vec::new() };
+        let mut flight = Self { world, data, hull, flyers: Vec::new() };
         shapes().iter().cycle().take(18).for_each(|shape| flight.add(space, shape));
         flight
     }
@@ -49,8 +41,10 @@ impl Flight {
     }
 
     fn show(&self, step: usize) {
-        for (view, mask) in self.moments[step % self.moments.len()].iter().enumerate() {
-            self.data.set_mask(view, mask).unwrap();
+        let person = Subject::person_at(0.1 * (step % 3) as f64);
+        for view in 0..self.data.view_count() {
+            let camera = self.data.camera(view).unwrap();
+            self.data.set_mask(view, &silhouette(&camera, &person)).unwrap();
         }
         self.data.update(step as f64 / 30.0).unwrap();
     }

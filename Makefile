@@ -38,8 +38,9 @@ test: setup ## formatting, lints, documentation and all tests
 	tests/thread_sanitizer.sh
 	tests/ode_demos.sh
 
-figures: setup ## measures every quality figure: a table, and target/figures.json
+figures: setup ## measures every quality figure: tables, and target/figures.json
 	cargo run --release --example figures
+	cargo run --release --package ode-visual-hull-bench -- --only segmentation
 
 bench: setup ## the library beside the paper's algorithm and rebuilt meshes: docs/performance.md, and target/figures.json
 	cargo run --release --package ode-visual-hull-bench

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use nalgebra::Point3;
-use ode_visual_hull::hull::{Aabb, Unseen};
+use ode_visual_hull::hull::{Aabb, HullData, Unseen};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::{Calibration, Hints, Rig};
 use ode_visual_hull::{Error, Result, Untold};
@@ -92,6 +92,13 @@ impl VolumeOptions {
     /// The work volume: as given, else as the cameras stand.
     pub fn of(&self, rig: &Rig) -> Result<Aabb> {
         self.bounds.map_or_else(|| rig.work_volume(), Ok)
+    }
+
+    /// Gives the cameras and the work volume to `data`.
+    pub fn prepare(&self, data: &HullData, rig: &Rig) -> Result<()> {
+        data.add_views(rig.cameras())?;
+        data.set_unseen(self.unseen.into())?;
+        data.set_bounds(self.of(rig)?)
     }
 }
 

@@ -12,6 +12,7 @@ mod recorded_hulls;
 mod run;
 mod segment;
 mod synth;
+mod times;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -17,14 +17,14 @@ impl RecordedHulls {
     /// Gets ready to take the masks of the recording from `dir`.
     pub fn new(recording: Recording, dir: &Path, volume: &VolumeOptions) -> Result<Self> {
         if recording.frames().is_empty() {
-            let problem = "expected masks, found images alone; segment them into <camera>/mask/000000.png \
-                           first (vhull segment)";
+            let problem = format!(
+                "expected masks, found images alone; make them first: vhull segment {}",
+                dir.display()
+            );
             return Err(Error::file(dir, problem));
         }
         let data = HullData::new();
-        data.add_views(recording.rig().cameras())?;
-        data.set_unseen(volume.unseen.into())?;
-        data.set_bounds(volume.of(recording.rig())?)?;
+        volume.prepare(&data, recording.rig())?;
         Ok(Self { recording, data })
     }
 
@@ -53,9 +53,12 @@ impl RecordedHulls {
     /// At most `most` of the frames, evenly spread, the first and the last among them.
     pub fn spread(&self, most: usize) -> Vec<u32> {
         let frames = self.recording.frames();
-        let count = frames.len().min(most);
-        (0..count)
-            .map(|k| frames[if count == 1 { 0 } else { k * (frames.len() - 1) / (count - 1) }])
-            .collect()
+        spread(frames.len(), most).map(|k| frames[k]).collect()
     }
+}
+
+/// At most `most` of `count` positions, evenly spread, the first and the last among them.
+pub fn spread(count: usize, most: usize) -> impl Iterator<Item = usize> {
+    let chosen = count.min(most);
+    (0..chosen).map(move |k| k * (count - 1) / (chosen - 1).max(1))
 }

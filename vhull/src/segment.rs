@@ -3,7 +3,6 @@
 mod empty_room;
 mod masks;
 mod tally;
-mod times;
 
 use crate::arguments::{open_recording, parse_frames, parse_rate};
 use crate::{Outcome, progress};

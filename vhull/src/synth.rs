@@ -3,12 +3,12 @@
 use crate::Outcome;
 use crate::arguments::parse_size;
 use crate::progress;
+use crate::times::Times;
 use clap::ValueEnum;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
-use ode_visual_hull::source::frames_csv;
 use ode_visual_hull::synthetic::{
     Paint, Placed, Room, Scene, Solid, Subject, add_noise, clean_plate, coverage, layout, render_over,
 };
@@ -90,6 +90,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
         Ok(image)
     };
     recording.write_backgrounds(&plates.iter().map(&mut expose).collect::<Result<Vec<_>>>()?)?;
+    let mut times = Times::open(&options.dir, None)?;
     let bar = progress::bar(options.frames as usize, "frames");
     for frame in 0..options.frames {
         let scene = Scene { subject: subject(options.subject, f64::from(frame) / RATE)?, room: room.clone() };
@@ -101,21 +102,14 @@ pub fn run(options: &Options) -> Result<Outcome> {
             let masks: Vec<_> = rig.cameras().iter().map(|camera| coverage(camera, &scene.subject)).collect();
             recording.write_masks(frame, &masks)?;
         }
+        if let Some(times) = &mut times {
+            times.add(frame, f64::from(frame) / RATE)?;
+        }
         bar.inc(1);
     }
     bar.finish_and_clear();
-    write_times(options)?;
     println!("{} frames of {} cameras in {}", options.frames, rig.len(), options.dir.display());
     Ok(Outcome::Done)
-}
-
-/// Says when the images were taken.
-fn write_times(options: &Options) -> Result<()> {
-    let line = |frame: u32| format!("{frame},{:.6}\n", f64::from(frame) / RATE);
-    let text = format!("frame,time\n{}", (0..options.frames).map(line).collect::<String>());
-    let path = options.dir.join(frames_csv::NAME);
-    std::fs::write(&path, text)
-        .map_err(|e| Error::file(path, format!("expected to write the images' times, found: {e}")))
 }
 
 fn cameras(options: &Options) -> Result<Vec<Camera>> {

@@ -5,6 +5,7 @@ use super::timeline::Timeline;
 use crate::arguments::{open_recording, shown_frames};
 use crate::backdrop::{Backdrop, Moment};
 use crate::clock::Clock;
+use crate::recorded_hulls::{RecordedHulls, spread};
 use image::RgbImage;
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
@@ -46,14 +47,16 @@ impl Playback {
         let dir = &options.recording;
         let recording = open_recording(dir)?;
         let clock = Clock::of(&recording, options.rate)?;
-        let frames = frames_of(&recording, &clock, dir, options)?;
-        prepare(data, &recording, options)?;
-        let survey = survey(&recording, &frames, options)?;
+        options.volume.prepare(data, recording.rig())?;
+        let recorded = RecordedHulls::new(recording, dir, &options.volume)?;
+        let frames = frames_of(&recorded.recording, &clock, options)?;
+        let surveyed = spread(frames.len(), SURVEYED);
+        let survey = surveyed.map(|k| recorded.hull(frames[k].0)).collect::<Result<Vec<_>>>()?;
         check_hull(dir, frames[0].0, &survey[0])?;
         let times: Vec<f64> = frames.iter().map(|&(_, time)| time).collect();
         let shown = survey.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
         let mut playback = Self {
-            recording,
+            recording: recorded.recording,
             clock,
             frames,
             timeline: Timeline::new(&times, options.hold, options.linger),
@@ -100,13 +103,9 @@ impl Playback {
 }
 
 /// The recorded frames to play; at least one.
-fn frames_of(recording: &Recording, clock: &Clock, dir: &Path, options: &Options) -> Result<Vec<Moment>> {
+fn frames_of(recording: &Recording, clock: &Clock, options: &Options) -> Result<Vec<Moment>> {
     let all = recording.frames();
-    let (Some(first), Some(last)) = (all.first(), all.last()) else {
-        let problem =
-            format!("expected masks, found images alone; make them first: vhull segment {}", dir.display());
-        return Err(Error::file(dir, problem));
-    };
+    let (first, last) = (all[0], all[all.len() - 1]);
     let wanted = options.frames.clone().unwrap_or(0..u32::MAX);
     let moments = all.iter().copied().zip(clock.times.iter().copied());
     let frames: Vec<Moment> = moments.filter(|(frame, _)| wanted.contains(frame)).collect();
@@ -117,31 +116,6 @@ fn frames_of(recording: &Recording, clock: &Clock, dir: &Path, options: &Options
         )));
     }
     Ok(frames)
-}
-
-/// Adds the recording's cameras and the work volume.
-fn prepare(data: &HullData, recording: &Recording, options: &Options) -> Result<()> {
-    for camera in recording.rig().cameras() {
-        data.add_view(camera.clone())?;
-    }
-    data.set_unseen(options.volume.unseen.into())?;
-    data.set_bounds(options.volume.of(recording.rig())?)
-}
-
-/// The hulls of frames all over the recording, the first one's first.
-fn survey(recording: &Recording, frames: &[Moment], options: &Options) -> Result<Vec<Arc<Hull>>> {
-    let count = frames.len().min(SURVEYED);
-    let chosen = (0..count).map(|i| frames[i * (frames.len() - 1) / count.saturating_sub(1).max(1)]);
-    let hull = |(frame, _): Moment| {
-        let data = HullData::new();
-        prepare(&data, recording, options)?;
-        for (view, mask) in recording.masks(frame)?.iter().enumerate() {
-            data.set_mask(view, mask)?;
-        }
-        data.update(0.0)?;
-        data.latest().map(|(_, hull)| hull).ok_or_else(|| Error::argument("expected a frame, found none"))
-    };
-    chosen.map(hull).collect()
 }
 
 fn check_hull(dir: &Path, frame: u32, hull: &Hull) -> Result<()> {

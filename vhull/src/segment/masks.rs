@@ -1,7 +1,7 @@
 //! Where the masks go.
 
 use super::Options;
-use super::times::Times;
+use crate::times::Times;
 use image::GrayImage;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::rig::Rig;
@@ -16,7 +16,7 @@ pub struct Masks {
     recording: Option<Recording>,
     /// Frames that keep the masks they have.
     kept: BTreeSet<u32>,
-    /// Of masks that are written elsewhere, and only where the recording tells.
+    /// Of masks that are written elsewhere, where nothing else tells; only where the recording does.
     times: Option<Times>,
 }
 

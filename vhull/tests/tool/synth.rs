@@ -49,7 +49,7 @@ fn the_same_seed_gives_the_same_recording_and_masks_are_left_out_on_demand() {
     assert_ne!(file("a"), file("c"));
     assert!(Recording::open(folder.join("a")).unwrap().frames().is_empty());
     let run = vhull(&folder, &["check", "a"]);
-    assert!(run.code == 1 && run.error.contains("segment them"), "{}", run.error);
+    assert!(run.code == 1 && run.error.contains("make them first: vhull segment a"), "{}", run.error);
 }
 
 #[test]

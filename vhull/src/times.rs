@@ -1,4 +1,4 @@
-//! When masks in a folder of their own were taken: without the images nothing else there tells.
+//! When the frames of a recording were taken, written beside them.
 
 use ode_visual_hull::source::frames_csv;
 use ode_visual_hull::{Error, Result};
@@ -18,7 +18,7 @@ pub struct Times {
 }
 
 impl Times {
-    /// That of the masks in `dir`, without what it says of the frames `anew`; `None` where somebody else's is there.
+    /// That of the recording in `dir`, without what it says of the frames `anew`; `None` where somebody else's is there.
     ///
     /// # Errors
     /// A table that can be neither read nor written.
@@ -27,7 +27,7 @@ impl Times {
         let text = match std::fs::read_to_string(&path) {
             Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Some(Self { path, is_new: true })),
             text => text.map_err(|e| {
-                Error::file(&path, format!("expected the masks' times, found: {e}; move it away"))
+                Error::file(&path, format!("expected the frames' times, found: {e}; move it away"))
             })?,
         };
         if text.lines().next() != Some(COLUMNS) {
@@ -57,6 +57,6 @@ impl Times {
 fn not_written(path: &Path, e: &std::io::Error) -> Error {
     Error::file(
         path,
-        format!("expected to write the masks' times, found: {e}; make room, or choose another --out"),
+        format!("expected to write the frames' times, found: {e}; make room, or choose another folder"),
     )
 }

@@ -15,6 +15,7 @@
 
 pub mod carve;
 pub mod literal;
+pub mod masks;
 pub mod nets;
 pub mod ode;
 pub mod ours;

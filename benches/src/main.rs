@@ -14,6 +14,7 @@ mod peers;
 mod plot;
 mod points;
 mod prepare;
+mod real_cameras;
 #[path = "../../examples/figures/report.rs"]
 mod report;
 mod scaling;
@@ -32,10 +33,11 @@ use survey::Survey;
 type Measure = fn(&mut Survey);
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 9] = [
+const GROUPS: [(&str, Measure); 10] = [
     ("points", points::measure),
     ("segmentation", segmentation::measure),
     ("prepare", prepare::measure),
+    ("real_cameras", real_cameras::measure),
     ("frames", frames::measure),
     ("contacts", contacts::measure),
     ("peers", peers::measure),

@@ -4,7 +4,7 @@ use crate::scene::{Bodies, Scene};
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3};
 use ode_visual_hull::contact::{self, Contacts, Settings};
-use ode_visual_hull::hull::{Aabb, BodyResponse, Hull, HullData, Inside, Points, Workspace};
+use ode_visual_hull::hull::{Aabb, BodyResponse, Hull, HullData, Inside, Points, Unseen, Workspace};
 use ode_visual_hull::sample::Samples;
 use std::cell::Cell;
 use std::sync::Arc;
@@ -28,6 +28,13 @@ impl Rig {
         }
         data.set_bounds(scene.bounds).expect("a volume");
         Self { data, time: Cell::new(0.0) }
+    }
+
+    /// A rig whose views abstain where they do not see a point.
+    pub fn abstaining(scene: &Scene) -> Self {
+        let rig = Self::new(scene);
+        rig.data.set_unseen(Unseen::ABSTAIN).expect("a policy that needs two views");
+        rig
     }
 
     /// Masks in, a frame out: all that has to be done before the first query.
@@ -102,6 +109,13 @@ impl Frame {
     ) {
         let bodies: Vec<_> = boxes.poses.iter().map(|pose| (&boxes.points, *pose)).collect();
         self.0.respond_bodies(&bodies, workspaces, vectors).expect("finite poses");
+    }
+
+    /// The paper's body vectors by the function that answers the C face, written to `vectors`.
+    pub fn body_responses(&self, boxes: &Boxes, vectors: &mut Vec<contact::BodyResponse>) {
+        let response = |pose| contact::body_response(&self.0, &boxes.samples, pose);
+        vectors.clear();
+        vectors.extend(boxes.poses.iter().map(response));
     }
 
     /// The library's contacts as a simulation gets them by default, written to `contacts`, body by body.

@@ -1,13 +1,15 @@
-//! What every contender is given: cameras, exact masks, and boxes about a subject.
+//! What every contender is given: cameras, masks, and boxes about a subject.
 //!
 //! Metres, z up. The cameras stand around the subject at 3.2 m, so that a pixel covers 6 mm at VGA.
 
+use crate::masks;
 use crate::random::Random;
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3, point, vector};
-use ode_visual_hull::camera::Camera;
+use ode_visual_hull::camera::{Camera, Distortion};
 use ode_visual_hull::hull::Aabb;
 use ode_visual_hull::sample::{self, Samples};
+use ode_visual_hull::silhouette::Undistortion;
 use ode_visual_hull::synthetic::{self, Paint, Placed, Solid, Subject, layout};
 
 /// Image sizes in pixels, and what they are called.
@@ -39,6 +41,10 @@ const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.95);
 /// Heights of the cameras in metres, in turn: the lowest look along the floor, the highest down at the head.
 const HEIGHTS: [f64; 7] = [0.2, 1.6, 0.8, 2.3, 0.4, 1.2, 1.9];
 
+/// The distortion coefficient k1 of the lenses; OpenCV's other coefficients are zero. Straight lines at the image's
+/// corners bend by a few per cent, as with a usual wide-angle lens.
+const K1: f64 = -0.2;
+
 /// The moment of the person's walk.
 const TIME: f64 = 0.2;
 
@@ -56,39 +62,89 @@ pub enum Who {
 pub struct Scene {
     /// Around the subject.
     pub cameras: Vec<Camera>,
-    /// One a camera, 0 or 255, decided by exact ray casting.
+    /// One a camera: 0 or 255, decided by exact ray casting, unless the scene is [`segmented`](Self::segmented) or
+    /// [`undistorted`](Self::undistorted).
     pub masks: Vec<GrayImage>,
     /// The work volume.
     pub bounds: Aabb,
 }
 
 impl Scene {
-    /// `cameras` views of `size` pixels.
+    /// `cameras` views of `size` pixels by pinhole cameras.
     pub fn new(who: Who, cameras: usize, size: (u32, u32)) -> Self {
-        let subject = match who {
-            Who::Person => Subject::person_at(TIME),
-            Who::Barrel => barrel(),
-        };
-        Self::of(&subject, cameras, size)
+        Self::of(&who.subject(), pinholes(cameras, size))
     }
 
-    /// The person of [`Subject::person_at`] at `time` seconds.
+    /// The views of [`new`](Self::new) by cameras with a distorting lens, at the same places and with the same focal
+    /// length.
+    pub fn through_lenses(who: Who, cameras: usize, size: (u32, u32)) -> Self {
+        Self::of(&who.subject(), pinholes(cameras, size).iter().map(with_lens).collect())
+    }
+
+    /// The views of [`new`](Self::new) with masks as they come out of segmentation: with coverage along the outline,
+    /// and with the errors that noise brings.
+    pub fn segmented(who: Who, cameras: usize, size: (u32, u32)) -> Self {
+        let subject = who.subject();
+        let cameras = pinholes(cameras, size);
+        let masks = masks::segmented(&cameras, &subject);
+        Self { cameras, masks, bounds: bounds() }
+    }
+
+    /// The person of [`Subject::person_at`] at `time` seconds, by pinhole cameras.
     pub fn person_at(time: f64, cameras: usize, size: (u32, u32)) -> Self {
-        Self::of(&Subject::person_at(time), cameras, size)
+        Self::of(&Subject::person_at(time), pinholes(cameras, size))
     }
 
-    fn of(subject: &Subject, cameras: usize, size: (u32, u32)) -> Self {
-        let cameras = layout::staggered(cameras, RADIUS, &HEIGHTS, TARGET, size, FIELD_OF_VIEW)
-            .expect("a valid layout");
+    /// This scene for a program that knows no lenses: the pinhole cameras in the places of the distorted ones, with
+    /// the masks as these would see them.
+    pub fn undistorted(&self) -> Self {
+        let undistort = |(camera, mask): (&Camera, &GrayImage)| match Undistortion::new(camera) {
+            Some(lens) => (lens.pinhole().clone(), lens.apply(mask, 0).expect("a mask of the camera's size")),
+            None => (camera.clone(), mask.clone()),
+        };
+        let (cameras, masks) = self.cameras.iter().zip(&self.masks).map(undistort).unzip();
+        Self { cameras, masks, bounds: self.bounds }
+    }
+
+    /// This scene with masks of 0 and 255 alone: subject where a pixel is covered by half or more.
+    pub fn binary(&self) -> Self {
+        Self { masks: self.masks.iter().map(masks::binary).collect(), ..self.clone() }
+    }
+
+    fn of(subject: &Subject, cameras: Vec<Camera>) -> Self {
         let masks = cameras.iter().map(|camera| synthetic::silhouette(camera, subject)).collect();
-        let bounds = Aabb::new(point![-1.0, -1.0, -0.1], point![1.0, 1.0, 2.0]).expect("a volume");
-        Self { cameras, masks, bounds }
+        Self { cameras, masks, bounds: bounds() }
     }
 
     /// How many bytes its masks have.
     pub fn mask_bytes(&self) -> usize {
         self.masks.iter().map(|mask| mask.as_raw().len()).sum()
     }
+}
+
+impl Who {
+    fn subject(self) -> Subject {
+        match self {
+            Self::Person => Subject::person_at(TIME),
+            Self::Barrel => barrel(),
+        }
+    }
+}
+
+fn pinholes(count: usize, size: (u32, u32)) -> Vec<Camera> {
+    layout::staggered(count, RADIUS, &HEIGHTS, TARGET, size, FIELD_OF_VIEW).expect("a valid layout")
+}
+
+/// The camera with a lens in front of it.
+fn with_lens(camera: &Camera) -> Camera {
+    let lens = Distortion::from_opencv(&[K1, 0.0, 0.0, 0.0]).expect("four finite coefficients");
+    Camera::new(camera.name(), camera.size(), *camera.intrinsics(), lens, *camera.cam_from_world())
+        .expect("a valid camera")
+}
+
+/// The work volume.
+fn bounds() -> Aabb {
+    Aabb::new(point![-1.0, -1.0, -0.1], point![1.0, 1.0, 2.0]).expect("a volume")
 }
 
 fn barrel() -> Subject {

@@ -9,6 +9,8 @@ use ode_visual_hull_bench::ours::{Boxes, Frame, Rig};
 use ode_visual_hull_bench::random::Random;
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, SAMPLES_4000, Scene, UHD, VGA, Who};
 
+const SIZES: [(u32, u32); 3] = [VGA, FULL_HD, UHD];
+
 fn main() {
     divan::main();
 }
@@ -25,9 +27,16 @@ fn points_inside(frame: &Frame) -> Vec<Point3<f64>> {
     points.filter(|p| frame.hull().inside(p)).take(1000).collect()
 }
 
-#[divan::bench(args = [VGA, FULL_HD, UHD], max_time = 2)]
+#[divan::bench(args = SIZES, max_time = 2)]
 fn prepare_seven_masks(bencher: Bencher, size: &(u32, u32)) {
     let scene = Scene::new(Who::Person, 7, *size);
+    let rig = Rig::new(&scene);
+    bencher.bench_local(|| rig.publish(&scene.masks));
+}
+
+#[divan::bench(args = SIZES, max_time = 2)]
+fn prepare_seven_masks_behind_lenses(bencher: Bencher, size: &(u32, u32)) {
+    let scene = Scene::through_lenses(Who::Person, 7, *size);
     let rig = Rig::new(&scene);
     bencher.bench_local(|| rig.publish(&scene.masks));
 }
@@ -47,9 +56,10 @@ fn inside(bencher: Bencher) {
 fn respond(bencher: Bencher) {
     let frame = person();
     let points = points_inside(&frame);
-    let (count, points) = (ItemsCount::new(points.len()), Points::new(&points));
     let mut workspace = Workspace::new();
-    bencher.counter(count).bench_local(|| frame.rise_of_responses(&points, &mut workspace));
+    bencher
+        .counter(ItemsCount::new(points.len()))
+        .bench_local(|| frame.rise_of_responses(&points, &mut workspace));
 }
 
 #[divan::bench(args = [EdgeModel::Pixel, EdgeModel::Coverage])]
@@ -66,8 +76,8 @@ fn exit(bencher: Bencher, edge: &EdgeModel) {
 fn body_vectors_of_60_boxes(bencher: Bencher, min_feature: f64) {
     let frame = person();
     let boxes = Boxes::new(&Bodies::scattered(60, min_feature));
-    let (mut vectors, mut workspace) = (Vec::new(), Workspace::new());
-    bencher.bench_local(|| frame.body_vectors(&boxes, &mut vectors, &mut workspace));
+    let mut vectors = Vec::new();
+    bencher.bench_local(|| frame.body_vectors(&boxes, &mut vectors));
 }
 
 #[divan::bench(args = [SAMPLES_400, SAMPLES_4000])]
@@ -76,4 +86,43 @@ fn contacts_of_60_boxes(bencher: Bencher, min_feature: f64) {
     let boxes = Boxes::new(&Bodies::scattered(60, min_feature));
     let mut contacts = Vec::new();
     bencher.bench_local(|| frame.contacts(&boxes, &mut contacts));
+}
+
+#[divan::bench(args = [VGA, FULL_HD], max_time = 2)]
+fn contacts_of_60_boxes_behind_lenses(bencher: Bencher, size: &(u32, u32)) {
+    let scene = Scene::through_lenses(Who::Person, 7, *size);
+    contacts_in(bencher, &Rig::new(&scene).publish(&scene.masks));
+}
+
+#[divan::bench(args = [VGA, FULL_HD], max_time = 2)]
+fn contacts_of_60_boxes_where_views_abstain(bencher: Bencher, size: &(u32, u32)) {
+    let scene = Scene::new(Who::Person, 7, *size);
+    contacts_in(bencher, &Rig::abstaining(&scene).publish(&scene.masks));
+}
+
+/// The contacts of 60 boxes in one frame.
+fn contacts_in(bencher: Bencher, frame: &Frame) {
+    let boxes = Boxes::new(&Bodies::scattered(60, SAMPLES_400));
+    let mut contacts = Vec::new();
+    bencher.bench_local(|| frame.contacts(&boxes, &mut contacts));
+}
+
+#[divan::bench(args = [VGA, FULL_HD], max_time = 2, sample_size = 1)]
+fn contacts_of_60_boxes_in_new_binary_frames(bencher: Bencher, size: &(u32, u32)) {
+    contacts_in_new_frames(bencher, &Scene::segmented(Who::Person, 7, *size).binary());
+}
+
+#[divan::bench(args = [VGA, FULL_HD], max_time = 2, sample_size = 1)]
+fn contacts_of_60_boxes_in_new_frames_with_coverage(bencher: Bencher, size: &(u32, u32)) {
+    contacts_in_new_frames(bencher, &Scene::segmented(Who::Person, 7, *size));
+}
+
+/// The contacts of 60 boxes in frames of which no edge normal is known yet. A sample is one frame, made
+/// off the clock just before: of frames made in advance most would have left the caches.
+fn contacts_in_new_frames(bencher: Bencher, scene: &Scene) {
+    let boxes = Boxes::new(&Bodies::scattered(60, SAMPLES_400));
+    let (rig, mut contacts) = (Rig::new(scene), Vec::new());
+    bencher
+        .with_inputs(|| rig.publish(&scene.masks))
+        .bench_local_values(|frame| frame.contacts(&boxes, &mut contacts));
 }

@@ -1,59 +1,91 @@
-//! Whole frames: masks in, the paper's vector of each body out.
+//! Whole frames beside the literal program: masks in; out come its body vectors, and our default contacts.
 
 use crate::figure::Bound;
 use crate::survey::{Start, Survey};
 use crate::timing::Race;
-use ode_visual_hull::hull::Workspace;
 use ode_visual_hull_bench::literal::{LiteralBodies, LiteralHull};
 use ode_visual_hull_bench::ours::{Boxes, Rig};
-use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, VGA, Who};
+use ode_visual_hull_bench::scene::{Bodies, FULL_HD, Given, Optics, SAMPLES_400, Scene, VGA, Who};
+
+const CONTACTS: &str = "masks in, default contacts out, boxes of 400 samples";
+const RESPONSES: &str = "masks in, the paper's body vectors out, boxes of 400 samples";
+
+/// What the cameras look through, as the figures' names end.
+pub const OPTICS: [(&str, Optics); 2] = [("", Optics::Pinholes), ("_lens", Optics::Lenses)];
 
 pub fn measure(survey: &mut Survey) {
-    let frames = [("vga", VGA, 60, 9.0), ("1080p", FULL_HD, 600, 30.0)];
-    for (name, size, count, bound) in frames {
-        let scene = Scene::new(Who::Person, 7, size);
+    // What is asked of the contacts, first by pinholes, then through lenses.
+    let frames = [("vga", VGA, 60, [Some(3.5), Some(2.5)]), ("1080p", FULL_HD, 600, [None, None])];
+    for (name, size, count, bounds) in frames {
         let bodies = Bodies::scattered(count, SAMPLES_400);
-        let times = survey.race(from_masks(Race::new(), name, &scene, &bodies));
-        let what = "masks in, the paper's body vectors out, boxes of 400 samples";
-        let ratio = times.ratio(&format!("literal {name}"), &format!("ours {name}"));
-        let seconds = [times.seconds(&format!("ours {name}")), times.seconds(&format!("literal {name}"))];
-        let name = format!("frame_{name}_{count}");
-        survey.asked(&format!("{name}_over_literal"), ratio, Bound::AtLeast(bound), Start::Masks, what);
-        survey.reported(&format!("{name}_ms"), 1e3 * seconds[0], Start::Masks, what);
-        survey.reported(&format!("{name}_literal_ms"), 1e3 * seconds[1], Start::Masks, what);
+        for ((lens, optics), bound) in OPTICS.into_iter().zip(bounds) {
+            let given = Given::new(Who::Person, 7, size, optics);
+            over_literal(survey, [&format!("{name}_{count}"), lens], &given, &bodies, bound);
+        }
     }
 }
 
-/// Adds the paper's body vectors, from the masks on, by the literal program and by ours; `label` ends their names.
-pub fn from_masks<'a>(race: Race<'a>, label: &str, scene: &'a Scene, bodies: &'a Bodies) -> Race<'a> {
-    let rig = Rig::new(scene);
-    let aabb = *rig.publish(&scene.masks).aabb();
-    let mut plain = LiteralBodies::new(bodies);
-    let (mut literal_vectors, mut vectors) = (Vec::new(), Vec::new());
-    let (boxes, mut workspace) = (Boxes::new(bodies), Workspace::new());
+/// One race, its figures named after the frame and the `lens`.
+fn over_literal(
+    survey: &mut Survey,
+    [frame, lens]: [&str; 2],
+    given: &Given,
+    bodies: &Bodies,
+    bound: Option<f64>,
+) {
+    let race = from_masks(Race::new(), frame, given, bodies);
+    let times = survey.race(with_body_vectors(race, "response", &given.ours, bodies));
+    let [literal, contacts] = [format!("literal {frame}"), format!("ours {frame}")];
+
+    let ratio = times.ratio(&literal, &contacts);
+    let bound = bound.map(Bound::AtLeast);
+    survey.figure(&format!("contacts_{frame}_over_literal{lens}"), ratio, bound, Start::Masks, CONTACTS);
+    let ratio = times.ratio(&literal, "response");
+    survey.reported(&format!("body_response_{frame}_over_literal{lens}"), ratio, Start::Masks, RESPONSES);
+
+    let milliseconds = |name: &str| 1e3 * times.seconds(name);
+    survey.reported(&format!("contacts_{frame}{lens}_ms"), milliseconds(&contacts), Start::Masks, CONTACTS);
+    let response = milliseconds("response");
+    survey.reported(&format!("body_response_{frame}{lens}_ms"), response, Start::Masks, RESPONSES);
+    survey.reported(&format!("literal_{frame}{lens}_ms"), milliseconds(&literal), Start::Masks, RESPONSES);
+}
+
+/// Adds, from the masks on, the literal program's body vectors and our default contacts; `label` ends their names.
+pub fn from_masks<'a>(race: Race<'a>, label: &str, given: &'a Given, bodies: &'a Bodies) -> Race<'a> {
+    let (rig, boxes, mut contacts) = (Rig::new(&given.ours), Boxes::new(bodies), Vec::new());
+    let aabb = *rig.publish(&given.ours.masks).aabb();
+    let (mut plain, mut vectors) = (LiteralBodies::new(bodies), Vec::new());
     race.with(format!("literal {label}"), move || {
-        plain.vectors(&LiteralHull::new(scene, &aabb), &mut literal_vectors);
-        literal_vectors.len()
+        plain.vectors(&LiteralHull::new(&given.rivals, &aabb), &mut vectors);
+        vectors.len()
     })
     .with(format!("ours {label}"), move || {
-        rig.publish(&scene.masks).body_vectors(&boxes, &mut vectors, &mut workspace);
-        vectors.len()
+        rig.publish(&given.ours.masks).contacts(&boxes, &mut contacts);
+        contacts.len()
     })
 }
 
-/// The same in frames that are prepared already.
-pub fn from_frame<'a>(race: Race<'a>, label: &str, scene: &'a Scene, bodies: &'a Bodies) -> Race<'a> {
-    let frame = Rig::new(scene).publish(&scene.masks);
-    let literal = LiteralHull::new(scene, frame.aabb());
-    let mut plain = LiteralBodies::new(bodies);
-    let (mut literal_vectors, mut vectors) = (Vec::new(), Vec::new());
-    let (boxes, mut workspace) = (Boxes::new(bodies), Workspace::new());
+/// Adds the literal program and our default contacts in a frame that is prepared already; `label` ends their names.
+pub fn from_frame<'a>(race: Race<'a>, label: &str, given: &'a Given, bodies: &'a Bodies) -> Race<'a> {
+    let frame = Rig::new(&given.ours).publish(&given.ours.masks);
+    let literal = LiteralHull::new(&given.rivals, frame.aabb());
+    let (mut plain, mut vectors) = (LiteralBodies::new(bodies), Vec::new());
+    let (boxes, mut contacts) = (Boxes::new(bodies), Vec::new());
     race.with(format!("literal {label}"), move || {
-        plain.vectors(&literal, &mut literal_vectors);
-        literal_vectors.len()
+        plain.vectors(&literal, &mut vectors);
+        vectors.len()
     })
     .with(format!("ours {label}"), move || {
-        frame.body_vectors(&boxes, &mut vectors, &mut workspace);
+        frame.contacts(&boxes, &mut contacts);
+        contacts.len()
+    })
+}
+
+/// Adds our body vectors, from the masks on.
+pub fn with_body_vectors<'a>(race: Race<'a>, name: &str, scene: &'a Scene, bodies: &'a Bodies) -> Race<'a> {
+    let (rig, boxes, mut vectors) = (Rig::new(scene), Boxes::new(bodies), Vec::new());
+    race.with(name, move || {
+        rig.publish(&scene.masks).body_vectors(&boxes, &mut vectors);
         vectors.len()
     })
 }

@@ -1,10 +1,12 @@
 //! The contenders of the comparison, each on the same masks and the same bodies.
 //!
 //! ```text
-//!              ┌─► ours     the library                                   ─► inside, responses, body vectors, contacts
-//!   scene ─────┼─► literal  the paper's algorithm, pixel by pixel         ─► inside, responses, body vectors
-//!   masks,     └─► carve    voxels, by the library's inside test
-//!   boxes             ├─► nets ─┬─► ode       a triangle mesh of ODE      ─► contacts
+//!   scene      ┌─► ours     the library                                   ─► inside, responses, body vectors, contacts
+//!   cameras, ──┤
+//!   masks,     │   undistorted, off the clock, where the cameras have lenses
+//!   boxes      ├─► literal  the paper's algorithm, pixel by pixel         ─► inside, responses, body vectors
+//!              └─► carve    voxels, by the library's inside test
+//!                     ├─► nets ─┬─► ode       a triangle mesh of ODE      ─► contacts
 //!                     │         └─► parry     a triangle mesh of parry3d  ─► contacts
 //!                     └──────────► parry      voxels of parry3d           ─► contacts
 //! ```

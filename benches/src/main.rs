@@ -3,7 +3,6 @@
 //!
 //! `make bench`, or `cargo run --release -p ode-visual-hull-bench -- --help`. It fails where a bound is missed.
 
-mod contacts;
 #[path = "../../tests/data/mod.rs"]
 mod data;
 #[path = "../../examples/figures/figure.rs"]
@@ -33,13 +32,12 @@ use survey::Survey;
 type Measure = fn(&mut Survey);
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 10] = [
+const GROUPS: [(&str, Measure); 9] = [
     ("points", points::measure),
     ("segmentation", segmentation::measure),
     ("prepare", prepare::measure),
     ("real_cameras", real_cameras::measure),
     ("frames", frames::measure),
-    ("contacts", contacts::measure),
     ("peers", peers::measure),
     ("simulation", simulation::measure),
     ("threads", threads::measure),

@@ -3,8 +3,8 @@
 use crate::scene::{Bodies, Scene};
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3};
-use ode_visual_hull::contact::{self, Contacts, Settings};
-use ode_visual_hull::hull::{Aabb, BodyResponse, Hull, HullData, Inside, Points, Unseen, Workspace};
+use ode_visual_hull::contact::{self, BodyResponse, Contacts, Settings};
+use ode_visual_hull::hull::{Aabb, Hull, HullData, Inside, Points, Unseen, Workspace};
 use ode_visual_hull::sample::Samples;
 use std::cell::Cell;
 use std::sync::Arc;
@@ -51,7 +51,6 @@ impl Rig {
 #[derive(Debug)]
 pub struct Boxes {
     samples: Samples,
-    points: Points,
     poses: Vec<Isometry3<f64>>,
 }
 
@@ -59,8 +58,17 @@ impl Boxes {
     /// The same boxes.
     pub fn new(bodies: &Bodies) -> Self {
         let Bodies { samples, poses } = bodies.clone();
-        let points: Vec<_> = samples.points().iter().map(|sample| sample.point).collect();
-        Self { samples, points: Points::new(&points), poses }
+        Self { samples, poses }
+    }
+
+    /// The boxes in their places, without a step before.
+    fn bodies(&self) -> Vec<contact::Body<'_>> {
+        let body = |pose: &Isometry3<f64>| contact::Body {
+            samples: &self.samples,
+            hull_from_body: *pose,
+            last_escape: None,
+        };
+        self.poses.iter().map(body).collect()
     }
 }
 
@@ -90,43 +98,22 @@ impl Frame {
     }
 
     /// How far up the paper's responses of `points` lead, added up.
-    pub fn rise_of_responses(&self, points: &Points, workspace: &mut Workspace) -> f32 {
-        let responses = self.0.respond_many(points, &Isometry3::identity(), workspace);
-        responses.expect("a finite pose").iter().map(|response| response.w().z).sum()
+    pub fn rise_of_responses(&self, points: &[Point3<f64>], workspace: &mut Workspace) -> f64 {
+        let responses = self.0.respond_many(&Points::new(points), &Isometry3::identity(), workspace);
+        responses.expect("a finite pose").iter().map(|response| f64::from(response.w().z)).sum()
     }
 
-    /// The paper's body vectors (section 5), written to `vectors`.
-    pub fn body_vectors(&self, boxes: &Boxes, vectors: &mut Vec<BodyResponse>, workspace: &mut Workspace) {
-        self.body_vectors_on_threads(boxes, vectors, std::slice::from_mut(workspace));
-    }
-
-    /// The same by as many threads as there are workspaces.
-    pub fn body_vectors_on_threads(
-        &self,
-        boxes: &Boxes,
-        vectors: &mut Vec<BodyResponse>,
-        workspaces: &mut [Workspace],
-    ) {
-        let bodies: Vec<_> = boxes.poses.iter().map(|pose| (&boxes.points, *pose)).collect();
-        self.0.respond_bodies(&bodies, workspaces, vectors).expect("finite poses");
-    }
-
-    /// The paper's body vectors by the function that answers the C face, written to `vectors`.
-    pub fn body_responses(&self, boxes: &Boxes, vectors: &mut Vec<contact::BodyResponse>) {
-        let response = |pose| contact::body_response(&self.0, &boxes.samples, pose);
+    /// The paper's body vectors (section 5), as the C face answers them, written to `vectors`.
+    pub fn body_vectors(&self, boxes: &Boxes, vectors: &mut Vec<BodyResponse>) {
+        let response =
+            |body: contact::Body| contact::body_response(&self.0, body.samples, &body.hull_from_body);
         vectors.clear();
-        vectors.extend(boxes.poses.iter().map(response));
+        vectors.extend(boxes.bodies().into_iter().map(response));
     }
 
     /// The library's contacts as a simulation gets them by default, written to `contacts`, body by body.
     pub fn contacts(&self, boxes: &Boxes, contacts: &mut Vec<Contacts>) {
-        let body = |pose: &Isometry3<f64>| contact::Body {
-            samples: &boxes.samples,
-            hull_from_body: *pose,
-            last_escape: None,
-        };
-        let bodies: Vec<_> = boxes.poses.iter().map(body).collect();
-        contact::collide_many(&self.0, &bodies, &Settings::default(), contacts);
+        contact::collide_many(&self.0, &boxes.bodies(), &Settings::default(), contacts);
     }
 
     /// How many pixels `p` is inside: the smallest Chebyshev distance to the background over the views, 0 outside.

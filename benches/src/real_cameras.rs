@@ -116,7 +116,7 @@ fn body_response(survey: &mut Survey, scene: &Scene, boxes: &Boxes) {
     let frame = Rig::new(scene).publish(&scene.masks);
     let mut vectors = Vec::new();
     let race = with_contacts(Race::new(), "contacts", frame.clone(), boxes).with("response", || {
-        frame.body_responses(boxes, &mut vectors);
+        frame.body_vectors(boxes, &mut vectors);
         vectors.len()
     });
     let times = survey.race(race);

@@ -131,6 +131,38 @@ impl Who {
     }
 }
 
+/// The scenes of a race: what ours starts from, and what its rivals are given.
+///
+/// The rivals know no lenses. Where the cameras have them, the rivals get the undistorted masks for nothing, while ours
+/// undistorts on the clock.
+#[derive(Debug, Clone)]
+pub struct Given {
+    /// What the cameras saw.
+    pub ours: Scene,
+    /// What pinhole cameras in the same places would have seen.
+    pub rivals: Scene,
+}
+
+/// What the cameras look through.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Optics {
+    /// Nothing: pinhole cameras.
+    Pinholes,
+    /// Lenses, see [`Scene::through_lenses`].
+    Lenses,
+}
+
+impl Given {
+    /// `cameras` views of `size` pixels.
+    pub fn new(who: Who, cameras: usize, size: (u32, u32), optics: Optics) -> Self {
+        let ours = match optics {
+            Optics::Pinholes => Scene::new(who, cameras, size),
+            Optics::Lenses => Scene::through_lenses(who, cameras, size),
+        };
+        Self { rivals: ours.undistorted(), ours }
+    }
+}
+
 fn pinholes(count: usize, size: (u32, u32)) -> Vec<Camera> {
     layout::staggered(count, RADIUS, &HEIGHTS, TARGET, size, FIELD_OF_VIEW).expect("a valid layout")
 }

@@ -65,6 +65,14 @@ impl Survey {
         self.bar.println(format!("left out: {what}"));
     }
 
+    /// A figure, with a bound or without.
+    pub fn figure(&mut self, name: &str, value: f64, bound: Option<Bound>, start: Start, what: &'static str) {
+        match bound {
+            Some(bound) => self.asked(name, value, bound, start, what),
+            None => self.reported(name, value, start, what),
+        }
+    }
+
     /// A figure with a bound.
     pub fn asked(&mut self, name: &str, value: f64, bound: Bound, start: Start, what: &'static str) {
         self.rows.push(Row { figure: Figure::asked(name, value, bound), start, what });

@@ -1,8 +1,8 @@
 //! Whole frames beside the literal program: masks in; out come its body vectors, and our default contacts.
 
 use crate::figure::Bound;
-use crate::survey::{Start, Survey};
-use crate::timing::Race;
+use crate::session::{Session, Start};
+use crate::timing::PairedBench;
 use ode_visual_hull_bench::literal::{LiteralBodies, LiteralHull};
 use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, Given, Optics, SAMPLES_400, Scene, VGA, Who};
@@ -13,78 +13,95 @@ const RESPONSES: &str = "masks in, the paper's body vectors out, boxes of 400 sa
 /// What the cameras look through, as the figures' names end.
 pub const OPTICS: [(&str, Optics); 2] = [("", Optics::Pinholes), ("_lens", Optics::Lenses)];
 
-pub fn measure(survey: &mut Survey) {
+pub fn measure(session: &mut Session) {
     // What is asked of the contacts, first by pinholes, then through lenses.
     let frames = [("vga", VGA, 60, [Some(3.5), Some(2.5)]), ("1080p", FULL_HD, 600, [None, None])];
     for (name, size, count, bounds) in frames {
         let bodies = Bodies::scattered(count, SAMPLES_400);
         for ((lens, optics), bound) in OPTICS.into_iter().zip(bounds) {
             let given = Given::new(Who::Person, 7, size, optics);
-            over_literal(survey, [&format!("{name}_{count}"), lens], &given, &bodies, bound);
+            over_literal(session, [&format!("{name}_{count}"), lens], &given, &bodies, bound);
         }
     }
 }
 
-/// One race, its figures named after the frame and the `lens`.
+/// One comparison, its figures named after the frame and the `lens`.
 fn over_literal(
-    survey: &mut Survey,
+    session: &mut Session,
     [frame, lens]: [&str; 2],
     given: &Given,
     bodies: &Bodies,
     bound: Option<f64>,
 ) {
-    let race = from_masks(Race::new(), frame, given, bodies);
-    let times = survey.race(with_body_vectors(race, "response", &given.ours, bodies));
+    let bench = from_masks(PairedBench::new(), frame, given, bodies);
+    let times = session.run(with_body_vectors(bench, "response", &given.ours, bodies));
     let [literal, contacts] = [format!("literal {frame}"), format!("ours {frame}")];
 
     let ratio = times.ratio(&literal, &contacts);
     let bound = bound.map(Bound::AtLeast);
-    survey.figure(&format!("contacts_{frame}_over_literal{lens}"), ratio, bound, Start::Masks, CONTACTS);
+    session.figure(&format!("contacts_{frame}_over_literal{lens}"), ratio, bound, Start::Masks, CONTACTS);
     let ratio = times.ratio(&literal, "response");
-    survey.reported(&format!("body_response_{frame}_over_literal{lens}"), ratio, Start::Masks, RESPONSES);
+    session.reported(&format!("body_response_{frame}_over_literal{lens}"), ratio, Start::Masks, RESPONSES);
 
     let milliseconds = |name: &str| 1e3 * times.seconds(name);
-    survey.reported(&format!("contacts_{frame}{lens}_ms"), milliseconds(&contacts), Start::Masks, CONTACTS);
+    session.reported(&format!("contacts_{frame}{lens}_ms"), milliseconds(&contacts), Start::Masks, CONTACTS);
     let response = milliseconds("response");
-    survey.reported(&format!("body_response_{frame}{lens}_ms"), response, Start::Masks, RESPONSES);
-    survey.reported(&format!("literal_{frame}{lens}_ms"), milliseconds(&literal), Start::Masks, RESPONSES);
+    session.reported(&format!("body_response_{frame}{lens}_ms"), response, Start::Masks, RESPONSES);
+    session.reported(&format!("literal_{frame}{lens}_ms"), milliseconds(&literal), Start::Masks, RESPONSES);
 }
 
 /// Adds, from the masks on, the literal program's body vectors and our default contacts; `label` ends their names.
-pub fn from_masks<'a>(race: Race<'a>, label: &str, given: &'a Given, bodies: &'a Bodies) -> Race<'a> {
+pub fn from_masks<'a>(
+    bench: PairedBench<'a>,
+    label: &str,
+    given: &'a Given,
+    bodies: &'a Bodies,
+) -> PairedBench<'a> {
     let (rig, boxes, mut contacts) = (Rig::new(&given.ours), Boxes::new(bodies), Vec::new());
     let aabb = *rig.publish(&given.ours.masks).aabb();
     let (mut plain, mut vectors) = (LiteralBodies::new(bodies), Vec::new());
-    race.with(format!("literal {label}"), move || {
-        plain.vectors(&LiteralHull::new(&given.rivals, &aabb), &mut vectors);
-        vectors.len()
-    })
-    .with(format!("ours {label}"), move || {
-        rig.publish(&given.ours.masks).contacts(&boxes, &mut contacts);
-        contacts.len()
-    })
+    bench
+        .with(format!("literal {label}"), move || {
+            plain.vectors(&LiteralHull::new(&given.rivals, &aabb), &mut vectors);
+            vectors.len()
+        })
+        .with(format!("ours {label}"), move || {
+            rig.publish(&given.ours.masks).contacts(&boxes, &mut contacts);
+            contacts.len()
+        })
 }
 
 /// Adds the literal program and our default contacts in a frame that is prepared already; `label` ends their names.
-pub fn from_frame<'a>(race: Race<'a>, label: &str, given: &'a Given, bodies: &'a Bodies) -> Race<'a> {
+pub fn from_frame<'a>(
+    bench: PairedBench<'a>,
+    label: &str,
+    given: &'a Given,
+    bodies: &'a Bodies,
+) -> PairedBench<'a> {
     let frame = Rig::new(&given.ours).publish(&given.ours.masks);
     let literal = LiteralHull::new(&given.rivals, frame.aabb());
     let (mut plain, mut vectors) = (LiteralBodies::new(bodies), Vec::new());
     let (boxes, mut contacts) = (Boxes::new(bodies), Vec::new());
-    race.with(format!("literal {label}"), move || {
-        plain.vectors(&literal, &mut vectors);
-        vectors.len()
-    })
-    .with(format!("ours {label}"), move || {
-        frame.contacts(&boxes, &mut contacts);
-        contacts.len()
-    })
+    bench
+        .with(format!("literal {label}"), move || {
+            plain.vectors(&literal, &mut vectors);
+            vectors.len()
+        })
+        .with(format!("ours {label}"), move || {
+            frame.contacts(&boxes, &mut contacts);
+            contacts.len()
+        })
 }
 
 /// Adds our body vectors, from the masks on.
-pub fn with_body_vectors<'a>(race: Race<'a>, name: &str, scene: &'a Scene, bodies: &'a Bodies) -> Race<'a> {
+pub fn with_body_vectors<'a>(
+    bench: PairedBench<'a>,
+    name: &str,
+    scene: &'a Scene,
+    bodies: &'a Bodies,
+) -> PairedBench<'a> {
     let (rig, boxes, mut vectors) = (Rig::new(scene), Boxes::new(bodies), Vec::new());
-    race.with(name, move || {
+    bench.with(name, move || {
         rig.publish(&scene.masks).body_vectors(&boxes, &mut vectors);
         vectors.len()
     })

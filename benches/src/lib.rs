@@ -1,4 +1,4 @@
-//! The contenders of the comparison, each on the same masks and the same bodies.
+//! The candidates of the comparisons, each on the same masks and the same bodies.
 //!
 //! ```text
 //!   scene      ┌─► ours     the library                                   ─► inside, responses, body vectors, contacts

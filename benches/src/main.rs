@@ -1,4 +1,4 @@
-//! Measures the library beside its contenders, all in one run, and writes what it finds into `target/figures.json`,
+//! Measures the library beside the alternatives, all in one run, and writes what it finds into `target/figures.json`,
 //! and where all groups are measured into `docs/performance.md`; the scaling's plots into `docs/performance/`.
 //!
 //! `make bench`, or `cargo run --release -p ode-visual-hull-bench -- --help`. It fails where a bound is missed.
@@ -18,18 +18,18 @@ mod real_cameras;
 mod report;
 mod scaling;
 mod segmentation;
+mod session;
 mod simulation;
-mod survey;
 mod threads;
 mod timing;
 
 use clap::Parser;
+use session::Session;
 use std::path::Path;
 use std::process::ExitCode;
-use survey::Survey;
 
 /// Measures a group's figures.
-type Measure = fn(&mut Survey);
+type Measure = fn(&mut Session);
 
 /// The groups by their names on the command line.
 const GROUPS: [(&str, Measure); 9] = [
@@ -51,7 +51,7 @@ struct Options {
     #[arg(long, value_parser = GROUPS.map(|(name, _)| name))]
     only: Vec<String>,
 
-    /// Rounds in which all contenders of a comparison take turns
+    /// Rounds in which all candidates of a comparison take turns
     #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
 }
@@ -59,14 +59,14 @@ struct Options {
 fn main() -> ExitCode {
     let options = Options::parse();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let mut survey = Survey::new(options.rounds as usize, root.join("docs"));
+    let mut session = Session::new(options.rounds as usize, root.join("docs"));
     for (name, measure) in GROUPS {
         if options.only.is_empty() || options.only.iter().any(|only| only == name) {
-            survey.begin(name);
-            measure(&mut survey);
+            session.begin(name);
+            measure(&mut session);
         }
     }
-    let rows = survey.finish();
+    let rows = session.finish();
     let figures: Vec<_> = rows.iter().map(|row| row.figure.clone()).collect();
     report::print_table(&figures);
     let mut written = report::record(&root.join("target/figures.json"), &figures);

@@ -1,6 +1,6 @@
 //! The table of figures in `docs/performance.md`, between two marker lines.
 
-use crate::survey::Row;
+use crate::session::Row;
 use std::fmt::Write;
 use std::io;
 use std::path::Path;

@@ -2,8 +2,8 @@
 
 use crate::figure::Bound;
 use crate::frames::with_body_vectors;
-use crate::survey::{Start, Survey};
-use crate::timing::Race;
+use crate::session::{Session, Start};
+use crate::timing::PairedBench;
 use ode_visual_hull_bench::carve::Grid;
 use ode_visual_hull_bench::nets::Mesh;
 use ode_visual_hull_bench::ours::{Boxes, Rig};
@@ -14,70 +14,70 @@ const PEERS: [&str; 3] = ["ode_trimesh", "parry_trimesh", "parry_voxels"];
 
 /// How the figures' names end, what the cameras look through, the edge of a voxel in metres, and what is asked of each
 /// peer's time over that of the library's default contacts.
-const RACES: [(&str, Optics, f64, [Option<f64>; 3]); 3] = [
+const BENCHES: [(&str, Optics, f64, [Option<f64>; 3]); 3] = [
     ("1cm", Optics::Pinholes, 0.01, [Some(70.0), None, Some(21.0)]),
     ("2cm", Optics::Pinholes, 0.02, [None; 3]),
     ("1cm_lens", Optics::Lenses, 0.01, [Some(50.0), None, Some(15.0)]),
 ];
 
-pub fn measure(survey: &mut Survey) {
+pub fn measure(session: &mut Session) {
     let bodies = Bodies::scattered(60, SAMPLES_400);
-    for (name, optics, cell, bounds) in RACES {
+    for (name, optics, cell, bounds) in BENCHES {
         let given = Given::new(Who::Person, 7, VGA, optics);
-        let times = survey.race(race(&given, &bodies, cell));
+        let times = session.run(bench(&given, &bodies, cell));
 
         let what = "masks in, contacts of 60 boxes out, over the library's default contacts";
         for (peer, bound) in PEERS.into_iter().zip(bounds) {
             let ratio = times.ratio(peer, "contacts");
             let bound = bound.map(Bound::AtLeast);
-            survey.figure(&format!("contacts_over_{peer}_{name}"), ratio, bound, Start::Masks, what);
+            session.figure(&format!("contacts_over_{peer}_{name}"), ratio, bound, Start::Masks, what);
         }
         let what = "masks in, contacts of 60 boxes out, over the library's body vectors";
         for peer in PEERS {
             let ratio = times.ratio(peer, "response");
-            survey.reported(&format!("body_response_over_{peer}_{name}"), ratio, Start::Masks, what);
+            session.reported(&format!("body_response_over_{peer}_{name}"), ratio, Start::Masks, what);
         }
         let what =
             "the part of the routes over voxels that all share: preparing, and carving by our inside test";
-        survey.reported(&format!("carve_{name}_ms"), 1e3 * times.seconds("carve"), Start::Masks, what);
+        session.reported(&format!("carve_{name}_ms"), 1e3 * times.seconds("carve"), Start::Masks, what);
     }
 }
 
-fn race<'a>(given: &'a Given, bodies: &'a Bodies, cell: f64) -> Race<'a> {
-    let race = with_ours(Race::new(), &given.ours, bodies);
+fn bench<'a>(given: &'a Given, bodies: &'a Bodies, cell: f64) -> PairedBench<'a> {
+    let bench = with_ours(PairedBench::new(), &given.ours, bodies);
     let route = || Route::new(&given.rivals, cell);
     let mut carving = route();
-    let race = race.with("carve", move || carving.carve());
+    let bench = bench.with("carve", move || carving.carve());
 
     let (mut meshing, mut boxes) = (route(), ode::mesh::Boxes::new(bodies).expect("ODE opens"));
-    let race = race.with("ode_trimesh", move || {
+    let bench = bench.with("ode_trimesh", move || {
         meshing.mesh();
         boxes.with_mesh(&meshing.mesh, &mut meshing.counts);
         meshing.counts.len()
     });
 
     let (mut meshing, mut boxes) = (route(), parry::Boxes::new(bodies));
-    let race = race.with("parry_trimesh", move || {
+    let bench = bench.with("parry_trimesh", move || {
         meshing.mesh();
         boxes.with_mesh(&meshing.mesh, &mut meshing.counts);
         meshing.counts.len()
     });
 
     let (mut carving, mut boxes) = (route(), parry::Boxes::new(bodies));
-    race.with("parry_voxels", move || {
+    bench.with("parry_voxels", move || {
         carving.carve();
         boxes.with_voxels(&carving.grid, &mut carving.counts);
         carving.counts.len()
     })
 }
 
-fn with_ours<'a>(race: Race<'a>, scene: &'a Scene, bodies: &'a Bodies) -> Race<'a> {
+fn with_ours<'a>(bench: PairedBench<'a>, scene: &'a Scene, bodies: &'a Bodies) -> PairedBench<'a> {
     let (rig, boxes, mut contacts) = (Rig::new(scene), Boxes::new(bodies), Vec::new());
-    let race = race.with("contacts", move || {
+    let bench = bench.with("contacts", move || {
         rig.publish(&scene.masks).contacts(&boxes, &mut contacts);
         contacts.len()
     });
-    with_body_vectors(race, "response", scene, bodies)
+    with_body_vectors(bench, "response", scene, bodies)
 }
 
 /// What the routes over voxels have in common. Each has memory of its own, used again from frame to frame.

@@ -19,7 +19,7 @@ pub struct Plot<'a> {
     pub lines: Vec<Line>,
 }
 
-/// One contender's costs at the sizes.
+/// One candidate's costs at the sizes.
 pub struct Line {
     pub name: String,
     pub points: Vec<(f64, f64)>,

@@ -1,8 +1,8 @@
 //! Single points: inside or not, and the way out.
 
 use crate::figure::Bound;
-use crate::survey::{Start, Survey};
-use crate::timing::Race;
+use crate::session::{Session, Start};
+use crate::timing::PairedBench;
 use nalgebra::{Isometry3, Point3};
 use ode_visual_hull::hull::{Points, Workspace};
 use ode_visual_hull_bench::literal::{LiteralHull, Vec3};
@@ -16,7 +16,7 @@ const MANY: usize = 24_000;
 /// Points of a response.
 const FEW: usize = 2_000;
 
-pub fn measure(survey: &mut Survey) {
+pub fn measure(session: &mut Session) {
     let scene = Scene::new(Who::Person, 7, VGA);
     let frame = Rig::new(&scene).publish(&scene.masks);
     let random = anywhere(&frame, MANY);
@@ -29,59 +29,60 @@ pub fn measure(survey: &mut Survey) {
     for ((points, name), (what, bound)) in
         [random, surface].iter().zip(names).zip(whats.into_iter().zip([5.0, 7.0]))
     {
-        let race = inside(&scene, &frame, points);
-        let times = survey.race(race);
-        survey.asked(name, times.ratio("literal", "ours"), Bound::AtLeast(bound), Start::Frame, what);
+        let bench = inside(&scene, &frame, points);
+        let times = session.run(bench);
+        session.bounded(name, times.ratio("literal", "ours"), Bound::AtLeast(bound), Start::Frame, what);
         let per_second = points.len() as f64 / times.seconds("ours") * 1e-6;
-        survey.reported(&name.replace("over_literal", "mpoints_per_s"), per_second, Start::Frame, what);
+        session.reported(&name.replace("over_literal", "mpoints_per_s"), per_second, Start::Frame, what);
     }
     let near = at_depth(&frame, 1..=5, FEW);
-    responses(survey, "near", &scene, &frame, &near, "responses of points 1 to 5 pixels inside the person");
+    responses(session, "near", &scene, &frame, &near, "responses of points 1 to 5 pixels inside the person");
     let scene = Scene::new(Who::Barrel, 7, VGA);
     let frame = Rig::new(&scene).publish(&scene.masks);
     let deep = at_depth(&frame, 20..=60, FEW);
-    responses(survey, "deep", &scene, &frame, &deep, "responses of points 20 to 60 pixels inside a barrel");
+    responses(session, "deep", &scene, &frame, &deep, "responses of points 20 to 60 pixels inside a barrel");
 }
 
-fn inside<'a>(scene: &'a Scene, frame: &'a Frame, points: &[Point3<f64>]) -> Race<'a> {
+fn inside<'a>(scene: &'a Scene, frame: &'a Frame, points: &[Point3<f64>]) -> PairedBench<'a> {
     let literal = LiteralHull::new(scene, frame.aabb());
     let (plain, batch) = (plain(points), Points::new(points));
     let mut workspace = Workspace::new();
-    Race::new()
+    PairedBench::new()
         .with("literal", move || plain.iter().filter(|p| literal.inside(p)).count())
         .with("ours", move || frame.inside(&batch, &Isometry3::identity(), &mut workspace).count())
 }
 
 fn responses(
-    survey: &mut Survey,
+    session: &mut Session,
     name: &str,
     scene: &Scene,
     frame: &Frame,
     points: &[Point3<f64>],
     what: &'static str,
 ) {
-    let times = survey.race(respond(Race::new(), name, scene, frame, points));
+    let times = session.run(respond(PairedBench::new(), name, scene, frame, points));
     let ratio = times.ratio(&format!("literal {name}"), &format!("ours {name}"));
-    survey.reported(&format!("response_{name}_over_literal"), ratio, Start::Frame, what);
+    session.reported(&format!("response_{name}_over_literal"), ratio, Start::Frame, what);
     let per_second = points.len() as f64 / times.seconds(&format!("ours {name}")) * 1e-6;
-    survey.reported(&format!("response_{name}_mpoints_per_s"), per_second, Start::Frame, what);
+    session.reported(&format!("response_{name}_mpoints_per_s"), per_second, Start::Frame, what);
 }
 
 /// Adds the responses of `points`, by the literal program and by ours; `label` ends their names.
 pub fn respond<'a>(
-    race: Race<'a>,
+    bench: PairedBench<'a>,
     label: &str,
     scene: &'a Scene,
     frame: &'a Frame,
     points: &[Point3<f64>],
-) -> Race<'a> {
+) -> PairedBench<'a> {
     let literal = LiteralHull::new(scene, frame.aabb());
     let (plain, points) = (plain(points), points.to_vec());
     let mut workspace = Workspace::new();
-    race.with(format!("literal {label}"), move || {
-        plain.iter().filter_map(|p| Some(literal.respond(p)?.w()[2])).sum::<f32>()
-    })
-    .with(format!("ours {label}"), move || frame.rise_of_responses(&points, &mut workspace))
+    bench
+        .with(format!("literal {label}"), move || {
+            plain.iter().filter_map(|p| Some(literal.respond(p)?.w()[2])).sum::<f32>()
+        })
+        .with(format!("ours {label}"), move || frame.rise_of_responses(&points, &mut workspace))
 }
 
 /// `count` points at random in the hull's box.

@@ -1,24 +1,24 @@
 //! Preparing a frame: masks in, ready for the first query.
 
-use crate::survey::{Start, Survey};
-use crate::timing::Race;
+use crate::session::{Session, Start};
+use crate::timing::PairedBench;
 use image::GrayImage;
 use ode_visual_hull_bench::ours::Rig;
 use ode_visual_hull_bench::scene::{FULL_HD, Scene, VGA, Who};
 
-pub fn measure(survey: &mut Survey) {
+pub fn measure(session: &mut Session) {
     let what = "seven masks prepared, in milliseconds";
     for (name, size) in [("vga", VGA), ("1080p", FULL_HD)] {
         let scene = Scene::new(Who::Person, 7, size);
         let rig = Rig::new(&scene);
-        let race = Race::new()
+        let bench = PairedBench::new()
             .with("prepare", || rig.publish(&scene.masks))
             .with("read", || scene.masks.iter().map(largest_byte).max());
-        let times = survey.race(race);
-        survey.reported(&format!("prepare_{name}_ms"), 1e3 * times.seconds("prepare"), Start::Masks, what);
+        let times = session.run(bench);
+        session.reported(&format!("prepare_{name}_ms"), 1e3 * times.seconds("prepare"), Start::Masks, what);
         let what = "preparing a frame over one plain read of its masks";
         let ratio = times.ratio("prepare", "read");
-        survey.reported(&format!("prepare_over_memory_read_{name}"), ratio, Start::Masks, what);
+        session.reported(&format!("prepare_over_memory_read_{name}"), ratio, Start::Masks, what);
     }
 }
 

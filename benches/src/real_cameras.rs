@@ -4,42 +4,42 @@
 //! size, and gives the time of the real case beside.
 
 use crate::figure::Bound;
-use crate::survey::{Start, Survey};
-use crate::timing::Race;
+use crate::session::{Session, Start};
+use crate::timing::PairedBench;
 use ode_visual_hull_bench::ours::{Boxes, Frame, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, VGA, Who};
 
-pub fn measure(survey: &mut Survey) {
+pub fn measure(session: &mut Session) {
     let boxes = Boxes::new(&Bodies::scattered(60, SAMPLES_400));
     for (name, size) in [("vga", VGA), ("1080p", FULL_HD)] {
         let pinhole = Scene::new(Who::Person, 7, size);
         let lens = Scene::through_lenses(Who::Person, 7, size);
-        lens_contacts(survey, name, &pinhole, &lens, &boxes);
-        abstain_contacts(survey, name, &pinhole, &boxes);
-        coverage_contacts(survey, name, &Scene::segmented(Who::Person, 7, size), &boxes);
-        lens_prepare(survey, name, &pinhole, &lens);
+        lens_contacts(session, name, &pinhole, &lens, &boxes);
+        abstain_contacts(session, name, &pinhole, &boxes);
+        coverage_contacts(session, name, &Scene::segmented(Who::Person, 7, size), &boxes);
+        lens_prepare(session, name, &pinhole, &lens);
     }
-    body_response(survey, &Scene::new(Who::Person, 7, VGA), &boxes);
+    body_response(session, &Scene::new(Who::Person, 7, VGA), &boxes);
 }
 
 /// Adds the default contacts in a prepared frame.
-fn with_contacts<'a>(race: Race<'a>, name: &str, frame: Frame, boxes: &'a Boxes) -> Race<'a> {
+fn with_contacts<'a>(bench: PairedBench<'a>, name: &str, frame: Frame, boxes: &'a Boxes) -> PairedBench<'a> {
     let mut contacts = Vec::new();
-    race.with(name, move || {
+    bench.with(name, move || {
         frame.contacts(boxes, &mut contacts);
         contacts.len()
     })
 }
 
 /// Contacts behind lenses.
-fn lens_contacts(survey: &mut Survey, name: &str, pinhole: &Scene, lens: &Scene, boxes: &Boxes) {
+fn lens_contacts(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scene, boxes: &Boxes) {
     let frame = |scene: &Scene| Rig::new(scene).publish(&scene.masks);
-    let race = with_contacts(Race::new(), "pinhole", frame(pinhole), boxes);
-    let times = survey.race(with_contacts(race, "lens", frame(lens), boxes));
+    let bench = with_contacts(PairedBench::new(), "pinhole", frame(pinhole), boxes);
+    let times = session.run(with_contacts(bench, "lens", frame(lens), boxes));
 
     let what = "default contacts, lenses with k1 = -0.2 over pinhole cameras, binary masks";
     let ratio = times.ratio("lens", "pinhole");
-    survey.asked(
+    session.bounded(
         &format!("lens_contacts_over_pinhole_{name}"),
         ratio,
         Bound::AtMost(1.3),
@@ -47,22 +47,22 @@ fn lens_contacts(survey: &mut Survey, name: &str, pinhole: &Scene, lens: &Scene,
         what,
     );
     let what = "default contacts behind such lenses";
-    survey.reported(&format!("lens_contacts_{name}_ms"), 1e3 * times.seconds("lens"), Start::Frame, what);
+    session.reported(&format!("lens_contacts_{name}_ms"), 1e3 * times.seconds("lens"), Start::Frame, what);
 }
 
 /// Contacts where views abstain.
-fn abstain_contacts(survey: &mut Survey, name: &str, scene: &Scene, boxes: &Boxes) {
+fn abstain_contacts(session: &mut Session, name: &str, scene: &Scene, boxes: &Boxes) {
     let outside = Rig::new(scene).publish(&scene.masks);
     let abstain = Rig::abstaining(scene).publish(&scene.masks);
-    let race = with_contacts(Race::new(), "outside", outside, boxes);
-    let times = survey.race(with_contacts(race, "abstain", abstain, boxes));
+    let bench = with_contacts(PairedBench::new(), "outside", outside, boxes);
+    let times = session.run(with_contacts(bench, "abstain", abstain, boxes));
 
     let what = "default contacts, views that abstain over views that cut the hull off";
     let ratio = times.ratio("abstain", "outside");
     let figure = format!("abstain_contacts_over_outside_{name}");
-    survey.asked(&figure, ratio, Bound::AtMost(1.5), Start::Frame, what);
+    session.bounded(&figure, ratio, Bound::AtMost(1.5), Start::Frame, what);
     let what = "default contacts with views that abstain";
-    survey.reported(
+    session.reported(
         &format!("abstain_contacts_{name}_ms"),
         1e3 * times.seconds("abstain"),
         Start::Frame,
@@ -71,12 +71,12 @@ fn abstain_contacts(survey: &mut Survey, name: &str, scene: &Scene, boxes: &Boxe
 }
 
 /// Contacts from masks with coverage, each frame asked for the first time, so that no edge normal is known yet.
-fn coverage_contacts(survey: &mut Survey, name: &str, coverage: &Scene, boxes: &Boxes) {
+fn coverage_contacts(session: &mut Session, name: &str, coverage: &Scene, boxes: &Boxes) {
     let binary = coverage.binary();
-    let mut race = Race::new();
+    let mut bench = PairedBench::new();
     for (name, scene) in [("binary", &binary), ("coverage", coverage)] {
         let (rig, mut contacts) = (Rig::new(scene), Vec::new());
-        race = race.with_prepared(
+        bench = bench.with_prepared(
             name,
             move || rig.publish(&scene.masks),
             move |frame| {
@@ -85,45 +85,51 @@ fn coverage_contacts(survey: &mut Survey, name: &str, coverage: &Scene, boxes: &
             },
         );
     }
-    let times = survey.race(race);
+    let times = session.run(bench);
 
     let what = "default contacts in a new frame, segmented masks with coverage over the same made binary";
     let ratio = times.ratio("coverage", "binary");
     let figure = format!("coverage_contacts_over_binary_{name}");
-    survey.asked(&figure, ratio, Bound::AtMost(1.6), Start::Frame, what);
+    session.bounded(&figure, ratio, Bound::AtMost(1.6), Start::Frame, what);
     let what = "default contacts in a new frame of segmented masks with coverage";
     let milliseconds = 1e3 * times.seconds("coverage");
-    survey.reported(&format!("coverage_contacts_{name}_ms"), milliseconds, Start::Frame, what);
+    session.reported(&format!("coverage_contacts_{name}_ms"), milliseconds, Start::Frame, what);
 }
 
 /// Masks behind lenses.
-fn lens_prepare(survey: &mut Survey, name: &str, pinhole: &Scene, lens: &Scene) {
+fn lens_prepare(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scene) {
     let (straight, bent) = (Rig::new(pinhole), Rig::new(lens));
-    let race = Race::new()
+    let bench = PairedBench::new()
         .with("pinhole", || straight.publish(&pinhole.masks))
         .with("lens", || bent.publish(&lens.masks));
-    let times = survey.race(race);
+    let times = session.run(bench);
 
     let what = "seven masks prepared, lenses with k1 = -0.2 over pinhole cameras";
     let ratio = times.ratio("lens", "pinhole");
-    survey.asked(&format!("lens_prepare_over_pinhole_{name}"), ratio, Bound::AtMost(3.0), Start::Masks, what);
+    session.bounded(
+        &format!("lens_prepare_over_pinhole_{name}"),
+        ratio,
+        Bound::AtMost(3.0),
+        Start::Masks,
+        what,
+    );
     let what = "seven masks prepared behind such lenses";
-    survey.reported(&format!("lens_prepare_{name}_ms"), 1e3 * times.seconds("lens"), Start::Masks, what);
+    session.reported(&format!("lens_prepare_{name}_ms"), 1e3 * times.seconds("lens"), Start::Masks, what);
 }
 
 /// The paper's body vectors beside the default contacts.
-fn body_response(survey: &mut Survey, scene: &Scene, boxes: &Boxes) {
+fn body_response(session: &mut Session, scene: &Scene, boxes: &Boxes) {
     let frame = Rig::new(scene).publish(&scene.masks);
     let mut vectors = Vec::new();
-    let race = with_contacts(Race::new(), "contacts", frame.clone(), boxes).with("response", || {
+    let bench = with_contacts(PairedBench::new(), "contacts", frame.clone(), boxes).with("response", || {
         frame.body_vectors(boxes, &mut vectors);
         vectors.len()
     });
-    let times = survey.race(race);
+    let times = session.run(bench);
 
     let what = "the paper's body vectors of 60 boxes over the default contacts";
     let ratio = times.ratio("response", "contacts");
-    survey.asked("body_response_over_contacts", ratio, Bound::AtMost(1.2), Start::Frame, what);
+    session.bounded("body_response_over_contacts", ratio, Bound::AtMost(1.2), Start::Frame, what);
     let what = "the paper's body vectors of 60 boxes, VGA";
-    survey.reported("body_response_vga_ms", 1e3 * times.seconds("response"), Start::Frame, what);
+    session.reported("body_response_vga_ms", 1e3 * times.seconds("response"), Start::Frame, what);
 }

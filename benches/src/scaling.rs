@@ -4,19 +4,19 @@ use crate::figure::Bound;
 use crate::frames::{from_frame, from_masks};
 use crate::plot::{Line, Plot};
 use crate::points;
-use crate::survey::{Start, Survey};
-use crate::timing::{Race, Times};
+use crate::session::{Session, Start};
+use crate::timing::{PairedBench, Times};
 use ode_visual_hull_bench::ours::Rig;
 use ode_visual_hull_bench::scene::{
     Bodies, Given, Optics, SAMPLES_400, SAMPLES_4000, SIZES, Scene, VGA, Who,
 };
 
-pub fn measure(survey: &mut Survey) {
-    cameras(survey);
-    resolution(survey);
-    samples(survey);
-    bodies(survey);
-    depth(survey);
+pub fn measure(session: &mut Session) {
+    cameras(session);
+    resolution(session);
+    samples(session);
+    bodies(session);
+    depth(session);
 }
 
 /// The person before pinhole cameras.
@@ -24,84 +24,84 @@ fn pinholes(cameras: usize, size: (u32, u32)) -> Given {
     Given::new(Who::Person, cameras, size, Optics::Pinholes)
 }
 
-fn cameras(survey: &mut Survey) {
+fn cameras(session: &mut Session) {
     let counts = [4, 7, 14, 28];
     let scenes = counts.map(|count| (count.to_string(), pinholes(count, VGA)));
     let bodies = Bodies::scattered(60, SAMPLES_400);
-    let race = Race::new();
-    let race = scenes.iter().fold(race, |race, (label, given)| from_masks(race, label, given, &bodies));
-    let times = survey.race(race);
+    let bench = PairedBench::new();
+    let bench = scenes.iter().fold(bench, |bench, (label, given)| from_masks(bench, label, given, &bodies));
+    let times = session.run(bench);
 
     let what = "masks in, default contacts out, 60 boxes of 400 samples";
     let ratio = times.ratio("ours 14", "ours 4");
-    survey.asked("cameras_14_over_4", ratio, Bound::AtMost(3.2), Start::Masks, what);
+    session.bounded("cameras_14_over_4", ratio, Bound::AtMost(3.2), Start::Masks, what);
     let sizes = counts.map(|count| (count as f64, count.to_string())).to_vec();
-    draw(survey, "cameras", "cameras", FRAME, sizes, &times, &CONTENDERS);
+    draw(session, "cameras", "cameras", FRAME, sizes, &times, &CANDIDATES);
 }
 
-fn resolution(survey: &mut Survey) {
+fn resolution(session: &mut Session) {
     let scenes = SIZES.map(|(_, size)| pinholes(7, size));
     let bodies = Bodies::scattered(60, SAMPLES_400);
-    let mut race = Race::new();
+    let mut bench = PairedBench::new();
     for (given, (name, _)) in scenes.iter().zip(SIZES) {
         let rig = Rig::new(&given.ours);
-        race = from_frame(race, name, given, &bodies)
+        bench = from_frame(bench, name, given, &bodies)
             .with(format!("prepare {name}"), move || rig.publish(&given.ours.masks));
     }
-    let times = survey.race(race);
+    let times = session.run(bench);
 
     let what = "default contacts, 60 boxes of 400 samples";
     let ratio = times.ratio("ours 4K", "ours VGA");
-    survey.asked("query_4k_over_vga", ratio, Bound::AtMost(1.9), Start::Frame, what);
+    session.bounded("query_4k_over_vga", ratio, Bound::AtMost(1.9), Start::Frame, what);
     let what = "the literal program's body vectors, 60 boxes of 400 samples";
     let ratio = times.ratio("literal 4K", "literal VGA");
-    survey.reported("query_4k_over_vga_literal", ratio, Start::Frame, what);
+    session.reported("query_4k_over_vga_literal", ratio, Start::Frame, what);
     let sizes = SIZES.map(|(name, (width, height))| (f64::from(width * height) * 1e-6, name.to_owned()));
-    let lines = [CONTENDERS[0], CONTENDERS[1], ("prepare", "preparing the frame")];
-    draw(survey, "resolution", "pixels of a mask", TIME, sizes.to_vec(), &times, &lines);
+    let lines = [CANDIDATES[0], CANDIDATES[1], ("prepare", "preparing the frame")];
+    draw(session, "resolution", "pixels of a mask", TIME, sizes.to_vec(), &times, &lines);
 }
 
-fn samples(survey: &mut Survey) {
+fn samples(session: &mut Session) {
     let given = pinholes(7, VGA);
     let features = [SAMPLES_400, 0.0213, 0.0136, SAMPLES_4000];
     let bodies = features.map(|feature| Bodies::scattered(60, feature));
     let label = |bodies: &Bodies| bodies.samples.points().len().to_string();
-    let race = Race::new();
-    let race = bodies.iter().fold(race, |race, bodies| from_frame(race, &label(bodies), &given, bodies));
-    let times = survey.race(race);
+    let bench = PairedBench::new();
+    let bench = bodies.iter().fold(bench, |bench, bodies| from_frame(bench, &label(bodies), &given, bodies));
+    let times = session.run(bench);
 
     let [few, .., many] = &bodies;
     let ratio = times.ratio(&format!("ours {}", label(many)), &format!("ours {}", label(few)));
     let what = "default contacts, 60 boxes";
-    survey.asked("samples_4000_over_400", ratio, Bound::AtMost(7.0), Start::Frame, what);
+    session.bounded("samples_4000_over_400", ratio, Bound::AtMost(7.0), Start::Frame, what);
     let sizes = bodies.iter().map(|bodies| (bodies.samples.points().len() as f64, label(bodies)));
-    draw(survey, "samples", "samples of a box", QUERY, sizes.collect(), &times, &CONTENDERS);
+    draw(session, "samples", "samples of a box", QUERY, sizes.collect(), &times, &CANDIDATES);
 }
 
-fn bodies(survey: &mut Survey) {
+fn bodies(session: &mut Session) {
     let given = pinholes(7, VGA);
     let counts = [60, 600, 6000];
     let bodies = counts.map(|count| Bodies::scattered(count, SAMPLES_400));
     let label = |bodies: &Bodies| bodies.poses.len().to_string();
-    let race = Race::new();
-    let race = bodies.iter().fold(race, |race, bodies| from_masks(race, &label(bodies), &given, bodies));
-    let times = survey.race(race);
+    let bench = PairedBench::new();
+    let bench = bodies.iter().fold(bench, |bench, bodies| from_masks(bench, &label(bodies), &given, bodies));
+    let times = session.run(bench);
     let sizes = bodies.iter().map(|bodies| (bodies.poses.len() as f64, label(bodies)));
-    draw(survey, "bodies", "boxes of 400 samples", FRAME, sizes.collect(), &times, &CONTENDERS);
+    draw(session, "bodies", "boxes of 400 samples", FRAME, sizes.collect(), &times, &CANDIDATES);
 }
 
-fn depth(survey: &mut Survey) {
+fn depth(session: &mut Session) {
     let scene = Scene::new(Who::Barrel, 7, VGA);
     let frame = Rig::new(&scene).publish(&scene.masks);
     let depths = [1, 2, 4, 8, 16, 32, 56];
-    let mut race = Race::new();
+    let mut bench = PairedBench::new();
     for depth in depths {
         let points = points::at_depth(&frame, depth..=depth, POINTS);
-        race = points::respond(race, &depth.to_string(), &scene, &frame, &points);
+        bench = points::respond(bench, &depth.to_string(), &scene, &frame, &points);
     }
-    let times = survey.race(race);
+    let times = session.run(bench);
     let sizes = depths.map(|depth| (f64::from(depth), depth.to_string())).to_vec();
-    draw(survey, "depth", "pixels to the nearest background", RESPONSE, sizes, &times, &RESPONDERS);
+    draw(session, "depth", "pixels to the nearest background", RESPONSE, sizes, &times, &RESPONDERS);
 }
 
 /// What is on the y axis, and its unit in seconds.
@@ -114,23 +114,23 @@ const QUERY: Cost = ("in a prepared frame (ms)", 1e-3);
 const RESPONSE: Cost = ("response of a point (ns)", 1e-9 * POINTS as f64);
 const POINTS: usize = 1_000;
 
-/// How contenders' names begin, and what the plots call them.
-const CONTENDERS: [(&str, &str); 2] =
+/// How candidates' names begin, and what the plots call them.
+const CANDIDATES: [(&str, &str); 2] =
     [("literal", "the paper's body vectors, literally"), ("ours", "this library's contacts")];
 
 /// How the plot of responses calls them.
 const RESPONDERS: [(&str, &str); 2] =
     [("literal", "the paper's algorithm, literally"), ("ours", "this library")];
 
-/// Draws the contenders' times over the sizes, which are labelled as the contenders' names end.
+/// Draws the candidates' times over the sizes, which are labelled as the candidates' names end.
 fn draw(
-    survey: &Survey,
+    session: &Session,
     name: &str,
     x: &str,
     (y, unit): Cost,
     sizes: Vec<(f64, String)>,
     times: &Times,
-    contenders: &[(&str, &str)],
+    candidates: &[(&str, &str)],
 ) {
     let line = |(prefix, name): &(&str, &str)| Line {
         name: (*name).to_owned(),
@@ -139,8 +139,8 @@ fn draw(
             .map(|(x, label)| (*x, times.seconds(&format!("{prefix} {label}")) / unit))
             .collect(),
     };
-    let lines = contenders.iter().map(line).collect();
-    let folder = survey.docs().join("performance");
+    let lines = candidates.iter().map(line).collect();
+    let folder = session.docs().join("performance");
     let path = folder.join(format!("{name}.svg"));
     let written = std::fs::create_dir_all(&folder).map_err(Into::into);
     let written = written.and_then(|()| Plot { x, y, ticks: sizes, lines }.write(&path));

@@ -1,4 +1,4 @@
-//! What every contender is given: cameras, masks, and boxes about a subject.
+//! What every candidate is given: cameras, masks, and boxes about a subject.
 //!
 //! Metres, z up. The cameras stand around the subject at 3.2 m, so that a pixel covers 6 mm at VGA.
 
@@ -131,7 +131,7 @@ impl Who {
     }
 }
 
-/// The scenes of a race: what ours starts from, and what its rivals are given.
+/// The scenes of a comparison: what ours starts from, and what its rivals are given.
 ///
 /// The rivals know no lenses. Where the cameras have them, the rivals get the undistorted masks for nothing, while ours
 /// undistorts on the clock.

@@ -4,7 +4,7 @@
 
 use crate::data;
 use crate::figure::Bound;
-use crate::survey::{Start, Survey};
+use crate::session::{Session, Start};
 use crate::timing::{median, thread_seconds};
 use image::{GrayImage, RgbImage};
 use ode_visual_hull::recording::Recording;
@@ -18,7 +18,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 /// How often the images are segmented in a turn.
 const REPEATS: usize = 4;
 
-pub fn measure(survey: &mut Survey) {
+pub fn measure(session: &mut Session) {
     let Capture { empty, images } = captured().unwrap_or_else(rendered);
     let mut plate = CleanPlate::new(&empty, Thresholds::default()).expect("thresholds in range");
     let mut gaussian = RunningGaussian::new(Learning::default()).expect("numbers in range");
@@ -26,13 +26,13 @@ pub fn measure(survey: &mut Survey) {
     let mut peer = match Peer::start(&empty, &images) {
         Ok(peer) => Some(peer),
         Err(problem) => {
-            survey.leave_out(&format!("segment_ms_over_mog2: {problem}"));
+            session.leave_out(&format!("segment_ms_over_mog2: {problem}"));
             None
         }
     };
     let (mut ours, mut plates, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
     let mut theirs = Vec::new();
-    for _ in 0..survey.rounds() {
+    for _ in 0..session.rounds() {
         plates.push(milliseconds(&mut plate, &images));
         ours.push(milliseconds(&mut gaussian, &images));
         if let Some(time) = peer.as_mut().and_then(Peer::milliseconds) {
@@ -41,17 +41,17 @@ pub fn measure(survey: &mut Survey) {
         }
     }
     let what = "a colour image to a silhouette with coverage, cleaned up, in milliseconds";
-    survey.reported("segment_clean_plate_ms", median(plates), Start::Images, what);
-    survey.reported("segment_running_gaussian_ms", median(ours), Start::Images, what);
+    session.reported("segment_clean_plate_ms", median(plates), Start::Images, what);
+    session.reported("segment_running_gaussian_ms", median(ours), Start::Images, what);
     if !ratios.is_empty() {
-        survey.reported(
+        session.reported(
             "segment_mog2_ms",
             median(theirs),
             Start::Images,
             "OpenCV's MOG2 alone, in milliseconds",
         );
         let what = "a running Gaussian with clean-up and coverage over OpenCV's MOG2 alone";
-        survey.asked("segment_ms_over_mog2", median(ratios), Bound::AtMost(0.5), Start::Images, what);
+        session.bounded("segment_ms_over_mog2", median(ratios), Bound::AtMost(0.5), Start::Images, what);
     }
 }
 
@@ -64,7 +64,7 @@ fn milliseconds(segmenter: &mut dyn Segmenter, images: &[RgbImage]) -> f64 {
             black_box(&mask);
         }
     };
-    // The other contender has left the caches full of its own.
+    // The other candidate has left the caches full of its own.
     run();
     let start = thread_seconds();
     (0..REPEATS).for_each(|_| run());

@@ -1,6 +1,6 @@
 //! A simulation of ODE: how much of a step is colliding.
 
-use crate::survey::{Start, Survey};
+use crate::session::{Session, Start};
 use crate::timing::{median, thread_seconds};
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::hull::HullData;
@@ -14,13 +14,13 @@ const DT: f64 = 0.01;
 /// Steps before the boxes are put back to where they touch the person.
 const STEPS: usize = 10;
 
-pub fn measure(survey: &mut Survey) {
+pub fn measure(session: &mut Session) {
     let scene = Scene::new(Who::Person, 7, VGA);
     let bodies = Bodies::scattered(60, SAMPLES_400);
     let (mut world, ids) = world(&scene, &bodies).expect("a world of ODE");
     set_random_seed(1);
     let (mut shares, mut steps) = (Vec::new(), Vec::new());
-    for _ in 0..survey.rounds() {
+    for _ in 0..session.rounds() {
         put_back(&mut world, &ids, &bodies.poses);
         let (mut collide, mut total) = (0.0, 0.0);
         for _ in 0..STEPS {
@@ -34,8 +34,8 @@ pub fn measure(survey: &mut Survey) {
         steps.push(total / STEPS as f64);
     }
     let what = "colliding as a part of collide and quick step, 60 boxes about a person in ODE";
-    survey.reported("collide_share", median(shares), Start::Step, what);
-    survey.reported(
+    session.reported("collide_share", median(shares), Start::Step, what);
+    session.reported(
         "step_60_ms",
         1e3 * median(steps),
         Start::Step,

@@ -1,4 +1,4 @@
-//! The comparison is fair: every contender answers the same question.
+//! The comparison is fair: every candidate answers the same question.
 
 use crate::carve::Grid;
 use crate::literal::{LiteralBodies, LiteralHull, Vec3};

@@ -1,13 +1,13 @@
 //! The bodies of one frame shared out among threads.
 
 use crate::figure::Bound;
-use crate::survey::{Start, Survey};
-use crate::timing::Race;
+use crate::session::{Session, Start};
+use crate::timing::PairedBench;
 use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, Who};
 use rayon::ThreadPoolBuilder;
 
-pub fn measure(survey: &mut Survey) {
+pub fn measure(session: &mut Session) {
     let scene = Scene::new(Who::Person, 7, FULL_HD);
     let frame = Rig::new(&scene).publish(&scene.masks);
     let boxes = Boxes::new(&Bodies::scattered(600, SAMPLES_400));
@@ -19,8 +19,8 @@ pub fn measure(survey: &mut Survey) {
         let mut contacts = Vec::new();
         move || pool.install(|| frame.contacts(boxes, &mut contacts))
     };
-    let times = survey.race(Race::on_the_wall().with("one", run(1)).with("two", run(2)));
+    let times = session.run(PairedBench::by_wall_clock().with("one", run(1)).with("two", run(2)));
 
     let what = "default contacts of 600 boxes at 1080p, two threads over one, by the wall";
-    survey.asked("threads_2_over_1", times.ratio("two", "one"), Bound::AtMost(0.6), Start::Frame, what);
+    session.bounded("threads_2_over_1", times.ratio("two", "one"), Bound::AtMost(0.6), Start::Frame, what);
 }

@@ -1,39 +1,39 @@
-//! Contenders that take turns: each round runs all of them, and only times of one round are compared.
+//! Candidates that take turns: each round runs all of them, and only times of one round are compared.
 //!
-//! The clock is the thread's own, which stands still while other programs have the core; where several threads race,
-//! it is the one on the wall.
+//! The clock is the thread's own, which stands still while other programs have the core; where candidates start
+//! threads of their own, it is the wall clock.
 
 use indicatif::ProgressBar;
 use rustix::time::{ClockId, clock_gettime};
 use std::hint::black_box;
 
-/// The least seconds that one contender runs in a round, so that the clock and a stray interrupt do not count.
+/// The least seconds that one candidate runs in a round, so that the clock and a stray interrupt do not count.
 const LEAST: f64 = 4e-3;
 
-/// Contenders by name.
-pub struct Race<'a> {
-    contenders: Vec<Contender<'a>>,
+/// Candidates by name, compared within each round.
+pub struct PairedBench<'a> {
+    candidates: Vec<Candidate<'a>>,
     clock: ClockId,
 }
 
-struct Contender<'a> {
+struct Candidate<'a> {
     name: String,
     /// Runs so many times, and returns the seconds on the clock.
     run: Box<dyn FnMut(u32, ClockId) -> f64 + 'a>,
     repeats: u32,
 }
 
-impl<'a> Race<'a> {
+impl<'a> PairedBench<'a> {
     pub fn new() -> Self {
-        Self { contenders: Vec::new(), clock: ClockId::ThreadCPUTime }
+        Self { candidates: Vec::new(), clock: ClockId::ThreadCPUTime }
     }
 
-    /// A race of contenders that start threads of their own.
-    pub fn on_the_wall() -> Self {
+    /// A comparison of candidates that start threads of their own.
+    pub fn by_wall_clock() -> Self {
         Self { clock: ClockId::Monotonic, ..Self::new() }
     }
 
-    /// Adds a contender; what `run` returns is not optimised away.
+    /// Adds a candidate; what `run` returns is not optimised away.
     pub fn with<T>(self, name: impl Into<String>, mut run: impl FnMut() -> T + 'a) -> Self {
         self.timed_by(name, move |repeats, clock| {
             let start = seconds(clock);
@@ -44,7 +44,7 @@ impl<'a> Race<'a> {
         })
     }
 
-    /// Adds a contender whose every run is on something new, which `prepare` makes off the clock just before.
+    /// Adds a candidate whose every run is on something new, which `prepare` makes off the clock just before.
     ///
     /// So what is remembered of a frame once it has been asked is not remembered yet, while the frame lies in the caches
     /// as it does in a program. Starting and stopping the clock costs less than a microsecond a run.
@@ -67,23 +67,23 @@ impl<'a> Race<'a> {
     }
 
     fn timed_by(mut self, name: impl Into<String>, run: impl FnMut(u32, ClockId) -> f64 + 'a) -> Self {
-        self.contenders.push(Contender { name: name.into(), run: Box::new(run), repeats: 1 });
+        self.candidates.push(Candidate { name: name.into(), run: Box::new(run), repeats: 1 });
         self
     }
 
-    /// Runs `rounds` rounds; one more is run before, to see how long each contender takes.
+    /// Runs `rounds` rounds; one more is run before, to see how long each candidate takes.
     pub fn run(mut self, rounds: usize, bar: &ProgressBar) -> Times {
         bar.inc_length(rounds as u64);
-        for contender in &mut self.contenders {
-            let once = contender.seconds(self.clock);
-            contender.repeats = (LEAST / once).ceil().clamp(1.0, 1e6) as u32;
+        for candidate in &mut self.candidates {
+            let once = candidate.seconds(self.clock);
+            candidate.repeats = (LEAST / once).ceil().clamp(1.0, 1e6) as u32;
         }
         let mut times = Times {
-            names: self.contenders.iter().map(|contender| contender.name.clone()).collect(),
+            names: self.candidates.iter().map(|candidate| candidate.name.clone()).collect(),
             rounds: Vec::new(),
         };
         for _ in 0..rounds {
-            let seconds = self.contenders.iter_mut().map(|contender| contender.seconds(self.clock));
+            let seconds = self.candidates.iter_mut().map(|candidate| candidate.seconds(self.clock));
             times.rounds.push(seconds.collect());
             bar.inc(1);
         }
@@ -91,8 +91,8 @@ impl<'a> Race<'a> {
     }
 }
 
-impl Contender<'_> {
-    /// Seconds of one run, the mean over the repeats. One run off the clock comes before: the last contender has left
+impl Candidate<'_> {
+    /// Seconds of one run, the mean over the repeats. One run off the clock comes before: the last candidate has left
     /// the caches full of its own.
     fn seconds(&mut self, clock: ClockId) -> f64 {
         (self.run)(1, clock);
@@ -100,7 +100,7 @@ impl Contender<'_> {
     }
 }
 
-/// How long each contender took in each round, in seconds.
+/// How long each candidate took in each round, in seconds.
 pub struct Times {
     names: Vec<String>,
     rounds: Vec<Vec<f64>>,
@@ -113,14 +113,14 @@ impl Times {
         median(self.rounds.iter().map(|round| round[index]).collect())
     }
 
-    /// How many times as long as `other` a contender takes: the median over the rounds of the ratios within one.
+    /// How many times as long as `other` a candidate takes: the median over the rounds of the ratios within one.
     pub fn ratio(&self, name: &str, other: &str) -> f64 {
         let (index, other) = (self.index(name), self.index(other));
         median(self.rounds.iter().map(|round| round[index] / round[other]).collect())
     }
 
     fn index(&self, name: &str) -> usize {
-        self.names.iter().position(|known| known == name).expect("a contender's name")
+        self.names.iter().position(|known| known == name).expect("a candidate's name")
     }
 }
 

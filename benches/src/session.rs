@@ -1,7 +1,7 @@
-//! One run of the program: how long to measure, what was measured, and who is told of it.
+//! One run of the program: how long it measures, what it has measured, and where it reports progress.
 
 use crate::figure::{Bound, Figure};
-use crate::timing::{Race, Times};
+use crate::timing::{PairedBench, Times};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 
@@ -28,14 +28,14 @@ pub struct Row {
 }
 
 /// One run of the program.
-pub struct Survey {
+pub struct Session {
     rounds: usize,
     docs: PathBuf,
     bar: ProgressBar,
     rows: Vec<Row>,
 }
 
-impl Survey {
+impl Session {
     /// Races of `rounds` rounds, and plots below the folder `docs`.
     pub fn new(rounds: usize, docs: PathBuf) -> Self {
         let style = ProgressStyle::with_template("{msg:28} [{bar:40}] {pos}/{len} rounds, {elapsed}")
@@ -50,12 +50,12 @@ impl Survey {
         self.bar.set_message(name.to_owned());
     }
 
-    /// Lets the contenders take turns.
-    pub fn race(&self, race: Race<'_>) -> Times {
-        race.run(self.rounds, &self.bar)
+    /// Lets the candidates take turns.
+    pub fn run(&self, bench: PairedBench<'_>) -> Times {
+        bench.run(self.rounds, &self.bar)
     }
 
-    /// How many rounds a race has.
+    /// How many rounds a comparison has.
     pub fn rounds(&self) -> usize {
         self.rounds
     }
@@ -68,13 +68,13 @@ impl Survey {
     /// A figure, with a bound or without.
     pub fn figure(&mut self, name: &str, value: f64, bound: Option<Bound>, start: Start, what: &'static str) {
         match bound {
-            Some(bound) => self.asked(name, value, bound, start, what),
+            Some(bound) => self.bounded(name, value, bound, start, what),
             None => self.reported(name, value, start, what),
         }
     }
 
     /// A figure with a bound.
-    pub fn asked(&mut self, name: &str, value: f64, bound: Bound, start: Start, what: &'static str) {
+    pub fn bounded(&mut self, name: &str, value: f64, bound: Bound, start: Start, what: &'static str) {
         self.rows.push(Row { figure: Figure::asked(name, value, bound), start, what });
     }
 

@@ -101,6 +101,7 @@ mod image_file;
 mod lock;
 pub mod ode;
 pub mod recording;
+mod recycle;
 pub mod rig;
 pub mod sample;
 pub mod segment;

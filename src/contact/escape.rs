@@ -1,68 +1,63 @@
-//! The way out for a body that is swallowed or pierced: none of its samples can tell, since wherever a sample's own
-//! way out leads, the body follows with more of itself inside.
+//! The exit direction of a body that is swallowed or pierced. None of its samples can tell: wherever the exit of a single
+//! sample leads, the body follows with more of itself inside.
 
-use super::Colliding;
-use crate::hull::{EdgeModel, Hull, Memory, Start};
+use super::PenetratingSample;
+use super::tuning::{ESCAPE_SAMPLES, HYSTERESIS};
+use crate::hull::{EdgeModel, ExitRay, Hull, Scratch};
 use nalgebra::Vector3;
 
-/// The last step's way out counts as this much shorter, so that the body does not dither between two.
-const LOYALTY: f64 = 0.3;
-
-/// At most this many samples are asked, evenly over their order.
-const MOST_ASKED: usize = 64;
-
-/// The direction whose longest exit over the colliding samples is shortest: among the 26 to the faces, edges and
-/// corners of a cube, the samples' mean way out, and the last step's.
-pub(super) fn direction(
+/// The direction whose longest exit over the penetrating samples is shortest: among the 26 to the faces, edges and
+/// corners of a cube, the mean of the samples' exit vectors, and the last step's.
+pub(super) fn escape_direction(
     hull: &Hull,
-    colliding: &[Colliding],
+    penetrating: &[PenetratingSample],
     last: Option<Vector3<f64>>,
-    memory: &mut Memory,
+    scratch: &mut Scratch,
 ) -> Vector3<f64> {
-    let stride = colliding.len().div_ceil(MOST_ASKED);
-    let mean: Vector3<f64> = colliding.iter().map(|sample| sample.direction * sample.depth).sum();
+    let stride = penetrating.len().div_ceil(ESCAPE_SAMPLES);
+    let mean: Vector3<f64> = penetrating.iter().map(|sample| sample.direction * sample.depth).sum();
     let fresh = cube_directions().chain(mean.try_normalize(1e-9));
     let candidates =
-        fresh.map(|direction| (direction, 1.0)).chain(last.map(|direction| (direction, LOYALTY)));
-    let asked = colliding.iter().step_by(stride);
-    let start = |&Colliding { point, direction, view, .. }: &Colliding| Start { point, direction, view };
-    let mut search =
-        Search { hull, starts: asked.map(start).collect(), exits: Vec::new(), memory, witness: 0 };
+        fresh.map(|direction| (direction, 1.0)).chain(last.map(|direction| (direction, HYSTERESIS)));
+    let asked = penetrating.iter().step_by(stride);
+    let rays = asked.map(PenetratingSample::ray).collect();
+    let mut search = Search { hull, rays, exits: Vec::new(), scratch, last_rejecting_sample: 0 };
     let mut best: Option<(Vector3<f64>, f64)> = None;
     for (direction, factor) in candidates {
         let least = best.map_or(f64::INFINITY, |(_, least)| least);
-        if let Some(rated) = search.rated(&direction, factor, least) {
-            best = Some((direction, rated));
+        if let Some(cost) = search.cost(&direction, factor, least) {
+            best = Some((direction, cost));
         }
     }
-    best.map_or(colliding[0].direction, |(direction, _)| direction)
+    best.map_or(penetrating[0].direction, |(direction, _)| direction)
 }
 
 /// The longest exits of the samples asked.
 struct Search<'a> {
     hull: &'a Hull,
-    starts: Vec<Start>,
+    rays: Vec<ExitRay>,
     exits: Vec<f64>,
-    memory: &'a mut Memory,
-    /// The sample that ruled the last direction out: it is likely to rule out the next one too.
-    witness: usize,
+    scratch: &'a mut Scratch,
+    /// The sample that rejected the last direction: it is likely to reject the next one too.
+    last_rejecting_sample: usize,
 }
 
 impl Search<'_> {
     /// `factor` times the longest exit along `direction`; `None` where it is not below `least`.
-    fn rated(&mut self, direction: &Vector3<f64>, factor: f64, least: f64) -> Option<f64> {
-        let Self { hull, starts, exits, memory, witness } = self;
-        // Beyond this a walk need not go on: a little more than what rules the direction out.
+    fn cost(&mut self, direction: &Vector3<f64>, factor: f64, least: f64) -> Option<f64> {
+        let Self { hull, rays, exits, scratch, last_rejecting_sample } = self;
+        // Beyond this a walk need not go on: a little more than what rejects the direction.
         let enough = least / factor * (1.0 + 1e-12);
-        let rules_out = |exit: f64| factor * exit >= least;
-        if rules_out(hull.exit_within(&starts[*witness].point, direction, EdgeModel::Pixel, enough)) {
+        let rejects = |exit: f64| factor * exit >= least;
+        let likely = &rays[*last_rejecting_sample].point;
+        if rejects(hull.exit_within(likely, direction, EdgeModel::Pixel, enough)) {
             return None;
         }
-        starts.iter_mut().for_each(|start| start.direction = *direction);
-        hull.exits_within(starts, EdgeModel::Pixel, enough, memory, exits);
+        rays.iter_mut().for_each(|ray| ray.direction = *direction);
+        hull.exits_within(rays, EdgeModel::Pixel, enough, scratch, exits);
         let (place, longest) = exits.iter().enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
-        *witness = place;
-        (!rules_out(*longest)).then_some(factor * longest)
+        *last_rejecting_sample = place;
+        (!rejects(*longest)).then_some(factor * longest)
     }
 }
 

@@ -7,18 +7,23 @@
 //!          ^  V  ^                       a few samples a cluster are kept: deepest, then farthest apart
 //! ```
 
+mod body_response;
 mod cluster;
 mod escape;
-mod group;
+mod manifold;
+mod pipeline;
 mod reduce;
-mod room;
+mod share_out;
 mod tilt;
+pub(crate) mod tuning;
 
-pub use crate::hull::BodyResponse;
-use crate::hull::{EdgeModel, Hull};
+pub use body_response::{BodyResponse, body_response, body_responses};
+
+use crate::hull::{EdgeModel, ExitRay, Hull};
 use crate::sample::Samples;
 use nalgebra::{Isometry3, Point3, Vector3};
-use room::Room;
+use pipeline::ContactPipeline;
+use share_out::share_out;
 
 /// How contacts are made from the colliding samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -51,7 +56,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { mode: Mode::Clustered, max_depth: 0.05, max_contacts: 8 }
+        Self { mode: Mode::Clustered, max_depth: tuning::MAX_DEPTH, max_contacts: tuning::MAX_CONTACTS }
     }
 }
 
@@ -66,25 +71,66 @@ pub struct Contact {
     pub depth: f64,
 }
 
+/// Contact points that leave the hull in one direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Manifold {
+    /// Unit outward direction of the hull, in the hull's frame.
+    pub direction: Vector3<f64>,
+    /// Index of the view whose silhouette edge gave the direction of the deepest sample. `None` where the direction is
+    /// no sample's: that of a body that is swallowed or pierced, and the paper's V.
+    pub view: Option<usize>,
+}
+
+/// A point of a manifold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ManifoldPoint {
+    /// A point of the body's surface, inside the hull, in the hull's frame.
+    pub point: Point3<f64>,
+    /// Metres to go along the manifold's direction, not negative.
+    pub depth: f64,
+    /// Index among the body's samples. `None` for a support point of a smooth body, which is none of them.
+    pub sample: Option<usize>,
+    /// Index of its manifold.
+    pub manifold: usize,
+}
+
 /// The contacts of one body, and what the next step wants to know of them.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Contacts {
-    /// Deepest cluster first.
-    pub contacts: Vec<Contact>,
-    /// The way out that was chosen for a body that is swallowed or pierced, to be preferred in the next step.
+pub struct BodyContacts {
+    /// The deepest first; each has points.
+    pub manifolds: Vec<Manifold>,
+    /// The points of all manifolds, the most important first: manifolds give one in turn.
+    pub points: Vec<ManifoldPoint>,
+    /// The direction that was chosen for a body that is swallowed or pierced, to be preferred in the next step.
     pub escape: Option<Vector3<f64>>,
 }
 
-impl Contacts {
-    /// None, in the same memory.
+impl BodyContacts {
+    /// The points with their directions, in their order.
+    pub fn contacts(&self) -> impl ExactSizeIterator<Item = Contact> {
+        self.points.iter().map(|&ManifoldPoint { point, depth, manifold, .. }| Contact {
+            point,
+            direction: self.manifolds[manifold].direction,
+            depth,
+        })
+    }
+
+    /// The points of one manifold, in their order.
+    pub fn points_of(&self, manifold: usize) -> impl Iterator<Item = &ManifoldPoint> {
+        self.points.iter().filter(move |point| point.manifold == manifold)
+    }
+
+    /// Removes all, and keeps the memory.
     fn clear(&mut self) {
-        self.contacts.clear();
+        self.manifolds.clear();
+        self.points.clear();
         self.escape = None;
     }
 
     /// Becomes like `other`, in the same memory.
     pub(crate) fn copy(&mut self, other: &Self) {
-        self.contacts.clone_from(&other.contacts);
+        self.manifolds.clone_from(&other.manifolds);
+        self.points.clone_from(&other.points);
         self.escape = other.escape;
     }
 }
@@ -96,26 +142,34 @@ pub struct Body<'a> {
     pub samples: &'a Samples,
     /// Its pose. In one that is not finite it touches nothing.
     pub hull_from_body: Isometry3<f64>,
-    /// The [`Contacts::escape`] of the step before.
+    /// The [`BodyContacts::escape`] of the step before.
     pub last_escape: Option<Vector3<f64>>,
 }
 
 /// A body sample inside the hull, in the hull's frame.
 #[derive(Debug, Clone, Copy)]
-struct Colliding {
+struct PenetratingSample {
+    /// Its index among the body's samples.
+    index: usize,
     point: Point3<f64>,
     /// The body's outward normal there; zero where it is not known.
     normal: Vector3<f64>,
-    /// Index of the view whose edge gave the way out.
+    /// Index of the view whose edge gave the exit direction.
     view: usize,
-    /// Unit direction of its way out.
+    /// Unit exit direction.
     direction: Vector3<f64>,
-    /// Metres along it; zero where nobody has asked.
+    /// Metres along it to the exit; zero where that was not asked.
     depth: f64,
 }
 
-/// The contacts of `body` in pose `hull_from_body` with `hull`. `last_escape` is the [`Contacts::escape`] of the step
-/// before.
+impl PenetratingSample {
+    fn ray(&self) -> ExitRay {
+        ExitRay { point: self.point, direction: self.direction, view: self.view }
+    }
+}
+
+/// The contacts of `body` in pose `hull_from_body` with `hull`. `last_escape` is the [`BodyContacts::escape`] of the
+/// step before.
 ///
 /// Many bodies are sooner collided together, by [`collide_many`].
 pub fn collide(
@@ -124,8 +178,8 @@ pub fn collide(
     hull_from_body: &Isometry3<f64>,
     settings: &Settings,
     last_escape: Option<Vector3<f64>>,
-) -> Contacts {
-    let mut contacts = [Contacts::default()];
+) -> BodyContacts {
+    let mut contacts = [BodyContacts::default()];
     let body = Body { samples: body, hull_from_body: *hull_from_body, last_escape };
     collide_into(&mut contacts, hull, &[body], settings);
     let [contacts] = contacts;
@@ -134,48 +188,41 @@ pub fn collide(
 
 /// The contacts of each of `bodies` with `hull`, in their order, written to `contacts`, whose memory is used again.
 ///
-/// What is asked of the hull is asked for all bodies side by side. No body's contacts depend on another's: they have
-/// the bits that [`collide`] gives.
-pub fn collide_many(hull: &Hull, bodies: &[Body], settings: &Settings, contacts: &mut Vec<Contacts>) {
-    contacts.resize_with(bodies.len(), Contacts::default);
+/// What is asked of the hull is asked for all bodies side by side. With the feature `threads` the bodies are shared out
+/// among the threads of rayon's current pool. No body's contacts depend on another's: they have the bits that
+/// [`collide`] gives.
+pub fn collide_many(hull: &Hull, bodies: &[Body], settings: &Settings, contacts: &mut Vec<BodyContacts>) {
+    contacts.resize_with(bodies.len(), BodyContacts::default);
     collide_into(contacts, hull, bodies, settings);
 }
 
-/// The same, a place in `contacts` for each of `bodies`.
-pub(crate) fn collide_into(contacts: &mut [Contacts], hull: &Hull, bodies: &[Body], settings: &Settings) {
-    contacts.iter_mut().for_each(Contacts::clear);
-    let Settings { mode, max_depth, max_contacts } = *settings;
-    if max_contacts == 0 {
-        return;
+/// [`collide_many`] with a place in `contacts` for each of `bodies`.
+pub(crate) fn collide_into(contacts: &mut [BodyContacts], hull: &Hull, bodies: &[Body], settings: &Settings) {
+    contacts.iter_mut().for_each(BodyContacts::clear);
+    if settings.max_contacts > 0 {
+        share_out(bodies, contacts, &|bodies, contacts| collide_on_thread(contacts, hull, bodies, settings));
     }
-    Room::with(|room| {
-        room.take_inside(hull, bodies, usize::MAX);
-        match mode {
-            Mode::Clustered => room.group_by_clusters(hull, bodies, max_depth),
-            Mode::Paper => room.group_by_paper(hull, bodies),
-            Mode::Point => room.group_by_body(hull, max_depth),
-            Mode::Single => return room.contacts_of_deepest(hull, settings, contacts),
+}
+
+/// [`collide_into`] on the calling thread, for `contacts` that are empty.
+fn collide_on_thread(contacts: &mut [BodyContacts], hull: &Hull, bodies: &[Body], settings: &Settings) {
+    let edge = if settings.mode == Mode::Paper { EdgeModel::Pixel } else { EdgeModel::Coverage };
+    ContactPipeline::with_scratch(|pipeline| {
+        pipeline.collect_penetrating(hull, bodies, edge, usize::MAX);
+        match settings.mode {
+            Mode::Clustered => pipeline.group_by_clusters(hull, bodies, settings.max_depth),
+            Mode::Paper => pipeline.group_by_paper(hull),
+            Mode::Point => pipeline.leave_alone(hull, settings.max_depth),
+            Mode::Single => pipeline.leave_deepest_alone(hull, settings.max_depth),
         }
-        room.contacts_of_groups(hull, settings, contacts);
+        pipeline.reduce_to_contacts(hull, settings, contacts);
     });
 }
 
-/// Any contacts, the first found, up to `settings.max_contacts`: for callers who only want to know whether there are
-/// some.
-pub fn collide_any(
-    hull: &Hull,
-    body: &Samples,
-    hull_from_body: &Isometry3<f64>,
-    settings: &Settings,
-) -> Vec<Contact> {
-    let mut contacts = Contacts::default();
-    collide_any_into(&mut contacts, hull, body, hull_from_body, settings);
-    contacts.contacts
-}
-
-/// The same, written to `contacts`.
-pub(crate) fn collide_any_into(
-    contacts: &mut Contacts,
+/// Any contacts, the first found, up to `settings.max_contacts`, written to `contacts`: for callers who only want to
+/// know whether there are some.
+pub(crate) fn collide_any(
+    contacts: &mut BodyContacts,
     hull: &Hull,
     body: &Samples,
     hull_from_body: &Isometry3<f64>,
@@ -183,28 +230,11 @@ pub(crate) fn collide_any_into(
 ) {
     contacts.clear();
     let body = Body { samples: body, hull_from_body: *hull_from_body, last_escape: None };
-    Room::with(|room| {
-        room.take_inside(hull, &[body], settings.max_contacts);
-        room.contacts_of_first(hull, settings, contacts);
+    ContactPipeline::with_scratch(|pipeline| {
+        pipeline.collect_penetrating(hull, &[body], EdgeModel::Coverage, settings.max_contacts);
+        pipeline.leave_first_alone(hull, settings);
+        pipeline.reduce_to_contacts(hull, settings, std::slice::from_mut(contacts));
     });
-}
-
-/// The paper's response of a body (section 5): the mean of its colliding samples' responses gives the direction, the
-/// longest exit along it the length. Where the responses cancel out, the deepest sample's stands in.
-pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64>) -> BodyResponse {
-    let points = || body.points().iter().map(|sample| hull_from_body * sample.point);
-    let responses: Vec<_> = points().filter_map(|p| Some((p, hull.respond(&p)?))).collect();
-    let colliding = responses.len();
-    let deepest = responses.iter().rev().max_by(|(_, a), (_, b)| a.depth.total_cmp(&b.depth));
-    let Some((_, deepest)) = deepest else { return BodyResponse { vector: Vector3::zeros(), colliding } };
-    let sum: Vector3<f64> = responses.iter().map(|(_, response)| response.w()).sum();
-    let direction = sum.try_normalize(0.0).unwrap_or(deepest.normal);
-    let exits = responses.iter().map(|(p, _)| hull.exit(p, &direction, EdgeModel::Pixel));
-    BodyResponse { vector: direction * exits.fold(0.0, f64::max), colliding }
-}
-
-fn own_contact(sample: &Colliding, max_depth: f64) -> Contact {
-    Contact { point: sample.point, direction: sample.direction, depth: sample.depth.min(max_depth) }
 }
 
 #[cfg(test)]

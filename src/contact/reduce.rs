@@ -1,73 +1,74 @@
 //! The few contacts to keep of a body where there are more than the solver wants.
 
-use super::group::{Group, Groups};
+use super::manifold::{Manifolds, PendingManifold};
+use super::tuning::FARTHER_RATIO;
 use std::ops::Range;
-
-/// A contact at least this deep, as a part of its group's deepest, counts as deepest: the first of them starts the
-/// choice, so that noise in the depths of a body at rest does not change it from step to step.
-pub(super) const AS_DEEP: f64 = 0.8;
-
-/// A contact counts as farther only by more than this ratio of squared distances: what rounding decides differs from
-/// pose to pose.
-const FARTHER: f64 = 1.0 + 1e-6;
 
 /// A choice among a body's points.
 #[derive(Debug, Default)]
-pub(super) struct Choice {
-    turns: Vec<Turn>,
+pub(super) struct Reduction {
+    cursors: Vec<ManifoldCursor>,
     /// Squared distance of each point to the nearest one kept; below zero once kept itself.
     to_kept: Vec<f64>,
 }
 
-/// A group that takes its turn.
+/// A manifold, and the point that it gives next.
 #[derive(Debug)]
-struct Turn {
-    group: Group,
+struct ManifoldCursor {
+    manifold: PendingManifold,
     next: Option<usize>,
 }
 
-impl Choice {
-    /// Adds to `kept` the places of at most `most` points of a body's groups: these take turns, the deepest first;
-    /// within one its first, then always the one farthest from those kept. Ties go to the first.
-    pub(super) fn spread(&mut self, groups: &Groups, body: Range<usize>, most: usize, kept: &mut Vec<usize>) {
-        let Self { turns, to_kept } = self;
-        turns.clear();
-        turns.extend(
-            groups.of(body).iter().map(|group| Turn { group: group.clone(), next: Some(group.first) }),
-        );
-        let (Some(first), Some(last)) = (turns.first(), turns.last()) else { return };
-        let points = first.group.points.start..last.group.points.end;
+impl Reduction {
+    /// Adds to `kept` the places of at most `most` points of a body's manifolds. These give a point each in turn, the
+    /// deepest manifold first: its first deep point, then always the one farthest from those kept. Ties go to the first.
+    pub(super) fn farthest_point_sampling(
+        &mut self,
+        manifolds: &Manifolds,
+        body: Range<usize>,
+        most: usize,
+        kept: &mut Vec<usize>,
+    ) {
+        let Self { cursors, to_kept } = self;
+        let cursor = |manifold: &PendingManifold| ManifoldCursor {
+            manifold: manifold.clone(),
+            next: Some(manifold.first),
+        };
+        cursors.clear();
+        cursors.extend(manifolds.of(body).iter().map(cursor));
+        let (Some(first), Some(last)) = (cursors.first(), cursors.last()) else { return };
+        let points = first.manifold.points.start..last.manifold.points.end;
         // Equally deep ones stay in their order.
-        turns.sort_unstable_by(|Turn { group: a, .. }, Turn { group: b, .. }| {
+        cursors.sort_unstable_by(|ManifoldCursor { manifold: a, .. }, ManifoldCursor { manifold: b, .. }| {
             b.deepest.total_cmp(&a.deepest).then(a.points.start.cmp(&b.points.start))
         });
         if points.len() <= most {
-            kept.extend(turns.iter().flat_map(|turn| turn.group.points.clone()));
+            kept.extend(cursors.iter().flat_map(|cursor| cursor.manifold.points.clone()));
             return;
         }
         to_kept.clear();
         to_kept.resize(points.len(), f64::INFINITY);
         let enough = kept.len() + most;
         while kept.len() < enough {
-            for turn in turns.iter_mut() {
+            for cursor in cursors.iter_mut() {
                 if kept.len() < enough {
-                    kept.extend(turn.take(groups, points.start, to_kept));
+                    kept.extend(cursor.take(manifolds, points.start, to_kept));
                 }
             }
         }
     }
 }
 
-impl Turn {
+impl ManifoldCursor {
     /// The point to keep next; `to_kept` begins with that at place `start`.
-    fn take(&mut self, groups: &Groups, start: usize, to_kept: &mut [f64]) -> Option<usize> {
+    fn take(&mut self, manifolds: &Manifolds, start: usize, to_kept: &mut [f64]) -> Option<usize> {
         let chosen = self.next?;
         to_kept[chosen - start] = -1.0;
         let mut farthest: Option<(usize, f64)> = None;
-        for place in self.group.points.clone() {
+        for place in self.manifold.points.clone() {
             let away = &mut to_kept[place - start];
-            *away = away.min((groups.point(place) - groups.point(chosen)).norm_squared());
-            let is_farther = |(_, other)| *away > FARTHER * other;
+            *away = away.min((manifolds.ray(place).point - manifolds.ray(chosen).point).norm_squared());
+            let is_farther = |(_, other)| *away > FARTHER_RATIO * other;
             if *away >= 0.0 && place != chosen && farthest.is_none_or(is_farther) {
                 farthest = Some((place, *away));
             }

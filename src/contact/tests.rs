@@ -35,7 +35,7 @@ fn at(x: f64, y: f64, z: f64) -> Isometry3<f64> {
 }
 
 fn contacts(body: &Samples, pose: &Isometry3<f64>) -> Vec<Contact> {
-    collide(&table(), body, pose, &Settings::default(), None).contacts
+    collide(&table(), body, pose, &Settings::default(), None).contacts().collect()
 }
 
 /// A box turned a little about z stands 5 mm deep in the top at (0.03, -0.02).
@@ -82,8 +82,8 @@ fn depth_is_capped_but_in_paper_mode() {
     let hull = table();
     let deepest = |mode| {
         let settings = Settings { mode, ..Settings::default() };
-        let found = collide(&hull, &cube(), &deep, &settings, None).contacts;
-        found.iter().map(|contact| contact.depth).fold(0.0, f64::max)
+        let found = collide(&hull, &cube(), &deep, &settings, None);
+        found.points.iter().map(|point| point.depth).fold(0.0, f64::max)
     };
     assert_eq!(deepest(Mode::Clustered), 0.05);
     assert_eq!(deepest(Mode::Point), 0.05);
@@ -126,7 +126,7 @@ fn a_pierced_body_is_led_out_one_way_and_keeps_it() {
     let first = collide(&hull, &plate, &at(0.0, 0.0, 0.0), &settings, None);
     let way = first.escape.expect("none of its samples is supported");
     assert!(way.angle(&Vector3::z()) < 0.1, "up is shortest: {way}");
-    assert!(first.contacts.iter().all(|contact| contact.direction == way));
+    assert!(first.contacts().all(|contact| contact.direction == way));
     // Another way stays preferred once taken, unless it is more than three times as long.
     let second = collide(&hull, &plate, &at(0.0, 0.0, 0.0), &settings, Some(Vector3::x()));
     assert_eq!(second.escape, Some(Vector3::x()));
@@ -145,7 +145,7 @@ fn reduction_keeps_the_deepest_and_the_spread_whatever_the_cap() {
     let tilted = at(0.0, 0.0, 0.293) * UnitQuaternion::from_euler_angles(0.001, 0.002, 0.0);
     let with_cap = |cap| {
         let settings = Settings { max_contacts: cap, ..Settings::default() };
-        collide(&hull, &cube(), &tilted, &settings, None).contacts
+        collide(&hull, &cube(), &tilted, &settings, None).contacts().collect::<Vec<_>>()
     };
     let all = with_cap(10_000);
     let deepest = all.iter().map(|contact| contact.depth).fold(0.0, f64::max);
@@ -168,8 +168,8 @@ fn the_choice_of_samples_does_not_flicker_while_a_box_trembles() {
         // At rest 3 mm deep; a tremble of 20 micrometres and of as many microradians.
         let pose = at(0.03 + tremble, -0.02, 0.297 - tremble)
             * UnitQuaternion::from_euler_angles(tremble, -0.5 * tremble, 0.3);
-        let found = collide(&hull, &body, &pose, &Settings::default(), None).contacts;
-        found.iter().map(|contact| pose.inverse_transform_point(&contact.point)).collect()
+        let found = collide(&hull, &body, &pose, &Settings::default(), None);
+        found.points.iter().map(|point| pose.inverse_transform_point(&point.point)).collect()
     };
     let still = chosen(0.0);
     for tremble in [-2e-5, -7e-6, 3e-6, 1e-5, 2e-5] {
@@ -227,7 +227,7 @@ fn bodies_get_the_same_contacts_side_by_side_as_alone() {
     let lost = Body { hull_from_body: at(f64::NAN, 0.0, 0.0), ..body(0) };
     let bodies: Vec<_> = (0..40).map(body).chain([lost]).chain((40..80).map(body)).collect();
     // Whatever was in it before.
-    let mut found = vec![Contacts { contacts: Vec::new(), escape: Some(Vector3::y()) }; 100];
+    let mut found = vec![BodyContacts { escape: Some(Vector3::y()), ..BodyContacts::default() }; 100];
     for (mode, max_contacts) in
         [(Mode::Clustered, 8), (Mode::Clustered, 3), (Mode::Paper, 8), (Mode::Point, 8), (Mode::Single, 8)]
     {
@@ -245,9 +245,9 @@ fn bodies_get_the_same_contacts_side_by_side_as_alone() {
             );
             escapes += usize::from(found.escape.is_some());
         }
-        assert!(found.iter().filter(|found| !found.contacts.is_empty()).count() > 40);
+        assert!(found.iter().filter(|found| !found.points.is_empty()).count() > 40);
         assert!((escapes > 0) == (mode == Mode::Clustered), "{escapes}");
-        assert!(found[40].contacts.is_empty());
+        assert!(found[40].points.is_empty());
     }
 }
 
@@ -258,7 +258,8 @@ fn every_shape_on_the_table_is_pushed_up() {
         let samples = shape.sample(0.03).unwrap();
         for mode in [Mode::Clustered, Mode::Paper, Mode::Point, Mode::Single] {
             let settings = Settings { mode, ..Settings::default() };
-            let found = collide(&hull, &samples, &at(0.0, 0.01, 0.296), &settings, None).contacts;
+            let found = collide(&hull, &samples, &at(0.0, 0.01, 0.296), &settings, None);
+            let found: Vec<_> = found.contacts().collect();
             assert!(!found.is_empty(), "{shape:?} {mode:?}");
             // The paper's 5x5 normals are off by up to 6.6 degrees, and more in single samples.
             let most = if mode == Mode::Clustered { 0.035 } else { 0.4 };

@@ -58,7 +58,7 @@ impl Hull {
         most: f64,
     ) -> Option<f64> {
         let abstains = self.unseen() != Unseen::Outside;
-        let blind = abstains && self.enabled_views().any(|view| view.seen().is_some());
+        let blind = abstains && self.enabled_views().any(|view| view.blind_spots().is_some());
         if sightings.unseen > 0 || sightings.seen.is_empty() || blind {
             return None;
         }

@@ -4,21 +4,21 @@
 const WHOLE_F32: f32 = 8_388_608.0;
 const WHOLE_F64: f64 = 4_503_599_627_370_496.0;
 
-/// Both are computed, and one is taken: no branch for the compiler to stumble over.
+/// Branch-free select; both operands are evaluated.
 #[inline(always)]
-pub(super) fn either<T>(condition: bool, yes: T, no: T) -> T {
+pub(super) fn select<T>(condition: bool, yes: T, no: T) -> T {
     if condition { yes } else { no }
 }
 
-/// Zeros and ones as bits, a lane each.
+/// The bits of lanes that hold zero or one.
 #[inline(always)]
-pub(super) fn bits<const N: usize>(ones: &[u32; N]) -> u32 {
-    ones.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
+pub(super) fn lane_mask<const N: usize>(lanes: &[u32; N]) -> u32 {
+    lanes.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
 }
 
 /// The places of the bits set, ascending.
 #[inline(always)]
-pub(super) fn ones(mut word: u32) -> impl Iterator<Item = usize> {
+pub(super) fn set_bits(mut word: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let place = word.trailing_zeros();
         word &= word.wrapping_sub(1);
@@ -28,16 +28,16 @@ pub(super) fn ones(mut word: u32) -> impl Iterator<Item = usize> {
 
 /// The whole number below `x`, which is brought between one half and `most`; NaN becomes the lower bound.
 #[inline(always)]
-pub(super) fn whole(x: f32, most: f32) -> u32 {
-    let x = either(x > 0.5, x, 0.5);
-    let x = either(x < most, x, most);
+pub(super) fn floor_clamped(x: f32, most: f32) -> u32 {
+    let x = select(x > 0.5, x, 0.5);
+    let x = select(x < most, x, most);
     // Half is taken off since the sum rounds to the nearest.
-    bits_of(x - 0.5)
+    round_u32(x - 0.5)
 }
 
 /// The whole number nearest to `x`, which is not negative and below 2^23.
 #[inline(always)]
-pub(super) fn bits_of(x: f32) -> u32 {
+fn round_u32(x: f32) -> u32 {
     (x + WHOLE_F32).to_bits() & 0x007f_ffff
 }
 
@@ -45,7 +45,7 @@ pub(super) fn bits_of(x: f32) -> u32 {
 #[inline(always)]
 pub(super) fn floor(x: f64) -> f64 {
     let nearest = (x + WHOLE_F64) - WHOLE_F64;
-    either(nearest > x, nearest - 1.0, nearest)
+    select(nearest > x, nearest - 1.0, nearest)
 }
 
 /// A whole number that is not negative and below 2^32.

@@ -98,8 +98,8 @@ impl<'a> March<'a> {
         let silhouette = view.silhouette();
         let by_coverage = edge == EdgeModel::Coverage && silhouette.has_coverage();
         let shift = if by_coverage { 0.5 } else { 0.0 };
-        // A lens's unseen pixels lie anywhere in the image, so that there the whole image has to be walked.
-        let region = if view.seen().is_some() { silhouette.image() } else { silhouette.rect() };
+        // Pixels that a lens did not see lie anywhere in the image, so that there the whole image has to be walked.
+        let region = if view.blind_spots().is_some() { silhouette.image() } else { silhouette.rect() };
         let (verdict, until) = (Verdict::Unseen, 0.0);
         Self { view, line, shift, region, stays: None, walk: None, verdict, until }
     }
@@ -228,7 +228,7 @@ impl<'a> March<'a> {
     /// which the verdict is the same.
     fn cell_verdict(&self, i: i32, j: i32) -> (Option<Verdict>, i32) {
         let silhouette = self.view.silhouette();
-        if self.view.seen().is_some() && !self.view.sees(i.max(0), j.max(0)) {
+        if !self.view.judges(i.max(0), j.max(0)) && self.view.blind_spots().is_some() {
             return (Some(Verdict::Unseen), 0);
         }
         let distances = |i: i32, j: i32| i32::from(silhouette.distance(i, j));
@@ -240,7 +240,8 @@ impl<'a> March<'a> {
             (corners.into_iter().min().unwrap_or(0), corners.into_iter().max().unwrap_or(0))
         };
         if nearest > 0 {
-            let seen = self.view.seen().map_or(i32::MAX, |seen| i32::from(seen.distance(i.max(0), j.max(0))));
+            let seen =
+                self.view.blind_spots().map_or(i32::MAX, |seen| i32::from(seen.distance(i.max(0), j.max(0))));
             (Some(Verdict::Inside), nearest.min(seen) - 1)
         } else if farthest == 0 {
             (Some(Verdict::Outside), 0)

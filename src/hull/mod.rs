@@ -12,12 +12,14 @@
 
 mod batch;
 mod consistency;
+mod cull;
 mod data;
-mod exact;
 mod exit;
 mod frustum;
 mod image_line;
 mod lanes;
+mod lookup;
+mod many;
 mod march;
 mod points;
 mod ray;
@@ -31,10 +33,10 @@ mod tangents;
 mod view;
 
 pub use crate::aabb::Aabb;
-pub use batch::{Body, BodyResponse, Inside, PointResponse, Workspace};
+pub(crate) use batch::{ExitRay, Scratch};
 pub use consistency::Fit;
 pub use data::HullData;
-pub(crate) use exact::{Memory, Start};
+pub use many::{Inside, PointResponse, Workspace};
 pub use march::EdgeModel;
 pub use points::Points;
 pub use ray::RayHit;
@@ -63,12 +65,17 @@ impl Unseen {
     /// Abstain, with two views needed.
     pub const ABSTAIN: Self = Self::Abstain { min_views: 2 };
 
-    /// Whether a point is inside, seen as subject by `inside` views, as background by `outside`, by `unseen` not.
-    fn admits(self, inside: usize, outside: usize, unseen: usize) -> bool {
+    /// How many of `enabled` views have to see a point that is inside.
+    fn min_views(self, enabled: usize) -> usize {
         match self {
-            Self::Outside => outside == 0 && unseen == 0 && inside > 0,
-            Self::Abstain { min_views } => outside == 0 && inside >= min_views.max(1),
+            Self::Outside => enabled.max(1),
+            Self::Abstain { min_views } => min_views.max(1),
         }
+    }
+
+    /// Whether a point is inside that of `enabled` views `inside` see as subject and `outside` as background.
+    fn decides_inside(self, inside: usize, outside: usize, enabled: usize) -> bool {
+        outside == 0 && inside >= self.min_views(enabled)
     }
 }
 
@@ -205,15 +212,16 @@ impl Hull {
         if !self.in_boxes(p) {
             return false;
         }
-        let (mut inside, mut unseen) = (0, 0);
+        let (mut inside, mut enabled) = (0, 0);
         for view in self.enabled_views() {
             match self.verdict(view, p, edge) {
                 Verdict::Inside => inside += 1,
-                Verdict::Unseen => unseen += 1,
+                Verdict::Unseen => {}
                 Verdict::Outside => return false,
             }
+            enabled += 1;
         }
-        self.unseen.admits(inside, 0, unseen)
+        self.unseen.decides_inside(inside, 0, enabled)
     }
 
     /// Whether `p` lies in the work volume, and in the hull's box where that is asked.
@@ -237,13 +245,9 @@ impl Hull {
         view.verdict(p, edge, self.culls.rectangle)
     }
 
-    /// Whether a point that some view does not see is outside, and nothing but background ends a silhouette: then the
-    /// silhouettes' tables tell all.
-    pub(crate) fn every_view_tells(&self) -> bool {
-        self.unseen() == Unseen::Outside
-            && self
-                .enabled_views()
-                .all(|view| view.seen().is_none() && view.silhouette().border() == Border::Background)
+    /// Whether what `view` does not see is outside, as the background of its mask says already.
+    fn is_closed(&self, view: &View) -> bool {
+        self.unseen == Unseen::Outside && view.silhouette().border() == Border::Background
     }
 
     fn enabled_views(&self) -> impl Iterator<Item = &View> {

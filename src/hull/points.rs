@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 pub(super) const LANES: usize = 32;
 
 /// Blocks whose spheres are asked together: a body of 400 samples has 13.
-pub(super) const GROUP: usize = 16;
+pub(super) const BLOCKS_PER_GROUP: usize = 16;
 
 /// One number of each of as many points as are asked together.
 pub(super) type Lane = [f32; LANES];
@@ -23,7 +23,7 @@ pub struct Points {
     /// About the middle of all.
     blocks: Vec<Block>,
     /// A sphere around each block's points.
-    spheres: Vec<Spheres>,
+    spheres: Vec<BoundingSpheres>,
     /// The index of each point of the blocks as it was given.
     order: Vec<u32>,
 }
@@ -37,14 +37,14 @@ pub(super) struct Block {
     pub(super) z: Lane,
 }
 
-/// Spheres around as many blocks as are asked together, about the middle of all points; filled up as blocks are.
+/// BoundingSpheres around as many blocks as are asked together, about the middle of all points; filled up as blocks are.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(align(64))]
-pub(super) struct Spheres {
-    pub(super) x: [f32; GROUP],
-    pub(super) y: [f32; GROUP],
-    pub(super) z: [f32; GROUP],
-    pub(super) radius: [f32; GROUP],
+pub(super) struct BoundingSpheres {
+    pub(super) x: [f32; BLOCKS_PER_GROUP],
+    pub(super) y: [f32; BLOCKS_PER_GROUP],
+    pub(super) z: [f32; BLOCKS_PER_GROUP],
+    pub(super) radius: [f32; BLOCKS_PER_GROUP],
 }
 
 impl Points {
@@ -56,7 +56,10 @@ impl Points {
         split(points, &mut order);
         let sorted: Vec<_> = order.iter().map(|&k| points[k as usize]).collect();
         let blocks = sorted.chunks(LANES).map(|block| Block::new(block, &centre)).collect();
-        let spheres = sorted.chunks(LANES * GROUP).map(|blocks| Spheres::new(blocks, &centre)).collect();
+        let spheres = sorted
+            .chunks(LANES * BLOCKS_PER_GROUP)
+            .map(|blocks| BoundingSpheres::new(blocks, &centre))
+            .collect();
         Self { centre, radius, count: points.len(), blocks, spheres, order }
     }
 
@@ -76,26 +79,20 @@ impl Points {
     }
 
     /// The blocks, with a sphere around each.
-    pub(super) fn blocks(&self) -> impl Iterator<Item = (&Spheres, &[Block])> {
-        self.spheres.iter().zip(self.blocks.chunks(GROUP))
+    pub(super) fn blocks(&self) -> impl Iterator<Item = (&BoundingSpheres, &[Block])> {
+        self.spheres.iter().zip(self.blocks.chunks(BLOCKS_PER_GROUP))
     }
 
     /// How many points of a block are points, not filling.
     #[inline(always)]
-    pub(super) fn filled(&self, block: usize) -> usize {
+    pub(super) fn active_lanes(&self, block: usize) -> usize {
         (self.count - block * LANES).min(LANES)
     }
 
     /// The index, as given, of a point of the blocks.
     #[inline(always)]
-    pub(super) fn given(&self, place: usize) -> usize {
+    pub(super) fn original_index(&self, place: usize) -> usize {
         self.order[place] as usize
-    }
-
-    /// A point of the blocks about the middle of all.
-    #[inline(always)]
-    pub(super) fn at(&self, place: usize) -> [f32; 3] {
-        self.blocks[place / LANES].get(place % LANES)
     }
 }
 
@@ -106,23 +103,18 @@ impl Block {
         };
         Self { x: lane(0), y: lane(1), z: lane(2) }
     }
-
-    #[inline(always)]
-    pub(super) fn get(&self, lane: usize) -> [f32; 3] {
-        [self.x[lane], self.y[lane], self.z[lane]]
-    }
-
-    #[inline(always)]
-    pub(super) fn set(&mut self, lane: usize, [x, y, z]: [f32; 3]) {
-        (self.x[lane], self.y[lane], self.z[lane]) = (x, y, z);
-    }
 }
 
-impl Spheres {
+impl BoundingSpheres {
     fn new(points: &[Point3<f64>], about: &Point3<f64>) -> Self {
-        let mut spheres = Self { x: [0.0; GROUP], y: [0.0; GROUP], z: [0.0; GROUP], radius: [0.0; GROUP] };
+        let mut spheres = Self {
+            x: [0.0; BLOCKS_PER_GROUP],
+            y: [0.0; BLOCKS_PER_GROUP],
+            z: [0.0; BLOCKS_PER_GROUP],
+            radius: [0.0; BLOCKS_PER_GROUP],
+        };
         let last = points.len().div_ceil(LANES) - 1;
-        for k in 0..GROUP {
+        for k in 0..BLOCKS_PER_GROUP {
             let (centre, radius) = sphere(points.chunks(LANES).nth(k.min(last)).unwrap_or(points));
             let middle = (centre - about).cast::<f32>();
             (spheres.x[k], spheres.y[k], spheres.z[k]) = (middle.x, middle.y, middle.z);

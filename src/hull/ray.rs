@@ -37,7 +37,7 @@ impl Hull {
 /// The edge beside a point on the surface.
 fn nearest_edge_in<'a>(view: &'a super::View, p: &Point3<f64>) -> Option<NearestEdge<'a>> {
     let a = view.project(p)?;
-    let (i, j) = super::view::whole(a.u, a.v);
+    let (i, j) = super::view::floor_pixel(a.u, a.v);
     // A crossing lies in an edge pixel or beside one.
     let b = view.silhouette().nearest_background(i, j, 2)?;
     Some(NearestEdge { view, a, b })

@@ -67,12 +67,7 @@ impl Hull {
         })
     }
 
-    /// The direction of [`Self::push`], and the index of the view that gave it.
-    pub(super) fn way_out(&self, p: &Point3<f64>) -> Option<(usize, Vector3<f64>)> {
-        if self.in_boxes(p) { Sightings::with(|sightings| self.way_out_among(sightings, p)) } else { None }
-    }
-
-    /// Takes the sightings of `p`.
+    /// The direction of [`Self::push`], and the index of the view that gave it; takes the sightings of `p`.
     fn way_out_among(&self, sightings: &mut Sightings, p: &Point3<f64>) -> Option<(usize, Vector3<f64>)> {
         if !sightings.take_inside(self, p, EdgeModel::Coverage) {
             return None;
@@ -95,7 +90,7 @@ impl Hull {
 
 /// The image direction from a's pixel to b's, where the mean over a window has none.
 fn towards_b(nearest: &NearestEdge) -> Vector2<f64> {
-    let (i, j) = super::view::whole(nearest.a.u, nearest.a.v);
+    let (i, j) = super::view::floor_pixel(nearest.a.u, nearest.a.v);
     towards(nearest.b.0 - i, nearest.b.1 - j)
 }
 

@@ -1,6 +1,6 @@
 //! A point as every view sees it: projected once, asked for the verdict, the nearest edge and the exit.
 
-use super::view::{Verdict, whole};
+use super::view::{Verdict, floor_pixel};
 use super::{EdgeModel, Hull, View};
 use crate::camera::{MIN_DEPTH, Pixel};
 use crate::silhouette::{HALF_COVERAGE, Rect};
@@ -61,7 +61,7 @@ impl Sightings {
                 return false;
             }
         }
-        hull.unseen().admits(self.seen.len(), 0, self.unseen)
+        hull.unseen().decides_inside(self.seen.len(), 0, self.seen.len() + self.unseen)
     }
 
     fn start(&mut self) {
@@ -83,8 +83,8 @@ impl Sighting {
     fn of(index: usize, view: &View, p: &Point3<f64>) -> Option<Self> {
         let homogeneous = view.homogeneous(p);
         let at = View::dehomogenise(&homogeneous)?;
-        let pixel = whole(at.u, at.v);
-        if !view.sees(pixel.0, pixel.1) {
+        let pixel = floor_pixel(at.u, at.v);
+        if !view.judges(pixel.0, pixel.1) {
             return None;
         }
         let distance = view.silhouette().distance(pixel.0, pixel.1);
@@ -98,7 +98,8 @@ impl Sighting {
         } else {
             // Between four centres of subject pixels coverage cannot fall below one half.
             self.distance > 1
-                || (view.may_hold(self.pixel) && silhouette.coverage(self.at.u, self.at.v) >= HALF_COVERAGE)
+                || (view.may_contain_subject(self.pixel)
+                    && silhouette.coverage(self.at.u, self.at.v) >= HALF_COVERAGE)
         };
         if inside { Verdict::Inside } else { Verdict::Outside }
     }

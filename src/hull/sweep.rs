@@ -68,7 +68,8 @@ impl<'a> Sweep<'a> {
 
     fn inside(&self) -> bool {
         let count = |wanted: Verdict| self.marches.iter().filter(|march| march.verdict() == wanted).count();
-        self.hull.unseen().admits(count(Verdict::Inside), count(Verdict::Outside), count(Verdict::Unseen))
+        let (inside, outside) = (count(Verdict::Inside), count(Verdict::Outside));
+        self.hull.unseen().decides_inside(inside, outside, self.marches.len())
     }
 
     /// The view that changed last; before any change, the first that does not see the point inside.

@@ -261,7 +261,7 @@ fn outline(hull: &Hull, view: &View) -> Vec<Corner> {
 fn is_at_border(view: &View, i: i32, j: i32) -> bool {
     let image = view.silhouette().image();
     let near = |rect: Rect| !rect.grown(-BORDER).contains(i, j);
-    near(image) || view.seen().is_some_and(|seen| i32::from(seen.distance(i, j)) <= BORDER)
+    near(image) || view.field_of_view().is_some_and(|seen| i32::from(seen.distance(i, j)) <= BORDER)
 }
 
 /// The parts of a mask that are no specks and of which the hull fills something, as `is_filled` tells of the middles of

@@ -2,7 +2,7 @@
 
 use super::{Aabb, EdgeModel, frustum};
 use crate::camera::{Camera, MIN_DEPTH, Pixel};
-use crate::silhouette::{Edge, HALF_COVERAGE, Rect, Silhouette};
+use crate::silhouette::{Border, Edge, HALF_COVERAGE, Rect, Silhouette};
 use nalgebra::{Matrix3, Matrix3x4, Point2, Point3, Vector2, Vector3};
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub struct View {
     camera: Arc<Camera>,
     projection: Matrix3x4<f64>,
     silhouette: Arc<Silhouette>,
-    seen: Option<Arc<Silhouette>>,
+    field_of_view: Option<Arc<Silhouette>>,
     enabled: bool,
     centre: Point3<f64>,
     /// Holds every point of the silhouette, whichever way its edge is taken.
@@ -74,16 +74,21 @@ impl Footprint {
 
 impl View {
     /// A view of `camera`, whose distortion is ignored: give it the camera and mask of
-    /// [`Undistortion`](crate::silhouette::Undistortion) for a lens that has any. `seen` is the part of the image
-    /// that the real lens saw, where that is not all of it.
-    pub fn new(camera: Arc<Camera>, silhouette: Arc<Silhouette>, seen: Option<Arc<Silhouette>>) -> Self {
+    /// [`Undistortion`](crate::silhouette::Undistortion) for a lens that has any. `field_of_view` is the part of the
+    /// image that the real lens saw, where that is not all of it; beyond it `silhouette` has to be what it is beyond the
+    /// image: background, or subject with an open border.
+    pub fn new(
+        camera: Arc<Camera>,
+        silhouette: Arc<Silhouette>,
+        field_of_view: Option<Arc<Silhouette>>,
+    ) -> Self {
         let projection = camera.projection_matrix();
         // With coverage the edge may lie up to half a pixel beyond the subject's last pixel.
         let rect = silhouette.rect().grown(i32::from(silhouette.has_coverage()));
         let planes = frustum::planes(&projection, &rect);
         let centre = camera.centre();
         let footprint = Footprint::new(camera.intrinsics());
-        Self { camera, projection, silhouette, seen, enabled: true, centre, rect, planes, footprint }
+        Self { camera, projection, silhouette, field_of_view, enabled: true, centre, rect, planes, footprint }
     }
 
     /// The view taken out, so that it abstains, or put back.
@@ -120,8 +125,14 @@ impl View {
         self.enabled
     }
 
-    pub(super) fn seen(&self) -> Option<&Silhouette> {
-        self.seen.as_deref()
+    /// The part of the image that the real lens saw, where that is not all of it.
+    pub(super) fn field_of_view(&self) -> Option<&Silhouette> {
+        self.field_of_view.as_deref()
+    }
+
+    /// The same where what the lens did not see is not background: with an open border. Else the mask says all.
+    pub(super) fn blind_spots(&self) -> Option<&Silhouette> {
+        self.field_of_view().filter(|_| self.silhouette.border() == Border::Open)
     }
 
     /// World to image, row-major; its third row gives the depth in metres.
@@ -152,17 +163,23 @@ impl View {
     /// The pixel that `p` lies in, when the view sees it.
     pub fn pixel(&self, p: &Point3<f64>) -> Option<(i32, i32)> {
         let pixel = self.project(p)?;
-        let (i, j) = whole(pixel.u, pixel.v);
+        let (i, j) = floor_pixel(pixel.u, pixel.v);
         self.sees(i, j).then_some((i, j))
     }
 
     /// Whether pixel `(i, j)` exists and was in the real lens's sight.
     pub(super) fn sees(&self, i: i32, j: i32) -> bool {
-        self.silhouette.image().contains(i, j) && self.seen().is_none_or(|seen| seen.is_subject(i, j))
+        self.silhouette.image().contains(i, j)
+            && self.field_of_view().is_none_or(|seen| seen.is_subject(i, j))
+    }
+
+    /// Whether pixel `(i, j)` exists, and is none that the lens did not see and on which the view therefore abstains.
+    pub(super) fn judges(&self, i: i32, j: i32) -> bool {
+        self.silhouette.image().contains(i, j) && self.blind_spots().is_none_or(|seen| seen.is_subject(i, j))
     }
 
     /// Whether pixel `(i, j)` lies where subject may be, whichever way its edge is taken.
-    pub(super) fn may_hold(&self, (i, j): (i32, i32)) -> bool {
+    pub(super) fn may_contain_subject(&self, (i, j): (i32, i32)) -> bool {
         self.rect.contains(i, j)
     }
 
@@ -170,8 +187,8 @@ impl View {
     /// silhouette's rectangle is asked first or not.
     pub(super) fn verdict(&self, p: &Point3<f64>, edge: EdgeModel, rectangle_first: bool) -> Verdict {
         let Some(pixel) = self.project(p) else { return Verdict::Unseen };
-        let (i, j) = whole(pixel.u, pixel.v);
-        let inside = if !self.sees(i, j) {
+        let (i, j) = floor_pixel(pixel.u, pixel.v);
+        let inside = if !self.judges(i, j) {
             return Verdict::Unseen;
         } else if rectangle_first && !self.rect.contains(i, j) {
             false
@@ -191,7 +208,7 @@ impl View {
 
     /// Whether the whole of `volume` is in sight.
     pub(super) fn sees_all_of(&self, volume: &Aabb) -> bool {
-        self.seen.is_none() && volume.corners().iter().all(|corner| self.pixel(corner).is_some())
+        self.field_of_view.is_none() && volume.corners().iter().all(|corner| self.pixel(corner).is_some())
     }
 
     /// Whether `p` lies outside the frustum of the silhouette's rectangle, for a point in front of the camera.
@@ -221,11 +238,6 @@ impl View {
         self.backproject_normal(&edge.point, &edge.normal)
     }
 
-    /// Metres that one pixel covers at a depth of one metre.
-    pub(super) fn footprint_at_one_metre(&self) -> f64 {
-        self.footprint.at(1.0)
-    }
-
     /// Metres that one pixel covers at any depth.
     pub(super) fn footprint(&self) -> &Footprint {
         &self.footprint
@@ -234,7 +246,7 @@ impl View {
 
 /// The pixel `(floor u, floor v)`, kept within `i32` for points far outside the image.
 #[inline]
-pub(super) fn whole(u: f64, v: f64) -> (i32, i32) {
+pub(super) fn floor_pixel(u: f64, v: f64) -> (i32, i32) {
     (floor(u), floor(v))
 }
 

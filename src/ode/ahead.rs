@@ -15,9 +15,10 @@
 use super::hull_geom::{Collidable, HullGeom};
 use super::{body_samples, convert};
 use crate::Result;
-use crate::contact::{self, Body, Contacts, Settings};
+use crate::contact::{self, Body, BodyContacts, Settings};
 use crate::hull::Hull;
 use crate::lock::lock;
+use crate::recycle::recycle;
 use crate::sample::Samples;
 use nalgebra::{Isometry3, Vector3};
 use ode_sys::{
@@ -64,7 +65,7 @@ pub(super) struct InForce<'a> {
 pub(super) struct Ahead {
     /// As many answers at least, which belong to the questions in their order.
     questions: Vec<Question>,
-    answers: Vec<Contacts>,
+    answers: Vec<BodyContacts>,
     /// The place of each geom's.
     places: HashMap<usize, usize>,
     handed_out: usize,
@@ -121,7 +122,12 @@ impl Question {
 ///
 /// # Safety
 /// `other` is living, and nobody changes the space that it is in.
-pub(super) unsafe fn answer(in_force: &InForce, other: dGeomID, question: Question, contacts: &mut Contacts) {
+pub(super) unsafe fn answer(
+    in_force: &InForce,
+    other: dGeomID,
+    question: Question,
+    contacts: &mut BodyContacts,
+) {
     // No lock is held while ODE is called: another thread that asks meanwhile asks for its body alone.
     let Some(mut ahead) = lock(&in_force.geom.ahead).take() else {
         return answer_alone(&in_force.now.hull, &question, contacts);
@@ -140,13 +146,13 @@ pub(super) unsafe fn answer(in_force: &InForce, other: dGeomID, question: Questi
     *lock(&in_force.geom.ahead) = Some(ahead);
 }
 
-fn answer_alone(hull: &Hull, question: &Question, contacts: &mut Contacts) {
+fn answer_alone(hull: &Hull, question: &Question, contacts: &mut BodyContacts) {
     contact::collide_into(std::slice::from_mut(contacts), hull, &[question.body()], &question.settings);
 }
 
 impl Ahead {
     /// Writes the answer to `contacts`, if it has been found.
-    fn hand_out(&mut self, question: &Question, contacts: &mut Contacts) -> bool {
+    fn hand_out(&mut self, question: &Question, contacts: &mut BodyContacts) -> bool {
         let place = self.places.get(&question.other).filter(|&&place| self.questions[place].is(question));
         let Some(&place) = place else { return false };
         contacts.copy(&self.answers[place]);
@@ -221,14 +227,12 @@ impl Ahead {
     fn find_answers(&mut self, first: usize, hull: &Hull, settings: &Settings) {
         let Self { questions, answers, bodies, .. } = self;
         if answers.len() < questions.len() {
-            answers.resize_with(questions.len(), Contacts::default);
+            answers.resize_with(questions.len(), BodyContacts::default);
         }
-        // Collected in place, here and below: nothing is left to convert but the lifetime.
-        let mut list: Vec<Body> = std::mem::take(bodies);
+        let mut list: Vec<Body> = recycle(std::mem::take(bodies));
         list.extend(questions[first..].iter().map(Question::body));
         contact::collide_into(&mut answers[first..questions.len()], hull, &list, settings);
-        list.clear();
-        *bodies = list.into_iter().map(|_| unreachable!("it was cleared")).collect();
+        *bodies = recycle(list);
     }
 }
 

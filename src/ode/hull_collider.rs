@@ -4,7 +4,7 @@ use super::ahead::{self, InForce, Question};
 use super::hull_geom::HullGeom;
 use super::{convert, hull_class, hull_geom};
 use crate::camera::Ray;
-use crate::contact::{self, Contact, Contacts};
+use crate::contact::{self, BodyContacts, Contact};
 use crate::hull::Hull;
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{
@@ -19,7 +19,8 @@ const ROOM: u32 = 0xffff;
 
 thread_local! {
     /// Memory for the contacts of one pair at a time.
-    static SPARE: Cell<Contacts> = const { Cell::new(Contacts { contacts: Vec::new(), escape: None }) };
+    static SPARE: Cell<BodyContacts> =
+        const { Cell::new(BodyContacts { manifolds: Vec::new(), points: Vec::new(), escape: None }) };
 }
 
 /// Contacts of hull geom `hull` with `other`; returns their number.
@@ -54,7 +55,7 @@ pub(super) unsafe fn collide_body(
     };
     let (hull_from_other, mut found) = (question.when.hull_from_other, SPARE.take());
     if flags & CONTACTS_UNIMPORTANT != 0 {
-        contact::collide_any_into(&mut found, &now.hull, &question.samples, &hull_from_other, &now.settings);
+        contact::collide_any(&mut found, &now.hull, &question.samples, &hull_from_other, &now.settings);
     } else {
         // SAFETY: the caller vouches for the geoms, and ODE for those in the spaces that it collides.
         unsafe {
@@ -63,13 +64,13 @@ pub(super) unsafe fn collide_body(
         }
     }
     let world_from_hull = hull_from_world.inverse();
-    for (k, contact) in found.contacts.iter().enumerate() {
+    for (k, contact) in found.contacts().enumerate() {
         // SAFETY: k is below the room that the caller vouches for.
         unsafe {
-            contacts.byte_add(k * skip as usize).write(in_ode_terms(contact, &world_from_hull, hull, other))
+            contacts.byte_add(k * skip as usize).write(in_ode_terms(&contact, &world_from_hull, hull, other))
         };
     }
-    let count = found.contacts.len();
+    let count = found.points.len();
     SPARE.set(found);
     count as c_int
 }
@@ -83,14 +84,14 @@ unsafe fn wake(
     geom: &HullGeom,
     other: dGeomID,
     frame: &Hull,
-    found: &contact::Contacts,
+    found: &BodyContacts,
     hull_from_other: &Isometry3<f64>,
 ) {
     // SAFETY: the caller vouches for the geom, and ODE for its body.
     let body = unsafe { dGeomGetBody(other) };
     // SAFETY: as above.
     let asleep = !body.is_null() && unsafe { dBodyIsEnabled(body) } == 0;
-    let depth = found.contacts.iter().map(|contact| contact.depth).reduce(f64::max);
+    let depth = found.points.iter().map(|point| point.depth).reduce(f64::max);
     let pixel = frame.pixel_size(&Point3::from(hull_from_other.translation.vector));
     if geom.finish(other as usize, asleep, depth, found.escape, pixel) {
         // SAFETY: as above; it sets flags of the body and touches no space.

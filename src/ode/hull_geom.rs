@@ -4,6 +4,7 @@ use super::ahead::Ahead;
 use super::convert;
 use crate::Error;
 use crate::contact::Settings;
+use crate::contact::tuning::{MIN_FEATURE, WAKE_PX};
 use crate::hull::{Aabb, Hull, HullData};
 use crate::lock::lock;
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -12,15 +13,8 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard};
 
-/// A body asleep wakes when the hull's surface at it has moved by more than this, in pixels of the nearest view: more
-/// than a flickering edge pixel moves it, less than anybody sees.
-const WAKE_PX: f64 = 1.5;
-
 /// Touches that were not renewed for this many collides are forgotten.
 const FORGET_AFTER: u64 = 1000;
-
-/// Default of [`HullGeom::min_feature`], in metres.
-pub(super) const MIN_FEATURE: f64 = 0.03;
 
 thread_local! {
     /// The last trouble of a collider on this thread, for callers who own ODE themselves and may have no geom to ask.

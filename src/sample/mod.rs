@@ -128,7 +128,7 @@ impl Samples {
     }
 
     /// The same points as the hull's batch queries take them.
-    pub fn cloud(&self) -> &Points {
+    pub fn point_cloud(&self) -> &Points {
         &self.cloud
     }
 

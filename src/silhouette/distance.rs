@@ -18,7 +18,7 @@ use super::tiles::{Lookup, Tiles};
 use crate::vectorised::vectorised;
 
 /// The distance where no background exists: an open border and a silhouette without an edge.
-pub(super) const NO_EDGE: u16 = u16::MAX;
+pub(crate) const NO_EDGE: u16 = u16::MAX;
 
 /// Distances over a region, in a byte each where they fit.
 #[derive(Debug, Default)]

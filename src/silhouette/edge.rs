@@ -8,7 +8,7 @@ use nalgebra::{Point2, Vector2};
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
 /// A mean vector shorter than this, in pixels, has no direction worth trusting (paper, section 4.2; design value).
-pub(super) const SHORTEST_MEAN: f64 = 0.3;
+pub(crate) const SHORTEST_MEAN: f64 = 0.3;
 
 /// A silhouette's edge at one of its background pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -166,16 +166,6 @@ impl Silhouette {
             let (x, y, count) = self.paper_sum(i, j, half);
             let mean = Vector2::new(f64::from(x), f64::from(y)) / f64::max(f64::from(count), 1.0);
             (mean.norm() >= SHORTEST_MEAN).then(|| mean.normalize())
-        })
-    }
-
-    /// The same in whole pixels, of any length.
-    #[inline]
-    pub(crate) fn paper_direction(&self, i: i32, j: i32) -> Option<(i32, i32)> {
-        [2, 3, 4].into_iter().find_map(|half| {
-            let (x, y, count) = self.paper_sum(i, j, half);
-            // SHORTEST_MEAN is three tenths.
-            (100 * (x * x + y * y) >= 9 * count * count && count > 0).then_some((x, y))
         })
     }
 

@@ -20,8 +20,9 @@ mod undistort;
 
 pub(crate) use contact_edge::compute_edges;
 pub(crate) use derived::Derived;
+pub(crate) use distance::NO_EDGE;
 pub use edge::Edge;
-pub(crate) use edge::EdgePixel;
+pub(crate) use edge::{EdgePixel, SHORTEST_MEAN};
 pub use mask::load_mask;
 pub use rect::Rect;
 pub use undistort::Undistortion;
@@ -62,9 +63,7 @@ pub(crate) struct Tables<'a> {
     /// Subject pixels and those around each.
     pub(crate) near: &'a [Word],
     turned: &'a Turned,
-    /// Chebyshev distances; 255 for all that are larger than 254.
-    pub(crate) distance: &'a [u8],
-    /// The same, four a word as they lie in memory.
+    /// Chebyshev distances, four a word as they lie in memory; 255 for all that are larger than 254.
     pub(crate) distance_words: &'a [u32],
     pub(crate) tiles: &'a Tiles,
 }
@@ -191,13 +190,25 @@ impl Silhouette {
         }
     }
 
+    /// Whether the image holds all that is kept of the mask, so that lines out of the subject come to background first.
+    pub(crate) fn is_framed_by_background(&self) -> bool {
+        let region = self.region.rect();
+        region.intersection(&self.image) == region
+    }
+
+    /// Whether the window of half-width `reach` around pixel `(i, j)` lies in what is kept of the mask.
+    pub(crate) fn keeps_window(&self, (i, j): (i32, i32), reach: i32) -> bool {
+        let region = self.region.rect();
+        region.contains(i - reach, j - reach) && region.contains(i + reach, j + reach)
+    }
+
     /// Pixels (Chebyshev) from `(i, j)` to the nearest background pixel: 0 where it is background itself,
     /// [`u16::MAX`] where there is none.
     pub fn distance(&self, i: i32, j: i32) -> u16 {
         if self.rect.contains(i, j) {
             self.derived.distances.at(self.region.rect().index(i, j))
         } else if self.border == Border::Open && !self.image.contains(i, j) {
-            distance::NO_EDGE
+            NO_EDGE
         } else {
             0
         }
@@ -220,7 +231,6 @@ impl Silhouette {
             subject: self.region.subject(),
             near: self.derived.neighbours.near(),
             turned: &self.derived.turned,
-            distance: self.derived.distances.narrow(),
             distance_words: self.derived.distances.narrow_words(),
             tiles: &self.derived.tiles,
         }

@@ -1,111 +1,167 @@
-//! Many points, or whole bodies, asked at once.
+//! Many points at once: the directions in which they leave the hull, and how far that is.
 //!
 //! ```text
-//!   bodies ─► fold ─► find ─► pool ─► survey ─► decide ─► edge, exit ─► V ─► longest exit
-//!                     one body's     many bodies' points, side by side       the body's vector
+//!   points ─► projection ─► nearest edge ─► normal ─► exit
+//!             all views     the view that decides     all views
 //! ```
 //!
-//! The same answers as [`Hull::inside`] and [`Hull::respond`], point by point, but in single precision, from the
-//! points' frame straight to the images: a point whose image lies within a few ten-thousandths of a pixel of a pixel's
-//! border may count to the other side. Contacts do not rest on that: they use it to leave out what is surely outside.
+//! Two questions are answered. By [`EdgeModel::Coverage`] it is that of contacts: the contact normal, and exits at the
+//! coverage edge. By [`EdgeModel::Pixel`] it is the paper's: binary masks, 5x5 normals, exits at pixels' borders.
 //!
-//! Frames in which a view may abstain are asked point by point, in double precision.
+//! The arithmetic is that of [`Hull::push`], [`Hull::respond`] and [`Hull::exit_within`] in the same order, so that
+//! the same bits come out; many points go through each step side by side. What is rare goes the single query's way:
+//! walks along the rim of a silhouette's rectangle, and exits before which a view may lose sight of the point.
 
 // Loops over the lanes of several arrays say what happens to lane k: it is what the compiler turns into vectors.
 #![allow(clippy::needless_range_loop)]
 
-mod bodies;
-mod edge;
-mod exit;
-mod fold;
-mod folded_hull;
-mod inside;
-pub(super) mod lookup;
-mod pool;
-mod respond;
-pub(super) mod rings;
-mod walk;
-mod workspace;
+mod exits;
+mod line_walk;
+mod nearest_edge;
+mod projection;
+mod ring_search;
 
-pub use bodies::{Body, BodyResponse};
-pub use workspace::{Inside, PointResponse, Workspace};
+use super::lanes::set_bits;
+use super::points::LANES;
+use super::view::floor_pixel;
+use super::{EdgeModel, Hull, View};
+use crate::recycle::recycle;
+use crate::silhouette::HALF_COVERAGE;
+use crate::vectorised::vectorised;
+use exits::Exits;
+use nalgebra::{Point3, Vector3};
+use nearest_edge::EdgeQueries;
+use projection::{PointBlock, ViewKernel};
 
-use super::Hull;
-use super::points::Points;
-use crate::Result;
-use inside::Within;
-use nalgebra::Isometry3;
-use pool::ENOUGH;
+/// So few exits are sooner found one by one.
+const FEW: usize = 2;
+
+/// One number of each point of a block.
+type Wide = [f64; LANES];
+
+/// A point inside, and the direction in which it is to leave.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ExitRay {
+    pub(crate) point: Point3<f64>,
+    /// Unit length.
+    pub(crate) direction: Vector3<f64>,
+    /// Index of the view that is likely to decide how far that is: the one that gave the direction.
+    pub(crate) view: usize,
+}
+
+/// Memory that batches use again and again; it holds no answer.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    kernels: Vec<ViewKernel<'static>>,
+    block: PointBlock,
+    queries: EdgeQueries,
+    exits: Exits,
+}
 
 impl Hull {
-    /// Which of `points` are inside, in the pose `world_from_points`.
-    ///
-    /// # Errors
-    /// A pose that is not finite.
-    pub fn inside_many<'w>(
+    /// Finds the directions in which those of `points` leave that are inside by `edge`: writes their places to `places`
+    /// and their rays to `rays`, in their order; those of the first `most` at least.
+    pub(crate) fn exit_rays(
         &self,
-        points: &Points,
-        world_from_points: &Isometry3<f64>,
-        workspace: &'w mut Workspace,
-    ) -> Result<Inside<'w>> {
-        let mut folded = workspace.fold(self);
-        workspace.found.places.clear();
-        let found = folded.find(points, world_from_points, Within::Subject, &mut workspace.found);
-        workspace.take_back(folded);
-        found.map(|_| workspace.mark(points))
-    }
-
-    /// Tells `take` of each of `bodies`, by its place, which points may be inside by any edge model: all but those
-    /// surely outside; none in a pose that is not finite.
-    pub(crate) fn candidates<'b>(
-        &self,
-        bodies: impl Iterator<Item = Body<'b>>,
-        workspace: &mut Workspace,
-        mut take: impl FnMut(usize, Inside),
+        points: &[Point3<f64>],
+        edge: EdgeModel,
+        most: usize,
+        scratch: &mut Scratch,
+        places: &mut Vec<usize>,
+        rays: &mut Vec<ExitRay>,
     ) {
-        let mut folded = workspace.fold(self);
-        for (place, (points, world_from_points)) in bodies.enumerate() {
-            workspace.found.places.clear();
-            let found = folded.find(points, &world_from_points, Within::NearSubject, &mut workspace.found);
-            if found.is_ok() && !workspace.found.places.is_empty() {
-                take(place, workspace.mark(points));
+        places.clear();
+        rays.clear();
+        scratch.with_kernels(self, edge, |batch| {
+            for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
+                if rays.len() >= most {
+                    break;
+                }
+                let inside = find_inside(batch, chunk, rays);
+                places.extend(set_bits(inside).map(|k| first + k));
             }
-        }
-        workspace.take_back(folded);
+            batch.queries.find_directions(batch.kernels, edge, rays);
+        });
     }
 
-    /// The paper's response of each point inside, in the order in which the points lie in memory.
-    ///
-    /// # Errors
-    /// A pose that is not finite.
-    pub fn respond_many<'w>(
+    /// Writes to `exits` [`Self::exit_within`] of each of `rays`, whose points are inside by `edge`.
+    pub(crate) fn exits_within(
         &self,
-        points: &Points,
-        world_from_points: &Isometry3<f64>,
-        workspace: &'w mut Workspace,
-    ) -> Result<&'w [PointResponse]> {
-        let mut folded = workspace.fold(self);
-        let Workspace { found, pool, ways, responses, .. } = workspace;
-        found.places.clear();
-        responses.clear();
-        let posed = folded.find(points, world_from_points, Within::Subject, found);
-        if let Ok(posed) = &posed {
-            for places in found.places.chunks(ENOUGH) {
-                pool.clear();
-                pool.take(0, points, places, posed);
-                ways.fill(&folded, pool);
-                responses.reserve(places.len());
-                for (point, &place) in places.iter().enumerate() {
-                    if let Some(way) = ways.get(point) {
-                        let view = folded.views[pool.decided(point)].index;
-                        let point = points.given(place as usize);
-                        responses.push(PointResponse { point, view, normal: way.normal, depth: way.depth });
-                    }
-                }
-            }
+        rays: &[ExitRay],
+        edge: EdgeModel,
+        t_max: f64,
+        scratch: &mut Scratch,
+        exits: &mut Vec<f64>,
+    ) {
+        exits.clear();
+        if rays.len() <= FEW {
+            exits.extend(rays.iter().map(|ray| self.exit_within(&ray.point, &ray.direction, edge, t_max)));
+            return;
         }
-        workspace.take_back(folded);
-        posed.map(|_| workspace.responses.as_slice())
+        scratch.with_kernels(self, edge, |batch| {
+            batch.exits.find(self, batch.kernels, rays, t_max, exits);
+        });
+    }
+
+    /// Whether the exit of `ray` provably lies before `t` metres, since some view sees background there. The view that
+    /// is likely to decide is asked first. This costs a look-up in each view, where an exit costs a walk.
+    pub(crate) fn provably_exits_before(&self, ray: &ExitRay, edge: EdgeModel, t: f64) -> bool {
+        let end = ray.point + ray.direction * t;
+        let others = self.views().iter().enumerate().filter(|(k, view)| *k != ray.view && view.is_enabled());
+        provably_outside(&self.views()[ray.view], &end, edge)
+            || others.into_iter().any(|(_, view)| provably_outside(view, &end, edge))
+    }
+}
+
+/// Whether a view sees background at `p`, however its place is rounded.
+fn provably_outside(view: &View, p: &Point3<f64>, edge: EdgeModel) -> bool {
+    /// Far more than rounding, in pixels.
+    const RIM: f64 = 1e-6;
+    let silhouette = view.silhouette();
+    let Some(at) = view.project(p) else { return false };
+    let (i, j) = floor_pixel(at.u, at.v);
+    let (x, y) = (at.u - f64::from(i), at.v - f64::from(j));
+    let within = |x: f64| x > RIM && x < 1.0 - RIM;
+    if !view.sees(i, j) || !within(x) || !within(y) {
+        false
+    } else if edge == EdgeModel::Coverage && silhouette.has_coverage() {
+        silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * RIM
+    } else {
+        silhouette.distance(i, j) == 0
+    }
+}
+
+vectorised! {
+    /// Adds those of a block of points that are inside to `rays`, and to the queries of the view that decides; which
+    /// these are.
+    fn find_inside(batch: &mut Batch, points: &[Point3<f64>], rays: &mut Vec<ExitRay>) -> u32 {
+        let Batch { hull, kernels, block, queries, .. } = batch;
+        block.place(points.len(), |k| points[k]);
+        let inside = block.within(hull.bounds(), u32::MAX >> (LANES - points.len()));
+        let inside = if hull.culls.frustum_box { block.within(hull.aabb(), inside) } else { inside };
+        let inside = block.project_if_inside(kernels, hull.unseen(), inside);
+        if inside == 0 { 0 } else { queries.add(kernels, block, inside, rays) }
+    }
+}
+
+/// A hull that is asked, and what the answers are worked out in.
+struct Batch<'a> {
+    hull: &'a Hull,
+    kernels: &'a [ViewKernel<'a>],
+    block: &'a mut PointBlock,
+    queries: &'a mut EdgeQueries,
+    exits: &'a mut Exits,
+}
+
+impl Scratch {
+    /// Runs `ask` on what of the hull's views every point needs.
+    fn with_kernels(&mut self, hull: &Hull, edge: EdgeModel, ask: impl FnOnce(&mut Batch)) {
+        let mut kernels: Vec<ViewKernel> = std::mem::take(&mut self.kernels);
+        let enabled = hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
+        kernels.extend(enabled.map(|(index, view)| ViewKernel::new(hull, index, view, edge)));
+        let Self { block, queries, exits, .. } = self;
+        ask(&mut Batch { hull, kernels: &kernels, block, queries, exits });
+        self.kernels = recycle(kernels);
     }
 }
 

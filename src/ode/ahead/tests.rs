@@ -126,8 +126,8 @@ unsafe fn alone(hull: dGeomID, other: dGeomID) -> Vec<(Point3<f64>, f64)> {
         (pose, body_samples::of(other, &pose, geom.min_feature()).unwrap().unwrap())
     };
     let (frame, last_escape) = (geom.hull().unwrap(), geom.last_escape(other as usize));
-    let contacts = contact::collide(&frame, &samples, &pose, &geom.settings(), last_escape).contacts;
-    contacts.iter().map(|contact| (contact.point, contact.depth)).collect()
+    let contacts = contact::collide(&frame, &samples, &pose, &geom.settings(), last_escape);
+    contacts.points.iter().map(|point| (point.point, point.depth)).collect()
 }
 
 fn kinds() -> [Option<SpaceKind>; 5] {

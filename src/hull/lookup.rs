@@ -4,7 +4,7 @@ use crate::silhouette::{LOW, Word};
 
 /// Chebyshev distances to the background, up to 255.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::hull) struct Distances<'a> {
+pub(super) struct Distances<'a> {
     /// Four a word, the first in the lowest byte.
     words: &'a [u32],
     last: u32,
@@ -22,7 +22,7 @@ pub(super) struct Bits<'a> {
 
 impl<'a> Distances<'a> {
     #[inline(always)]
-    pub(in crate::hull) fn new(words: &'a [u32], width: usize) -> Self {
+    pub(super) fn new(words: &'a [u32], width: usize) -> Self {
         let words: &[u32] = if words.is_empty() { &[0] } else { words };
         let last = (words.len() - 1) as u32 & LOW;
         Self { words: &words[..=last as usize], last, width: width as u32 }
@@ -36,7 +36,7 @@ impl<'a> Distances<'a> {
 
     /// The distance at a place of the table; some distance beyond.
     #[inline(always)]
-    pub(in crate::hull) fn at_place(&self, place: u32) -> u32 {
+    pub(super) fn at_place(&self, place: u32) -> u32 {
         u32::from_le(self.words[(place / 4).min(self.last) as usize]) >> (place % 4 * 8) & 255
     }
 }

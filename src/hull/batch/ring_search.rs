@@ -7,8 +7,8 @@
 //!     +---------+
 //! ```
 
+use super::super::lookup::{Bits, Distances};
 use super::super::points::LANES;
-use super::lookup::{Bits, Distances};
 use crate::silhouette::Tables;
 
 /// Whole numbers of as many points as are asked together.
@@ -16,9 +16,9 @@ type Whole = [i32; LANES];
 
 /// Pixels of one view, from the corner of its silhouette's region.
 #[derive(Debug, Clone, Copy, Default)]
-pub(in crate::hull) struct Pixels {
-    pub(in crate::hull) column: Whole,
-    pub(in crate::hull) row: Whole,
+pub(super) struct Pixels {
+    pub(super) column: Whole,
+    pub(super) row: Whole,
 }
 
 /// No ring: farther than a window in a silhouette of 60,000 pixels reaches. Its square, twice, fits.
@@ -26,7 +26,7 @@ const FAR: i32 = 30_000;
 
 /// Up to this Chebyshev distance the nearest background pixel is in sight of a row's word: it lies at most 14 pixels
 /// away.
-pub(in crate::hull) const NEAR: i32 = 10;
+pub(super) const NEAR: i32 = 10;
 
 /// Pixels left of the middle one in a word around it.
 const SIGHT: i32 = 15;
@@ -64,7 +64,7 @@ struct Search<'a> {
 /// The background pixel nearest to each middle (Euclidean, then row-major) within its window of half-width `half`,
 /// where `first` is the Chebyshev distance of the nearest ones.
 #[inline(always)]
-pub(in crate::hull) fn nearest(tables: &Tables, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
+pub(super) fn nearest(tables: &Tables, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
     let rows = Bits::new(tables.subject, tables.words);
     if first.iter().all(|&first| first <= NEAR) {
         return nearest_in_sight(rows, middle, half);

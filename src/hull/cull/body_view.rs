@@ -1,4 +1,4 @@
-//! The views of a hull, folded with a pose: from the points' own frame straight to the tables of a silhouette.
+//! The views of a hull as the points of a body see them: from the points' own frame straight to a silhouette's tables.
 //!
 //! ```text
 //!   pixel of the region  <-  P  -  volume  <-  pose  -  points about their middle
@@ -9,58 +9,60 @@
 //! double precision and only then rounded, so that world and body may lie anywhere: with points about their middle
 //! the error stays below a thousandth of a pixel.
 
-use super::super::lanes::{bits, whole};
-use super::super::points::{Block, LANES, Lane, Points};
+use super::super::lanes::{floor_clamped, lane_mask};
+use super::super::lookup::{Bits, Distances};
+use super::super::points::{Block, LANES, Points};
 use super::super::{Hull, View};
-use super::inside::Within;
-use super::lookup::{Bits, Distances};
-use crate::silhouette::{Lookup, Silhouette, Tables};
+use super::filter::MaskDilation;
+use crate::silhouette::{Lookup, Tables};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Point3, Translation3, Vector3};
 
 /// Depths below this, in metres, count as behind the camera.
 pub(super) const NEAREST: f32 = 1e-6;
 
+/// More than rounding moves a position in an image, in pixels.
+const ROUNDING_PX: f32 = 0.02;
+
 /// A view as points of some frame see it.
 #[derive(Debug, Clone)]
-pub(super) struct Folded<'a> {
+pub(super) struct BodyView<'a> {
     /// Points to `(u depth, v depth, depth)`, with (u, v) from the corner of the silhouette's region.
     pub(super) p: [[f32; 4]; 3],
     exact: Matrix3x4<f64>,
-    /// Pixels that a metre covers at a depth of one metre.
-    pub(super) pixels_per_metre: f32,
     /// By how much the depth changes at most, per metre.
     depth_slope: f32,
     /// By how many pixels columns and rows of the region change at most, per metre at a depth of one metre: the
     /// length of `row - u depth row`, which is largest at one end of the region.
     slope: [f32; 2],
     pub(super) tables: Tables<'a>,
-    pub(super) silhouette: &'a Silhouette,
-    pub(super) index: usize,
+    /// `None` where what the view does not see is outside, as its mask's background says.
+    pub(super) sight: Option<Sight<'a>>,
+}
+
+/// What a view sees, where a point that it does not see may be inside or lies beyond no silhouette edge.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sight<'a> {
+    /// The image from the region's corner: first column and row, and those behind the last ones.
+    low: [f32; 2],
+    high: [f32; 2],
+    view: &'a View,
 }
 
 /// The work volume, about its middle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Volume {
-    pub(super) centre: Point3<f64>,
-    pub(super) half: [f32; 3],
+    centre: Point3<f64>,
+    half: [f32; 3],
 }
 
 /// Points about their middle to the volume's frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Posed {
-    pub(super) rows: [[f32; 4]; 3],
+pub(super) struct BodyPlacement {
+    rows: [[f32; 4]; 3],
     exact: Matrix4<f64>,
     /// The radius of the sphere around the points.
     pub(super) radius: f32,
-}
-
-/// What becomes of homogeneous image coordinates, for as many points as are asked together.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Homogeneous {
-    pub(super) u: Lane,
-    pub(super) v: Lane,
-    pub(super) depth: Lane,
 }
 
 impl Volume {
@@ -75,27 +77,28 @@ impl Volume {
     }
 
     /// Whether it surely holds all points of a body.
-    pub(super) fn holds(&self, posed: &Posed) -> bool {
+    pub(super) fn holds(&self, placement: &BodyPlacement) -> bool {
         // A millimetre is more than rounding, and less than any margin that a work volume needs.
-        posed.middle().iter().zip(self.half).all(|(at, half)| at.abs() <= half - posed.radius - 1e-3)
+        let middle = placement.middle();
+        middle.iter().zip(self.half).all(|(at, half)| at.abs() <= half - placement.radius - 1e-3)
     }
 
     /// Which points lie in it, a bit each.
     #[inline(always)]
-    pub(super) fn contains(&self, posed: &Posed, points: &Block) -> u32 {
+    pub(super) fn contains(&self, placement: &BodyPlacement, points: &Block) -> u32 {
         let mut inside = u32::MAX;
-        for (row, half) in posed.rows.iter().zip(self.half) {
-            let (offset, mut within) = (affine(row, points), [0; LANES]);
+        for (row, half) in placement.rows.iter().zip(self.half) {
+            let mut within = [0; LANES];
             for k in 0..LANES {
-                within[k] = u32::from(offset[k].abs() <= half);
+                within[k] = u32::from(affine(row, points, k).abs() <= half);
             }
-            inside &= bits(&within);
+            inside &= lane_mask(&within);
         }
         inside
     }
 }
 
-impl Posed {
+impl BodyPlacement {
     /// # Errors
     /// A pose that is not finite.
     pub(super) fn new(points: &Points, world_from_points: &Isometry3<f64>, volume: &Volume) -> Result<Self> {
@@ -117,16 +120,11 @@ impl Posed {
     pub(super) fn middle(&self) -> [f32; 3] {
         self.rows.map(|row| row[3])
     }
-
-    #[inline(always)]
-    pub(super) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        self.rows.map(|row| row[0] * x + row[1] * y + row[2] * z + row[3])
-    }
 }
 
-impl<'a> Folded<'a> {
+impl<'a> BodyView<'a> {
     /// The view as points of the volume's frame see it.
-    pub(super) fn new(view: &'a View, index: usize, volume: &Volume) -> Self {
+    pub(super) fn new(hull: &Hull, view: &'a View, volume: &Volume) -> Self {
         let tables = view.silhouette().tables();
         let world_from_volume = Translation3::from(volume.centre.coords).to_homogeneous();
         let mut p: Matrix3x4<f64> = view.projection() * world_from_volume;
@@ -142,33 +140,26 @@ impl<'a> Folded<'a> {
         Self {
             p: rounded(&p),
             exact: p,
-            pixels_per_metre: (1.0 / view.footprint_at_one_metre()) as f32,
             depth_slope: p.fixed_view::<1, 3>(2, 0).norm() as f32,
             slope: [slope(0, tables.width), slope(1, tables.height)],
             tables,
-            silhouette: view.silhouette(),
-            index,
+            sight: (!hull.is_closed(view)).then(|| Sight::new(view, tables.corner)),
         }
     }
 
     /// The view as points in a pose see it; slopes are the same however they are turned.
-    pub(super) fn seen_from(&self, posed: &Posed) -> Self {
-        let exact = self.exact * posed.exact;
+    pub(super) fn seen_from(&self, placement: &BodyPlacement) -> Self {
+        let exact = self.exact * placement.exact;
         Self { p: rounded(&exact), exact, ..self.clone() }
     }
 
-    /// Where points appear.
+    /// Where point k of a block appears, from the corner of the region, and its depth; at the corner where it is behind
+    /// the camera.
     #[inline(always)]
-    pub(super) fn project(&self, points: &Block) -> Homogeneous {
-        let [u, v, depth] = &self.p;
-        Homogeneous { u: affine(u, points), v: affine(v, points), depth: affine(depth, points) }
-    }
-
-    /// By how much that changes along directions, per metre.
-    #[inline(always)]
-    pub(super) fn changes(&self, directions: &Block) -> Homogeneous {
-        let [u, v, depth] = &self.p;
-        Homogeneous { u: linear(u, directions), v: linear(v, directions), depth: linear(depth, directions) }
+    pub(super) fn project(&self, points: &Block, k: usize) -> [f32; 3] {
+        let [u, v, depth] = self.p.each_ref().map(|row| affine(row, points, k));
+        let per_depth = if depth > NEAREST { 1.0 / depth } else { 0.0 };
+        [u * per_depth, v * per_depth, depth]
     }
 
     /// The middle of the region's last pixel: where positions in the region end.
@@ -177,10 +168,10 @@ impl<'a> Folded<'a> {
         [self.tables.width as f32 - 0.5, self.tables.height as f32 - 0.5]
     }
 
-    /// The bits of what is within the silhouette.
+    /// The bits of the silhouette, dilated.
     #[inline(always)]
-    pub(super) fn bits(&self, within: Within) -> Bits<'a> {
-        let words = if within == Within::Subject { self.tables.subject } else { self.tables.near };
+    pub(super) fn bits(&self, dilation: MaskDilation) -> Bits<'a> {
+        let words = if dilation == MaskDilation::None { self.tables.subject } else { self.tables.near };
         Bits::new(words, self.tables.words)
     }
 
@@ -190,22 +181,16 @@ impl<'a> Folded<'a> {
         Distances::new(self.tables.distance_words, self.tables.width)
     }
 
-    /// The distance at a pixel of the region, where a byte does not hold it.
-    #[cold]
-    pub(super) fn exact_distance(&self, column: u32, row: u32) -> u16 {
-        let (x, y) = self.tables.corner;
-        self.silhouette.distance(x + column as i32, y + row as i32)
-    }
-
-    /// Whether anything that lies within `radius` of a point may appear in the silhouette, and whether all of it surely
-    /// does; `near` more pixels count.
+    /// Whether anything that lies within `radius` of a point may be inside by this view, its mask dilated by so many
+    /// pixels, and whether all of it surely appears in the silhouette; where the view may abstain if `may_abstain`.
     #[inline(always)]
     pub(super) fn sphere(
         &self,
         (tiles, distances): (&Lookup, &Distances),
         [x, y, z]: [f32; 3],
         radius: f32,
-        near: f32,
+        dilation_px: f32,
+        may_abstain: bool,
     ) -> (bool, bool) {
         let at = |row: &[f32; 4]| row[0].mul_add(x, row[1].mul_add(y, row[2].mul_add(z, row[3])));
         let depth = at(&self.p[2]);
@@ -213,15 +198,69 @@ impl<'a> Folded<'a> {
         let (per_depth, most) = (1.0 / depth, radius * 1.001 / nearest);
         let (u, v) = (at(&self.p[0]) * per_depth, at(&self.p[1]) * per_depth);
         // A hundredth of a pixel and some for rounding.
-        let reach = |axis: usize| self.slope[axis] * most + near + 0.02;
+        let reach = |axis: usize| self.slope[axis] * most + dilation_px + ROUNDING_PX;
         let [right, below] = self.last_pixel();
-        let from = [whole(u - reach(0), right), whole(v - reach(1), below)];
-        let to = [whole(u + reach(0), right) + 1, whole(v + reach(1), below) + 1];
+        let from = [floor_clamped(u - reach(0), right), floor_clamped(v - reach(1), below)];
+        let to = [floor_clamped(u + reach(0), right) + 1, floor_clamped(v + reach(1), below) + 1];
         let is_ahead = nearest > NEAREST;
         let touches = !is_ahead | tiles.any(from, to);
         // Background lies as many pixels away as the distance says, or farther.
-        let clear = distances.at(whole(u, right), whole(v, below)) as f32 - 1.0;
-        (touches, is_ahead & (reach(0) <= clear) & (reach(1) <= clear))
+        let clear = distances.at(floor_clamped(u, right), floor_clamped(v, below)) as f32 - 1.0;
+        let is_inside = is_ahead & (reach(0) <= clear) & (reach(1) <= clear);
+        match &self.sight {
+            None => (touches, is_inside),
+            Some(sight) => {
+                let is_seen = is_ahead & sight.holds([u, v], [reach(0), reach(1)]);
+                (touches | (may_abstain & !is_seen), is_inside & is_seen & !sight.has_blind_spots())
+            }
+        }
+    }
+}
+
+impl<'a> Sight<'a> {
+    fn new(view: &'a View, corner: (i32, i32)) -> Self {
+        let image = view.silhouette().image();
+        Self {
+            low: [(image.x0 - corner.0) as f32, (image.y0 - corner.1) as f32],
+            high: [(image.x1 - corner.0) as f32, (image.y1 - corner.1) as f32],
+            view,
+        }
+    }
+
+    /// Whether the image holds all that lies within `reach` pixels of a position.
+    #[inline(always)]
+    fn holds(&self, at: [f32; 2], reach: [f32; 2]) -> bool {
+        let along = |axis: usize| {
+            (at[axis] - reach[axis] >= self.low[axis]) & (at[axis] + reach[axis] < self.high[axis])
+        };
+        along(0) & along(1)
+    }
+
+    /// Which points of a block the view surely sees, and which it may see, from positions and depths.
+    ///
+    /// Without dilation both are the same: what single precision makes of them.
+    #[inline(always)]
+    pub(super) fn visible(&self, at: &[[f32; 3]; LANES], dilation: MaskDilation) -> (u32, u32) {
+        let slack = if dilation == MaskDilation::None { 0.0 } else { ROUNDING_PX };
+        let (mut surely, mut maybe) = ([0; LANES], [0; LANES]);
+        for k in 0..LANES {
+            let ([u, v, depth], is_ahead) = (at[k], at[k][2] > NEAREST);
+            surely[k] = u32::from((depth > NEAREST + slack) & self.holds([u, v], [slack; 2]));
+            maybe[k] = u32::from(is_ahead & self.holds([u, v], [-slack; 2]));
+        }
+        (lane_mask(&surely), lane_mask(&maybe))
+    }
+
+    fn has_blind_spots(&self) -> bool {
+        self.view.blind_spots().is_some()
+    }
+
+    /// Whether the lens saw the pixel at a position from the region's corner.
+    pub(super) fn lens_sees(&self, [u, v, _]: [f32; 3]) -> bool {
+        let pixel = |at: f32, low: f32| (at - low).floor() as i32;
+        self.view
+            .blind_spots()
+            .is_none_or(|seen| seen.is_subject(pixel(u, self.low[0]), pixel(v, self.low[1])))
     }
 }
 
@@ -230,20 +269,6 @@ fn rounded(p: &Matrix3x4<f64>) -> [[f32; 4]; 3] {
 }
 
 #[inline(always)]
-fn affine(row: &[f32; 4], points: &Block) -> Lane {
-    let mut sum = [0.0; LANES];
-    for k in 0..LANES {
-        sum[k] =
-            row[0].mul_add(points.x[k], row[1].mul_add(points.y[k], row[2].mul_add(points.z[k], row[3])));
-    }
-    sum
-}
-
-#[inline(always)]
-fn linear(row: &[f32; 4], directions: &Block) -> Lane {
-    let mut sum = [0.0; LANES];
-    for k in 0..LANES {
-        sum[k] = row[0].mul_add(directions.x[k], row[1].mul_add(directions.y[k], row[2] * directions.z[k]));
-    }
-    sum
+fn affine(row: &[f32; 4], points: &Block, k: usize) -> f32 {
+    row[0].mul_add(points.x[k], row[1].mul_add(points.y[k], row[2].mul_add(points.z[k], row[3])))
 }

@@ -1,0 +1,52 @@
+//! The paper's response of whole bodies (section 5).
+
+use super::pipeline::ContactPipeline;
+use super::{Body, share_out};
+use crate::hull::{EdgeModel, Hull};
+use crate::sample::Samples;
+use nalgebra::{Isometry3, Vector3};
+
+/// The paper's response of a body: the vector that moves it out of the hull.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyResponse {
+    /// In metres, in the hull's frame; zero where nothing collides.
+    pub vector: Vector3<f64>,
+    /// How many samples collide.
+    pub colliding: usize,
+}
+
+impl BodyResponse {
+    /// That of a body that does not touch the hull.
+    pub(crate) const NONE: Self = Self { vector: Vector3::new(0.0, 0.0, 0.0), colliding: 0 };
+}
+
+/// The paper's response of a body (section 5): the mean of its colliding samples' responses gives the direction, the
+/// longest exit along it the length. Where the responses cancel out, the deepest sample's stands in.
+///
+/// Many bodies are sooner answered together, by [`body_responses`].
+pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64>) -> BodyResponse {
+    let mut response = [BodyResponse::NONE];
+    let body = Body { samples: body, hull_from_body: *hull_from_body, last_escape: None };
+    respond_on_thread(&mut response, hull, &[body]);
+    let [response] = response;
+    response
+}
+
+/// The [`body_response`] of each of `bodies`, in their order, written to `responses`, whose memory is used again.
+///
+/// With the feature `threads` the bodies are shared out among the threads of rayon's current pool. No body's response
+/// depends on another's.
+pub fn body_responses(hull: &Hull, bodies: &[Body], responses: &mut Vec<BodyResponse>) {
+    responses.clear();
+    responses.resize(bodies.len(), BodyResponse::NONE);
+    share_out(bodies, responses, &|bodies, responses| respond_on_thread(responses, hull, bodies));
+}
+
+/// Writes the responses of `bodies`, where they touch, to their places.
+fn respond_on_thread(responses: &mut [BodyResponse], hull: &Hull, bodies: &[Body]) {
+    ContactPipeline::with_scratch(|pipeline| {
+        pipeline.collect_penetrating(hull, bodies, EdgeModel::Pixel, usize::MAX);
+        pipeline.group_by_mean_response(hull);
+        pipeline.each_response(hull, |place, response| responses[place] = response);
+    });
+}

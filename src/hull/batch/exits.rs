@@ -1,0 +1,171 @@
+//! Where many points inside leave the hull: the nearest exit over the views and the work volume.
+//!
+//! ```text
+//!   bounds ─► view by view, the points it is likely to decide: walk
+//!          ─► view by view, all others: those surely subject up to the exit so far stay, the rest walk
+//!          ─► points before whose exit a view may lose sight of them, or gain it: all views in step
+//! ```
+
+use super::super::lanes::{lane_mask, select};
+use super::super::points::LANES;
+use super::super::sweep::Sweep;
+use super::super::{EdgeModel, Hull};
+use super::line_walk::{ImageLines, RayQueue};
+use super::projection::ViewKernel;
+use super::{ExitRay, Wide};
+use crate::vectorised::vectorised;
+
+/// Points on their way, in blocks; the last block is filled up with its last point.
+#[derive(Debug, Default)]
+pub(super) struct Exits {
+    blocks: Vec<RayBlock>,
+    /// By the view that is likely to decide: the places of the points.
+    first: Vec<Vec<u32>>,
+    /// Up to where the views that see a point surely go on to see it, and the others not to.
+    sight_ends: Vec<f64>,
+    lines: ImageLines,
+    queue: RayQueue,
+}
+
+/// Where points are, and where they go.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RayBlock {
+    pub(super) point: [Wide; 3],
+    pub(super) direction: [Wide; 3],
+    /// The place of each point's first view among the kernels.
+    first: [u32; LANES],
+    /// How many points are no filling.
+    count: usize,
+}
+
+impl Exits {
+    /// Writes to `exits` the exits of `rays`, at most `t_max`.
+    pub(super) fn find(
+        &mut self,
+        hull: &Hull,
+        kernels: &[ViewKernel],
+        rays: &[ExitRay],
+        t_max: f64,
+        exits: &mut Vec<f64>,
+    ) {
+        self.take_up(kernels, rays);
+        exits.clear();
+        // Filled up as the blocks are.
+        exits.resize(self.blocks.len() * LANES, t_max);
+        self.sight_ends.clear();
+        self.sight_ends.resize(exits.len(), f64::INFINITY);
+        for (block, exits) in self.blocks.iter().zip(exits.chunks_exact_mut(LANES)) {
+            lower_to_bounds(hull, block, exits);
+        }
+
+        for (place, kernel) in kernels.iter().enumerate() {
+            walk_first(kernel, self, place, exits);
+        }
+        for (place, kernel) in kernels.iter().enumerate() {
+            walk_others(kernel, self, place, exits);
+        }
+
+        exits.truncate(rays.len());
+        if let Some(first) = kernels.first() {
+            self.weigh_views(hull, rays, first.edge, t_max, exits);
+        }
+    }
+
+    fn take_up(&mut self, kernels: &[ViewKernel], rays: &[ExitRay]) {
+        let Self { blocks, first, .. } = self;
+        first.resize_with(first.len().max(kernels.len()), Vec::new);
+        first.iter_mut().for_each(Vec::clear);
+        blocks.clear();
+        for (chunk, base) in rays.chunks(LANES).zip((0..).step_by(LANES)) {
+            let mut block = RayBlock::empty(chunk.len());
+            for k in 0..LANES {
+                let ExitRay { point, direction, view } = chunk[k.min(chunk.len() - 1)];
+                let place = kernels.iter().position(|kernel| kernel.index == view).unwrap_or(0);
+                for axis in 0..3 {
+                    (block.point[axis][k], block.direction[axis][k]) = (point[axis], direction[axis]);
+                }
+                block.first[k] = place as u32;
+                if k < chunk.len() {
+                    first[place].push(base + k as u32);
+                }
+            }
+            blocks.push(block);
+        }
+    }
+
+    /// Asks all views in step for the exits that lie beyond what the views are known to see: there the policy for views
+    /// that do not see a point decides.
+    fn weigh_views(&self, hull: &Hull, rays: &[ExitRay], edge: EdgeModel, t_max: f64, exits: &mut [f64]) {
+        for ((ray, sight_end), exit) in rays.iter().zip(&self.sight_ends).zip(exits) {
+            if *exit > *sight_end {
+                let sweep = Sweep::new(hull, &ray.point, &ray.direction, edge);
+                *exit = sweep.map_or(0.0, |mut sweep| sweep.exit().t).min(t_max);
+            }
+        }
+    }
+}
+
+vectorised! {
+    /// Walks the points through the view at `place` that is likely to decide them.
+    fn walk_first(kernel: &ViewKernel, memory: &mut Exits, place: usize, exits: &mut [f64]) {
+        let Exits { blocks, first, lines, queue, sight_ends } = memory;
+        for points in first[place].chunks(LANES) {
+            let mut block = RayBlock::empty(points.len());
+            for k in 0..LANES {
+                let point = points[k.min(points.len() - 1)] as usize;
+                let (from, lane) = (&blocks[point / LANES], point % LANES);
+                for axis in 0..3 {
+                    block.point[axis][k] = from.point[axis][lane];
+                    block.direction[axis][k] = from.direction[axis][lane];
+                }
+                (lines.point[k], lines.t_max[k]) = (point as u32, exits[point]);
+            }
+            let visible = lines.project(kernel, &block, sight_ends);
+            queue.push(kernel, lines, visible & (u32::MAX >> (LANES - points.len())), exits);
+        }
+        queue.drain(kernel, exits);
+    }
+}
+
+vectorised! {
+    /// Walks all other points through it, unless it surely sees them inside up to their exits so far.
+    fn walk_others(kernel: &ViewKernel, memory: &mut Exits, place: usize, exits: &mut [f64]) {
+        let Exits { blocks, lines, queue, sight_ends, .. } = memory;
+        for (k, block) in blocks.iter().enumerate() {
+            let base = k * LANES;
+            for lane in 0..LANES {
+                (lines.point[lane], lines.t_max[lane]) = ((base + lane) as u32, exits[base + lane]);
+            }
+            let visible = lines.project(kernel, block, sight_ends);
+            let mut others = [0; LANES];
+            for lane in 0..LANES {
+                others[lane] = u32::from(block.first[lane] != place as u32);
+            }
+            let others = lane_mask(&others) & (u32::MAX >> (LANES - block.count)) & visible;
+            let unresolved = others & !lines.stay_inside(kernel);
+            queue.push(kernel, lines, unresolved, exits);
+        }
+        queue.drain(kernel, exits);
+    }
+}
+
+vectorised! {
+    /// Lowers exits to the side of the work volume.
+    fn lower_to_bounds(hull: &Hull, block: &RayBlock, exits: &mut [f64]) {
+        let bounds = hull.bounds();
+        for axis in 0..3 {
+            let (min, max) = (bounds.min[axis], bounds.max[axis]);
+            for k in 0..LANES {
+                let (at, ahead) = (block.point[axis][k], block.direction[axis][k]);
+                let t = (select(ahead > 0.0, max, min) - at) / ahead;
+                exits[k] = select((ahead != 0.0) & (t < exits[k]), t, exits[k]);
+            }
+        }
+    }
+}
+
+impl RayBlock {
+    fn empty(count: usize) -> Self {
+        Self { point: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3], first: [0; LANES], count }
+    }
+}

@@ -1,0 +1,439 @@
+//! Walks of many points through one silhouette side by side, each along its own line.
+//!
+//! A step is that of [`March`]: from the cell entered to the side of the largest square of subject cells around it. A
+//! walk ends in background, where an edge crosses its cell, or at its limit; where something rare comes up, [`March`]
+//! goes on with it. Most have ended after a few steps; the others go on with one another, each in a lane that is free.
+
+use super::super::image_line::ImageLine;
+use super::super::lanes::{floor, lane_mask, select, set_bits};
+use super::super::march::March;
+use super::super::points::LANES;
+use super::Wide;
+use super::exits::RayBlock;
+use super::projection::ViewKernel;
+use crate::camera::MIN_DEPTH;
+use crate::silhouette::HALF_COVERAGE;
+use crate::vectorised::vectorised;
+use nalgebra::Vector3;
+
+/// Steps of fresh rays before the first test for ended ones: most are done after 2.
+const FIRST_ROUND_STEPS: usize = 2;
+
+/// Steps between later tests.
+const ROUND_STEPS: usize = 2;
+
+/// So few rays are sooner walked one by one.
+const SCALAR_BELOW: u32 = 4;
+
+/// Lines in one view: where they are at `t` metres is `start + t ahead`, in homogeneous image coordinates.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ImageLines {
+    /// The places of the points that walk them.
+    pub(super) point: [u32; LANES],
+    pub(super) start: [Wide; 3],
+    pub(super) ahead: [Wide; 3],
+    /// The cell that each is in, when it entered it, and its distance to background. Cells are pixels; where the view's
+    /// edge is taken inside pixels, the squares between four pixel centres, once a line sets out.
+    pub(super) column: Wide,
+    pub(super) row: Wide,
+    pub(super) distance: Wide,
+    pub(super) t: Wide,
+    /// In metres: another view has given a nearer exit, or this view may lose sight of the line.
+    pub(super) t_max: Wide,
+}
+
+/// Rays of one view on their way.
+#[derive(Debug, Default)]
+pub(super) struct RayQueue {
+    fresh: ImageLines,
+    count: usize,
+    active: ImageLines,
+    /// The lanes of `active` that hold a ray.
+    used: u32,
+}
+
+impl Default for ImageLines {
+    fn default() -> Self {
+        let (vector, lane) = ([[0.0; LANES]; 3], [0.0; LANES]);
+        Self {
+            point: [0; LANES],
+            start: vector,
+            ahead: vector,
+            column: lane,
+            row: lane,
+            distance: lane,
+            t: lane,
+            t_max: lane,
+        }
+    }
+}
+
+impl RayQueue {
+    /// Adds the lines `which`, and walks as soon as there are enough; `exits` come down to where they leave.
+    #[inline(always)]
+    pub(super) fn push(&mut self, kernel: &ViewKernel, lines: &ImageLines, which: u32, exits: &mut [f64]) {
+        for k in set_bits(which) {
+            self.fresh.take(self.count, lines, k);
+            self.count += 1;
+            if self.count == LANES {
+                walk(self, kernel, false, exits);
+            }
+        }
+    }
+
+    /// Walks all that are left to their ends.
+    #[inline(always)]
+    pub(super) fn drain(&mut self, kernel: &ViewKernel, exits: &mut [f64]) {
+        if self.count > 0 || self.used != 0 {
+            walk(self, kernel, true, exits);
+        }
+    }
+}
+
+vectorised! {
+    /// Walks the fresh lines a few steps, and the active ones until there is room for those that are left, or, where
+    /// no others will come, to their ends.
+    fn walk(queue: &mut RayQueue, kernel: &ViewKernel, are_last: bool, exits: &mut [f64]) {
+        let RayQueue { fresh, count, active, used } = queue;
+        let filled = u32::MAX.checked_shr((LANES - *count) as u32).unwrap_or(0);
+        *count = 0;
+        if kernel.by_coverage {
+            fresh.enter_first_cell(kernel);
+        }
+        let mut left = filled & !fresh.walk_round(FIRST_ROUND_STEPS, filled, kernel, exits);
+
+        loop {
+            while left != 0 && *used != u32::MAX {
+                let (k, free) = (left.trailing_zeros() as usize, used.trailing_ones() as usize);
+                active.take(free, fresh, k);
+                (*used, left) = (*used | 1 << free, left & (left - 1));
+            }
+            if left == 0 && (!are_last || used.count_ones() <= SCALAR_BELOW) {
+                break;
+            }
+            *used &= !active.walk_round(ROUND_STEPS, *used, kernel, exits);
+        }
+
+        if are_last {
+            for k in set_bits(*used) {
+                active.go_on_alone(k, kernel, exits);
+            }
+            *used = 0;
+        }
+    }
+}
+
+impl ImageLines {
+    /// Begins at the points of `block`, all of them inside: in the pixel where the view sees each. Which points it sees;
+    /// `sight_ends` come down to where that may change.
+    #[inline(always)]
+    pub(super) fn project(&mut self, kernel: &ViewKernel, block: &RayBlock, sight_ends: &mut [f64]) -> u32 {
+        let ([x, y, z], [dx, dy, dz]) = (&block.point, &block.direction);
+        for (axis, row) in kernel.p.iter().enumerate() {
+            for k in 0..LANES {
+                self.start[axis][k] = row[0] * x[k] + row[1] * y[k] + row[2] * z[k] + row[3];
+                self.ahead[axis][k] = row[0] * dx[k] + row[1] * dy[k] + row[2] * dz[k];
+            }
+        }
+        for k in 0..LANES {
+            let [x, y, depth] = [self.start[0][k], self.start[1][k], self.start[2][k]];
+            (self.column[k], self.row[k], self.t[k]) = (floor(x / depth), floor(y / depth), 0.0);
+        }
+        let visible = if kernel.is_closed { u32::MAX } else { self.limit_to_sight(kernel, sight_ends) };
+        kernel.find_distances(&self.column, &self.row, 0.0, &mut self.distance);
+        visible
+    }
+
+    /// Ends lines where the view may lose sight of them; which it sees as they start. `sight_ends` come down to there,
+    /// and to where it may come to see the others.
+    #[inline(always)]
+    fn limit_to_sight(&mut self, kernel: &ViewKernel, sight_ends: &mut [f64]) -> u32 {
+        let [width, height] = kernel.size;
+        let (mut low, mut high): ([Wide; 2], [Wide; 2]) =
+            ([[0.0; LANES]; 2], [[width; LANES], [height; LANES]]);
+        let mut visible = [0; LANES];
+        for k in 0..LANES {
+            let within = (self.column[k] >= 0.0) & (self.column[k] < width);
+            let within = within & (self.row[k] >= 0.0) & (self.row[k] < height);
+            visible[k] = u32::from(within & (self.start[2][k] > MIN_DEPTH));
+        }
+        let mut visible = lane_mask(&visible);
+        if let Some(field_of_view) = kernel.view.blind_spots() {
+            for k in set_bits(visible) {
+                let (i, j) = (self.column[k], self.row[k]);
+                let reach = f64::from(field_of_view.distance(i as i32, j as i32)) - 1.0;
+                if reach < 0.0 {
+                    visible &= !(1 << k);
+                    continue;
+                }
+                // Around a pixel that the lens sees, it sees a square.
+                for (axis, pixel) in [(0, i), (1, j)] {
+                    low[axis][k] = low[axis][k].max(pixel - reach);
+                    high[axis][k] = high[axis][k].min(pixel + reach + 1.0);
+                }
+            }
+        }
+
+        for k in 0..LANES {
+            let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
+            let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+            let ([u0, v0], [u1, v1]) = ([low[0][k], low[1][k]], [high[0][k], high[1][k]]);
+            // Times the depth each side of what is seen is linear in t: seen where no `constant + slope t` is negative.
+            let sides = [
+                (z0 - MIN_DEPTH, z1),
+                (x0 - u0 * z0, x1 - u0 * z1),
+                (u1 * z0 - x0, u1 * z1 - x1),
+                (y0 - v0 * z0, y1 - v0 * z1),
+                (v1 * z0 - y0, v1 * z1 - y1),
+            ];
+            let (mut leaves, mut enters) = (f64::INFINITY, 0.0);
+            for (constant, slope) in sides {
+                let t = -constant / slope;
+                leaves = select((slope < 0.0) & (t < leaves), t, leaves);
+                let beyond_until = select(slope > 0.0, t, f64::INFINITY);
+                enters = select((constant < 0.0) & (beyond_until > enters), beyond_until, enters);
+            }
+            let is_visible = visible >> k & 1 != 0;
+            let leaves = select(kernel.may_lose_sight, leaves, f64::INFINITY);
+            // A little sooner, for rounding.
+            let end = select(is_visible, leaves, enters) * (1.0 - 1e-9);
+            self.t_max[k] = select(is_visible & (end < self.t_max[k]), end, self.t_max[k]);
+            let sight_end = &mut sight_ends[self.point[k] as usize];
+            *sight_end = select(end < *sight_end, end, *sight_end);
+        }
+        visible
+    }
+
+    /// Which lines the view surely sees inside up to their limits: those ends lie in the square of subject pixels
+    /// around the start, and so does all between, since a line's image is straight.
+    #[inline(always)]
+    pub(super) fn stay_inside(&self, kernel: &ViewKernel) -> u32 {
+        // Beyond the pixels' centres there may be an edge by coverage; the rest is far more than rounding.
+        let rim = if kernel.by_coverage { 1.0 + 1e-6 } else { 0.5 + 1e-6 };
+        let (mut stays, [x, y, z], [dx, dy, dz]) = ([0; LANES], &self.start, &self.ahead);
+        for k in 0..LANES {
+            let (reach, t) = (self.distance[k] - rim, self.t_max[k]);
+            let (end_x, end_y, end_z) = (x[k] + dx[k] * t, y[k] + dy[k] * t, z[k] + dz[k] * t);
+            let (du, dv) = (end_x - (self.column[k] + 0.5) * end_z, end_y - (self.row[k] + 0.5) * end_z);
+            // Both sides times the depth.
+            let near = (du.abs() < reach * end_z) & (dv.abs() < reach * end_z);
+            stays[k] = u32::from((end_z > 0.0) & near & (reach > 0.0));
+        }
+        lane_mask(&stays)
+    }
+
+    /// From the pixel in which each line starts into its first cell.
+    #[inline(always)]
+    fn enter_first_cell(&mut self, kernel: &ViewKernel) {
+        for k in 0..LANES {
+            // The cell begins at a pixel's centre: at that of the point's pixel, or of the one before.
+            let cell = |x: f64, pixel: f64| select(x - kernel.shift < pixel, pixel - 1.0, pixel);
+            let [x, y, depth] = [self.start[0][k], self.start[1][k], self.start[2][k]];
+            (self.column[k], self.row[k]) = (cell(x / depth, self.column[k]), cell(y / depth, self.row[k]));
+        }
+        kernel.find_cell_distances(&self.column, &self.row, &mut self.distance);
+    }
+
+    /// Some steps of the lines `which`, and the crossings of edges in their cells; which of them have ended. `exits` come
+    /// down to where they leave.
+    #[inline(always)]
+    fn walk_round(&mut self, steps: usize, which: u32, kernel: &ViewKernel, exits: &mut [f64]) -> u32 {
+        let mut ended = self.step(steps, kernel) & which;
+        if kernel.by_coverage {
+            ended &= !self.cross_edges(ended, kernel);
+        }
+        self.write_exits(ended, kernel, exits);
+        ended
+    }
+
+    /// Line k is line j of `other`.
+    #[inline(always)]
+    fn take(&mut self, k: usize, other: &Self, j: usize) {
+        for axis in 0..3 {
+            self.start[axis][k] = other.start[axis][j];
+            self.ahead[axis][k] = other.ahead[axis][j];
+        }
+        (self.point[k], self.t[k], self.t_max[k]) = (other.point[j], other.t[j], other.t_max[j]);
+        (self.column[k], self.row[k], self.distance[k]) = (other.column[j], other.row[j], other.distance[j]);
+    }
+
+    /// Some steps of all lines. Which lines have ended: in background or in a cell that an edge crosses, at their limits,
+    /// or where they cannot step, since the camera is near.
+    ///
+    /// No bounds test: the margin around the silhouette's rectangle is background, where a line ends.
+    #[inline(always)]
+    fn step(&mut self, steps: usize, kernel: &ViewKernel) -> u32 {
+        let (shift, mut goes) = (kernel.shift, [0; LANES]);
+        for _ in 0..steps {
+            for k in 0..LANES {
+                let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
+                let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+                let half = self.distance[k] - 1.0;
+                let (left, above) = (self.column[k] - half, self.row[k] - half);
+                let (right, below) = (self.column[k] + half + 1.0, self.row[k] + half + 1.0);
+                let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
+                let (column, row) = (select(rightwards, right, left), select(downwards, below, above));
+                let (u, v) = (column + shift, row + shift);
+                let by_column = ahead((u * z0 - x0) / (x1 - u * z1), z0, z1);
+                let by_row = ahead((v * z0 - y0) / (y1 - v * z1), z0, z1);
+                let first = by_column <= by_row;
+                let t = select(first, by_column, by_row);
+                let t = select(t > self.t[k], t, self.t[k]);
+                // Up to its limit a line lies in the work volume, so that it comes near the camera only there.
+                let z = z0 + z1 * select(t < self.t_max[k], t, self.t_max[k]);
+                let is_going = (self.distance[k] > 0.0) & (self.t[k] < self.t_max[k]) & (z > 2.0 * MIN_DEPTH);
+                // The side fixes one coordinate; the other is where the line is.
+                let beside = select(first, y0 + y1 * t, x0 + x1 * t) / z - shift;
+                let cell = within(beside, select(first, above, left), select(first, below, right));
+                let i = select(first, select(rightwards, column, column - 1.0), cell);
+                let j = select(first, cell, select(downwards, row, row - 1.0));
+                self.column[k] = select(is_going, i, self.column[k]);
+                self.row[k] = select(is_going, j, self.row[k]);
+                self.t[k] = select(is_going, t, self.t[k]);
+                goes[k] = u32::from(is_going);
+            }
+            kernel.find_cell_distances(&self.column, &self.row, &mut self.distance);
+            for k in 0..LANES {
+                goes[k] &= u32::from((self.distance[k] > 0.0) & (self.t[k] < self.t_max[k]));
+            }
+        }
+        !lane_mask(&goes)
+    }
+
+    /// Looks for crossings of one half in the cells of the lines `ended` that an edge crosses: to where there is one the
+    /// line comes, and lines whose cells have none go on, which are returned.
+    #[inline(always)]
+    fn cross_edges(&mut self, ended: u32, kernel: &ViewKernel) -> u32 {
+        let (mut asked, mut corners) = (0, [[0.0; LANES]; 4]);
+        for k in set_bits(ended) {
+            if self.distance[k] > 0.0 || self.t[k] >= self.t_max[k] {
+                continue;
+            }
+            if kernel.is_on_rim(self.column[k], self.row[k]) {
+                // A line that is in subject as it ends goes on alone.
+                self.distance[k] = 1.0;
+                continue;
+            }
+            let cell = kernel.view.silhouette().cell(self.column[k] as i32, self.row[k] as i32);
+            (0..4).for_each(|corner| corners[corner][k] = cell[corner]);
+            asked |= 1 << k;
+        }
+        if asked == 0 {
+            return 0;
+        }
+
+        let (leave, goes_alone) = self.leave_cells(kernel);
+        let (crossings, goes_on) = self.half_crossings(&corners, &leave, kernel);
+        for k in set_bits(asked) {
+            if (goes_alone | goes_on) >> k & 1 != 0 {
+                self.distance[k] = 1.0;
+            } else {
+                self.t[k] = crossings[k];
+            }
+        }
+        asked & goes_on & !goes_alone
+    }
+
+    /// When each line leaves its cell; for which lines that is near the camera, or never.
+    #[inline(always)]
+    fn leave_cells(&self, kernel: &ViewKernel) -> (Wide, u32) {
+        let (mut leave, mut far) = ([0.0; LANES], [0; LANES]);
+        for k in 0..LANES {
+            let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
+            let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+            let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
+            let u = select(rightwards, self.column[k] + 1.0, self.column[k]) + kernel.shift;
+            let v = select(downwards, self.row[k] + 1.0, self.row[k]) + kernel.shift;
+            let by_column = ahead((u * z0 - x0) / (x1 - u * z1), z0, z1);
+            let by_row = ahead((v * z0 - y0) / (y1 - v * z1), z0, z1);
+            let t = select(by_column <= by_row, by_column, by_row);
+            let t = select(t > self.t[k], t, self.t[k]);
+            leave[k] = t;
+            far[k] = u32::from(!((t < f64::INFINITY) & (z0 + z1 * t > 2.0 * MIN_DEPTH)));
+        }
+        (leave, lane_mask(&far))
+    }
+
+    /// Where lines first cross one half in bilinear cells with the values `corners`, which they leave at `leave`: where
+    /// they are now, for lines that enter outside. And for which lines there is no crossing: [`March`]'s quadratics.
+    #[inline(always)]
+    fn half_crossings(&self, corners: &[Wide; 4], leave: &Wide, kernel: &ViewKernel) -> (Wide, u32) {
+        let (mut crossings, mut goes_on) = ([0.0; LANES], [0; LANES]);
+        for k in 0..LANES {
+            let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
+            let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+            let (i, j, t0, t1) = (self.column[k], self.row[k], self.t[k], leave[k]);
+            let local =
+                |x0: f64, x1: f64, cell: f64, t: f64| (x0 + x1 * t) / (z0 + z1 * t) - kernel.shift - cell;
+            let (xa, ya) = (local(x0, x1, i, t0), local(y0, y1, j, t0));
+            let (dx, dy) = (local(x0, x1, i, t1) - xa, local(y0, y1, j, t1) - ya);
+
+            // Along a straight line the coverage is c + b s + a s^2, from s = 0 as it enters to 1 as it leaves.
+            let [c00, c10, c01, c11] = [0, 1, 2, 3].map(|corner: usize| corners[corner][k]);
+            let (right, down, twist) = (c10 - c00, c01 - c00, c00 - c10 - c01 + c11);
+            let c = c00 + right * xa + down * ya + twist * xa * ya - HALF_COVERAGE;
+            let b = (right + twist * ya) * dx + (down + twist * xa) * dy;
+            let a = twist * dx * dy;
+            let discriminant = b * b - 4.0 * a * c;
+            let q = -0.5 * (b + 1.0_f64.copysign(b) * discriminant.sqrt());
+            let root = |s: f64| select((discriminant > 0.0) & (s > 0.0) & (s < 1.0), s, f64::INFINITY);
+            let (r1, r2) = (root(q / a), root(c / q));
+            let s = select(r1 < r2, r1, r2);
+
+            // The sign before the crossing is taken where it is largest: halfway there.
+            let halfway = 0.5 * select(s < 1.0, s, 1.0);
+            let starts_inside = c + halfway * (b + halfway * a) >= 0.0;
+            let (u, v) = (i + kernel.shift + xa + s * dx, j + kernel.shift + ya + s * dy);
+            let by_column = (u * z0 - x0) / (x1 - u * z1);
+            let by_row = (v * z0 - y0) / (y1 - v * z1);
+            let t = select(dx.abs() > dy.abs(), by_column, by_row);
+            let t = select(t < t0, t0, select(t > t1, t1, t));
+            crossings[k] = select(starts_inside, t, t0);
+            goes_on[k] = u32::from(starts_inside & (s >= 1.0));
+        }
+        (crossings, lane_mask(&goes_on))
+    }
+
+    /// Lowers the exits of the points whose lines have ended before their limits.
+    #[inline(always)]
+    fn write_exits(&self, ended: u32, kernel: &ViewKernel, exits: &mut [f64]) {
+        for k in set_bits(ended) {
+            if self.t[k] >= self.t_max[k] {
+                continue;
+            } else if self.distance[k] > 0.0 {
+                self.go_on_alone(k, kernel, exits);
+            } else {
+                let exit = &mut exits[self.point[k] as usize];
+                *exit = select(self.t[k] < *exit, self.t[k], *exit);
+            }
+        }
+    }
+
+    /// Walks a line on from where it stands.
+    fn go_on_alone(&self, k: usize, kernel: &ViewKernel, exits: &mut [f64]) {
+        let (t, t_max) = (self.t[k], self.t_max[k]);
+        let cell = (self.column[k] as i32, self.row[k] as i32);
+        let mut march = March::from_cell(kernel.view, self.line(k), cell, t, kernel.edge);
+        let (left, exit) = (march.exit_by(t, t_max), &mut exits[self.point[k] as usize]);
+        *exit = select(left < t_max && left < *exit, left, *exit);
+    }
+
+    fn line(&self, k: usize) -> ImageLine {
+        let vector = |of: &[Wide; 3]| Vector3::from(of.map(|of| of[k]));
+        ImageLine::new(vector(&self.start), vector(&self.ahead))
+    }
+}
+
+/// A crossing behind the camera, or one that there is none of, is never reached.
+#[inline(always)]
+fn ahead(crossing: f64, z0: f64, z1: f64) -> f64 {
+    let is_ahead = (crossing.abs() < f64::INFINITY) & (z0 + crossing * z1 > 0.0);
+    select(is_ahead, crossing, f64::INFINITY)
+}
+
+/// The cell of position `x` among those from `first` to before `end`.
+#[inline(always)]
+fn within(x: f64, first: f64, end: f64) -> f64 {
+    let x = select(x > first, x, first);
+    floor(select(x < end - 0.5, x, end - 0.5))
+}

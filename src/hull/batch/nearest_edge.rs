@@ -1,0 +1,319 @@
+//! The silhouette edges nearest to many points, and the directions that they give.
+//!
+//! Points that one view decides are put together, so that its silhouette is asked for many of them at a time.
+
+use super::super::EdgeModel;
+use super::super::lanes::{floor, lane_mask, select, set_bits};
+use super::super::lookup::Bits;
+use super::super::points::LANES;
+use super::super::response::towards;
+use super::super::search::window_half_width;
+use super::projection::{PointBlock, ViewKernel};
+use super::ring_search::{NEAR, Pixels, nearest};
+use super::{ExitRay, Wide};
+use crate::silhouette::{self, Edge, EdgePixel, SHORTEST_MEAN};
+use crate::vectorised::vectorised;
+use nalgebra::{Point2, Vector3};
+
+/// Points inside, by the view that decides the window search, and by how their background is looked for.
+#[derive(Debug, Default)]
+pub(super) struct EdgeQueries {
+    /// Three lists for each view: of points whose background is near, of others, and of those whose search may reach
+    /// beyond an open border.
+    queries: Vec<[Vec<EdgeQuery>; 3]>,
+    /// Of one view: the background pixels nearest to the points of a list, those of all lists as edge pixels, and those
+    /// whose edges are not known yet.
+    found: Vec<(i32, i32)>,
+    nearest: [Vec<EdgePixel>; 3],
+    new_edges: Vec<EdgePixel>,
+}
+
+/// Places of the lists.
+const NEAR_LIST: usize = 0;
+const FAR_LIST: usize = 1;
+const OPEN_LIST: usize = 2;
+
+/// A point as the view sees it that decides.
+#[derive(Debug, Clone, Copy)]
+struct EdgeQuery {
+    /// The place of its ray.
+    ray: u32,
+    pixel: (i32, i32),
+    /// Chebyshev distance to the background, and the half-width of the window in which that is searched.
+    first: i32,
+    half: i32,
+}
+
+/// The view that decides the window search for each point, at which iteration, and how fast its window grows.
+struct Decision {
+    kernel: Wide,
+    /// Infinite where no view has an edge.
+    iteration: Wide,
+    growth: Wide,
+}
+
+/// Lines in the image: a point of each and its unit normal.
+struct ImageLines {
+    u: Wide,
+    v: Wide,
+    normal_u: Wide,
+    normal_v: Wide,
+}
+
+impl EdgeQueries {
+    /// Adds those of the points `inside` of a block for which some view has an edge, and rays for them to `rays`, whose
+    /// directions are found later; which these are.
+    #[inline(always)]
+    pub(super) fn add(
+        &mut self,
+        kernels: &[ViewKernel],
+        block: &mut PointBlock,
+        inside: u32,
+        rays: &mut Vec<ExitRay>,
+    ) -> u32 {
+        let decision = decide(kernels, block);
+        self.queries.resize_with(self.queries.len().max(kernels.len()), Default::default);
+        let mut has_edge = [0; LANES];
+        for k in 0..LANES {
+            has_edge[k] = u32::from(decision.iteration[k] < f64::INFINITY);
+        }
+        let decided = inside & lane_mask(&has_edge);
+        for k in set_bits(decided) {
+            let place = decision.kernel[k] as usize;
+            let (kernel, sample) = (&kernels[place], &block.samples[place]);
+            let distance = sample.distance[k] as i32;
+            let half = window_half_width(decision.iteration[k] as i64, decision.growth[k]);
+            let query = EdgeQuery {
+                ray: rays.len() as u32,
+                pixel: (sample.column[k] as i32, sample.row[k] as i32),
+                first: distance,
+                half: half.max(distance),
+            };
+            self.queries[place][query.list(kernel)].push(query);
+            let ray = ExitRay { point: block.point(k), direction: Vector3::zeros(), view: kernel.index };
+            rays.push(ray);
+        }
+        decided
+    }
+
+    /// Writes the directions of the rays of all queries, and forgets these.
+    pub(super) fn find_directions(&mut self, kernels: &[ViewKernel], edge: EdgeModel, rays: &mut [ExitRay]) {
+        let Self { queries, nearest, found, new_edges } = self;
+        for (kernel, lists) in kernels.iter().zip(queries) {
+            let silhouette = kernel.view.silhouette();
+            new_edges.clear();
+            for (list, (queries, nearest)) in lists.iter_mut().zip(nearest.iter_mut()).enumerate() {
+                found.clear();
+                if list == OPEN_LIST {
+                    found.extend(queries.iter().map(|query| query.nearest_alone(kernel)));
+                } else {
+                    find_nearest(kernel, queries, found);
+                }
+                if edge == EdgeModel::Pixel {
+                    find_paper_directions(kernel, queries, found, rays);
+                    queries.clear();
+                } else {
+                    nearest.clear();
+                    nearest.extend(found.iter().map(|&at| silhouette.edge_pixel(at)));
+                    new_edges.extend(nearest.iter().filter(|pixel| silhouette.claim_edge(pixel)));
+                }
+            }
+
+            // Edges that are not known yet are computed side by side, each once in the life of a silhouette.
+            silhouette::compute_edges(silhouette, new_edges);
+            for (queries, nearest) in lists.iter_mut().zip(nearest.iter()) {
+                find_contact_directions(kernel, queries, nearest, rays);
+                queries.clear();
+            }
+        }
+    }
+}
+
+impl EdgeQuery {
+    /// The list that it belongs to.
+    #[inline(always)]
+    fn list(&self, kernel: &ViewKernel) -> usize {
+        // The nearest background lies within the root of two times the Chebyshev distance.
+        let reach = self.first + self.first / 2 + 1;
+        if !kernel.is_closed && !kernel.view.silhouette().keeps_window(self.pixel, reach) {
+            OPEN_LIST
+        } else if self.first > NEAR {
+            FAR_LIST
+        } else {
+            NEAR_LIST
+        }
+    }
+
+    /// The background pixel nearest to the point, by a search of its own.
+    fn nearest_alone(&self, kernel: &ViewKernel) -> (i32, i32) {
+        let (i, j) = self.pixel;
+        kernel.view.silhouette().nearest_background(i, j, self.half).unwrap_or(self.pixel)
+    }
+}
+
+vectorised! {
+    /// Adds the background pixels nearest to the points of `queries` to `found`.
+    fn find_nearest(kernel: &ViewKernel, queries: &[EdgeQuery], found: &mut Vec<(i32, i32)>) {
+        let (tables, (x, y)) = (kernel.view.silhouette().tables(), kernel.corner);
+        for queries in queries.chunks(LANES) {
+            let (mut middle, mut first, mut half) = (Pixels::default(), [0; LANES], [0; LANES]);
+            for k in 0..LANES {
+                let query = queries[k.min(queries.len() - 1)];
+                (middle.column[k], middle.row[k]) = (query.pixel.0 - x, query.pixel.1 - y);
+                (first[k], half[k]) = (query.first, query.half);
+            }
+            let nearest = nearest(&tables, &middle, &first, &half);
+            found.extend((0..queries.len()).map(|k| (nearest.column[k] + x, nearest.row[k] + y)));
+        }
+    }
+}
+
+vectorised! {
+    /// Writes the contact directions of `queries`, given by the edges at the pixels `nearest` to them.
+    fn find_contact_directions(
+        kernel: &ViewKernel,
+        queries: &[EdgeQuery],
+        nearest: &[EdgePixel],
+        rays: &mut [ExitRay],
+    ) {
+        for (queries, nearest) in queries.chunks(LANES).zip(nearest.chunks(LANES)) {
+            let mut lines = ImageLines::default();
+            for (k, (query, nearest)) in queries.iter().zip(nearest).enumerate() {
+                let edge = kernel.view.silhouette().edge_at(nearest);
+                lines.set(k, &edge.unwrap_or_else(|| query.edge_towards(nearest.at)));
+            }
+            kernel.write_directions(&lines, queries, rays);
+        }
+    }
+}
+
+vectorised! {
+    /// Writes the paper's directions of `queries`, given by the 5x5 normals at the pixels `nearest` to them.
+    fn find_paper_directions(
+        kernel: &ViewKernel,
+        queries: &[EdgeQuery],
+        nearest: &[(i32, i32)],
+        rays: &mut [ExitRay],
+    ) {
+        let silhouette = kernel.view.silhouette();
+        for (queries, nearest) in queries.chunks(LANES).zip(nearest.chunks(LANES)) {
+            let (mut lines, short) = kernel.paper_lines(nearest);
+            for k in set_bits(short & (u32::MAX >> (LANES - nearest.len()))) {
+                let (i, j) = nearest[k];
+                let edge = queries[k].edge_towards((i, j));
+                let normal = silhouette.paper_normal(i, j).unwrap_or(edge.normal);
+                lines.set(k, &Edge { normal, ..edge });
+            }
+            kernel.write_directions(&lines, queries, rays);
+        }
+    }
+}
+
+impl EdgeQuery {
+    /// What stands in for the edge at the nearest pixel where that has no normal: a line across the way there.
+    #[inline(always)]
+    fn edge_towards(&self, (i, j): (i32, i32)) -> Edge {
+        Edge {
+            point: Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5),
+            normal: towards(i - self.pixel.0, j - self.pixel.1),
+        }
+    }
+}
+
+impl Default for ImageLines {
+    fn default() -> Self {
+        let (zero, one) = ([0.0; LANES], [1.0; LANES]);
+        Self { u: zero, v: zero, normal_u: zero, normal_v: one }
+    }
+}
+
+impl ImageLines {
+    #[inline(always)]
+    fn set(&mut self, k: usize, Edge { point, normal }: &Edge) {
+        (self.u[k], self.v[k]) = (point.x, point.y);
+        (self.normal_u[k], self.normal_v[k]) = (normal.x, normal.y);
+    }
+}
+
+impl ViewKernel<'_> {
+    /// The lines through the centres of background pixels across the mean vectors to the background pixels of the 5x5
+    /// windows around: [`Silhouette::paper_normal`](crate::silhouette::Silhouette::paper_normal). And for which pixels
+    /// that mean is too short.
+    #[inline(always)]
+    fn paper_lines(&self, pixels: &[(i32, i32)]) -> (ImageLines, u32) {
+        const HALF: i32 = 2;
+        let tables = self.view.silhouette().tables();
+        let bits = Bits::new(tables.subject, tables.words);
+        let (mut lines, mut short) = (ImageLines::default(), [0; LANES]);
+        for k in 0..LANES {
+            let (i, j) = pixels[k.min(pixels.len() - 1)];
+            let (mut x, mut y, mut count) = (0, 0, 0);
+            for dy in -HALF..=HALF {
+                let row = !bits.from(i - self.corner.0 - HALF, j - self.corner.1 + dy);
+                let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|bit| (row >> bit & 1) as i32);
+                let background = a + b + c + d + e;
+                x += 2 * (e - a) + d - b;
+                y += dy * background;
+                count += background;
+            }
+            let (mean_u, mean_v) = (f64::from(x) / f64::from(count), f64::from(y) / f64::from(count));
+            let length = (mean_u * mean_u + mean_v * mean_v).sqrt();
+            short[k] = u32::from(length < SHORTEST_MEAN);
+            (lines.u[k], lines.v[k]) = (f64::from(i) + 0.5, f64::from(j) + 0.5);
+            (lines.normal_u[k], lines.normal_v[k]) = (mean_u / length, mean_v / length);
+        }
+        (lines, lane_mask(&short))
+    }
+
+    /// Writes the unit normals in the world of the planes through the camera's centre and `lines` to the rays of
+    /// `queries`: the sums of [`View::backproject_normal`](super::super::View::backproject_normal).
+    #[inline(always)]
+    fn write_directions(&self, lines: &ImageLines, queries: &[EdgeQuery], rays: &mut [ExitRay]) {
+        let ([p0, p1, p2], mut normal) = (&self.p, [[0.0; LANES]; 3]);
+        for k in 0..LANES {
+            let across = |axis: usize| {
+                (p0[axis] - p2[axis] * lines.u[k]) * lines.normal_u[k]
+                    + (p1[axis] - p2[axis] * lines.v[k]) * lines.normal_v[k]
+            };
+            let [x, y, z] = [across(0), across(1), across(2)];
+            let length = (x * x + y * y + z * z).sqrt();
+            (normal[0][k], normal[1][k], normal[2][k]) = (x / length, y / length, z / length);
+        }
+        let [x, y, z] = normal;
+        for (k, query) in queries.iter().enumerate() {
+            rays[query.ray as usize].direction = Vector3::new(x[k], y[k], z[k]);
+        }
+    }
+}
+
+/// The first k at which a window, `1 + floor(k d_max / d_i)`, reaches the view's distance; the first view among
+/// equals. As [`Hull::nearest_edge`](super::super::Hull::nearest_edge) has it.
+#[inline(always)]
+fn decide(kernels: &[ViewKernel], block: &mut PointBlock) -> Decision {
+    let mut largest = [0.0; LANES];
+    for (kernel, sample) in kernels.iter().zip(&mut block.samples) {
+        kernel.footprint.at_each(&sample.at[2], &mut sample.footprint);
+        for k in 0..LANES {
+            largest[k] = select(sample.footprint[k] > largest[k], sample.footprint[k], largest[k]);
+        }
+    }
+    let mut decision =
+        Decision { kernel: [0.0; LANES], iteration: [f64::INFINITY; LANES], growth: [0.0; LANES] };
+    for (place, sample) in block.samples.iter().enumerate() {
+        for k in 0..LANES {
+            let growth = largest[k] / sample.footprint[k];
+            let beside = sample.distance[k] - 1.0;
+            // The closed form; the division rounds to below a whole number where that reaches already, so that one
+            // more is all it may need. The point's own pixel is at -1.
+            let whole = floor(select(beside > 0.0, beside / growth, 0.0));
+            let iteration = select(whole * growth < beside, whole + 1.0, whole);
+            let iteration = select(beside < 0.0, -1.0, iteration);
+            let iteration = select(sample.has_edge(k), iteration, f64::INFINITY);
+            let sooner = iteration < decision.iteration[k];
+            decision.iteration[k] = select(sooner, iteration, decision.iteration[k]);
+            decision.growth[k] = select(sooner, growth, decision.growth[k]);
+            decision.kernel[k] = select(sooner, place as f64, decision.kernel[k]);
+        }
+    }
+    decision
+}

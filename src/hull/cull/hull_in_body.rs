@@ -1,0 +1,63 @@
+//! A hull as bodies see it: its enabled views and its work volume, and which points of a body are inside.
+
+use super::super::Hull;
+use super::super::points::Points;
+use super::body_view::{BodyPlacement, BodyView, Volume};
+use super::filter::{self, Filter, Found, MaskDilation};
+use crate::Result;
+use nalgebra::Isometry3;
+
+/// A hull as points of the volume's frame see it.
+#[derive(Debug)]
+pub(super) struct HullInBody<'a> {
+    hull: &'a Hull,
+    volume: Volume,
+    /// Filled once a body comes near.
+    views: Vec<BodyView<'a>>,
+    /// The views as the body asked last sees them.
+    placed: Vec<BodyView<'a>>,
+}
+
+impl<'a> HullInBody<'a> {
+    /// `hull` in the memory of two lists.
+    pub(super) fn new(hull: &'a Hull, [views, placed]: [Vec<BodyView<'a>>; 2]) -> Self {
+        Self { hull, volume: Volume::of(hull), views, placed }
+    }
+
+    pub(super) fn into_lists(self) -> [Vec<BodyView<'a>>; 2] {
+        [self.views, self.placed]
+    }
+
+    /// Finds the points inside, or, with [`MaskDilation::OnePixel`], all but those surely outside by any edge model.
+    ///
+    /// # Errors
+    /// A pose that is not finite.
+    pub(super) fn find(
+        &mut self,
+        points: &Points,
+        world_from_points: &Isometry3<f64>,
+        dilation: MaskDilation,
+        found: &mut Found,
+    ) -> Result<()> {
+        let placement = BodyPlacement::new(points, world_from_points, &self.volume)?;
+        let middle = self.volume.in_world(placement.middle());
+        let is_near = self.hull.may_touch(&middle, f64::from(placement.radius) + 1e-6);
+        if points.is_empty() || self.hull.aabb().is_empty() || !is_near {
+            return Ok(());
+        }
+        if self.views.is_empty() {
+            let enabled = self.hull.views().iter().filter(|view| view.is_enabled());
+            self.views.extend(enabled.map(|view| BodyView::new(self.hull, view, &self.volume)));
+        }
+
+        let cut = dilation == MaskDilation::None && !self.volume.holds(&placement);
+        let cut = cut.then_some((&self.volume, &placement));
+        let filter = Filter { dilation, unseen: self.hull.unseen(), cut };
+        if filter::may_be_inside(&self.views, &placement, &filter) {
+            self.placed.clear();
+            self.placed.extend(self.views.iter().map(|view| view.seen_from(&placement)));
+            filter::find(points, &self.placed, &filter, found);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,139 @@
+//! Queries of many points at once.
+
+use super::batch::{self, ExitRay};
+use super::cull;
+use super::points::Points;
+use super::{EdgeModel, Hull};
+use crate::Result;
+use nalgebra::{Isometry3, Point3, Vector3};
+
+/// Memory for batch queries. Whoever keeps it from call to call allocates nothing once it has grown; it holds no
+/// answer beyond the next call, and may be used with any hull and any points.
+#[derive(Debug, Default)]
+pub struct Workspace {
+    cull: cull::Scratch,
+    batch: batch::Scratch,
+    inside: Vec<u64>,
+    places: Vec<usize>,
+    rays: Vec<ExitRay>,
+    exits: Vec<f64>,
+    responses: Vec<PointResponse>,
+}
+
+/// Which points of a batch are inside.
+#[derive(Debug, Clone, Copy)]
+pub struct Inside<'w> {
+    words: &'w [u64],
+    count: usize,
+}
+
+/// The paper's response of a point of a batch, in the hull's frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointResponse {
+    /// Index of the point, as given.
+    pub point: usize,
+    /// Index of the view whose edge gave the normal.
+    pub view: usize,
+    /// Unit outward normal.
+    pub normal: Vector3<f64>,
+    /// Metres along the normal to the exit.
+    pub depth: f64,
+}
+
+impl PointResponse {
+    /// The response vector, in metres.
+    pub fn w(&self) -> Vector3<f64> {
+        self.normal * self.depth
+    }
+}
+
+impl<'w> Inside<'w> {
+    /// The points at `places` of the blocks of `points`, marked in `words`.
+    fn mark(points: &Points, places: &[u32], words: &'w mut Vec<u64>) -> Self {
+        words.clear();
+        words.resize(points.len().div_ceil(64), 0);
+        for &place in places {
+            let point = points.original_index(place as usize);
+            words[point / 64] |= 1 << (point % 64);
+        }
+        Self { words, count: places.len() }
+    }
+
+    /// How many.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Whether the point of this index, as given, is inside; false beyond the last.
+    pub fn contains(&self, point: usize) -> bool {
+        self.words.get(point / 64).is_some_and(|word| word >> (point % 64) & 1 == 1)
+    }
+
+    /// The indices of the points inside, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = usize> {
+        let bits = |word: u64| {
+            std::iter::successors(Some(word), |word| Some(word & word.wrapping_sub(1)))
+                .take_while(|&word| word != 0)
+                .map(|word| word.trailing_zeros() as usize)
+        };
+        self.words.iter().enumerate().flat_map(move |(k, &word)| bits(word).map(move |bit| 64 * k + bit))
+    }
+}
+
+impl Workspace {
+    /// Empty; grows with what it is used for.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+impl Hull {
+    /// Which of `points` are inside, in the pose `hull_from_points`.
+    ///
+    /// They are asked in single precision: a point whose image lies within a few ten-thousandths of a pixel of a
+    /// pixel's border may count to its other side.
+    ///
+    /// # Errors
+    /// A pose that is not finite.
+    pub fn inside_many<'w>(
+        &self,
+        points: &Points,
+        hull_from_points: &Isometry3<f64>,
+        workspace: &'w mut Workspace,
+    ) -> Result<Inside<'w>> {
+        let Workspace { cull, inside, .. } = workspace;
+        let places = cull.find_inside(self, points, hull_from_points)?;
+        Ok(Inside::mark(points, places, inside))
+    }
+
+    /// The paper's responses (section 4.2) of those of `points` that are inside, in their order, with the bits of
+    /// [`respond`](Self::respond). The points are in the hull's frame.
+    pub fn respond_many<'w>(
+        &self,
+        points: &[Point3<f64>],
+        workspace: &'w mut Workspace,
+    ) -> &'w [PointResponse] {
+        let Workspace { batch, places, rays, exits, responses, .. } = workspace;
+        self.exit_rays(points, EdgeModel::Pixel, usize::MAX, batch, places, rays);
+        self.exits_within(rays, EdgeModel::Pixel, f64::INFINITY, batch, exits);
+        responses.clear();
+        responses.extend(places.iter().zip(rays).zip(exits).map(|((&point, ray), &mut depth)| {
+            PointResponse { point, view: ray.view, normal: ray.direction, depth }
+        }));
+        responses
+    }
+
+    /// Tells `take`, of each of `bodies` by its place, which points may be inside by any edge model: all but those surely
+    /// outside; none in a pose that is not finite.
+    pub(crate) fn candidates<'b>(
+        &self,
+        bodies: impl Iterator<Item = (&'b Points, Isometry3<f64>)>,
+        workspace: &mut Workspace,
+        mut take: impl FnMut(usize, Inside),
+    ) {
+        let Workspace { cull, inside, .. } = workspace;
+        cull.each_candidate(self, bodies, |body, points, places| {
+            take(body, Inside::mark(points, places, inside));
+        });
+    }
+}

@@ -248,19 +248,20 @@ impl State {
         recycled.unwrap_or_else(|| Arc::new(Hull::new(Vec::new(), Aabb::EMPTY, self.unseen, 0.0)))
     }
 
-    /// Recycles the buffers of frames with no other owner: silhouettes of dropped frames, tables of past ones.
+    /// Recycles the buffers of frames with no other owner: tables of past frames, silhouettes of dropped ones.
     fn recycle(&mut self) {
-        for frame in self.retired.iter_mut().filter_map(Arc::get_mut) {
-            for (silhouette, slot) in frame.drain_silhouettes().zip(&mut self.views) {
-                slot.recycle(silhouette);
-            }
-        }
-
-        // Tables of frames that were held for longer, or asked again since, stay until the frame is dropped.
+        // First the tables of the last frames, which are still in the caches. Those of older frames that were held
+        // for longer, or asked again since, stay until the frame is dropped.
         let past = self.frames.iter_mut().rev().skip(1).take(2);
         for frame in past.filter_map(Arc::get_mut) {
             for (view, slot) in frame.views.iter_mut().zip(&mut self.views) {
                 slot.recycle_tables(|| view.take_tables());
+            }
+        }
+
+        for frame in self.retired.iter_mut().filter_map(Arc::get_mut) {
+            for (silhouette, slot) in frame.drain_silhouettes().zip(&mut self.views) {
+                slot.recycle(silhouette);
             }
         }
     }

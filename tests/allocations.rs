@@ -3,6 +3,7 @@
 mod scene;
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, point};
+use ode_visual_hull::contact::{self, Body, Settings};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Points, Workspace};
 use ode_visual_hull::ode::{Shape, SpaceKind};
 use ode_visual_hull::sample;
@@ -44,18 +45,21 @@ fn frames_and_batches_allocate_nothing_in_the_steady_state() {
     let samples = sample::box_(Vector3::new(0.1, 0.2, 0.25), 0.03).unwrap();
     let cloud: Vec<Point3<f64>> = samples.points().iter().map(|sample| sample.point).collect();
     let points = Points::new(&cloud);
-    let (mut workspaces, mut responses) = ([Workspace::new()], Vec::new());
+    let (mut workspace, mut contacts, mut responses) = (Workspace::new(), Vec::new(), Vec::new());
     let pose = |k: usize| Isometry3::translation(0.0, 0.1 * (k % 4) as f64 - 0.2, 0.3 * (k % 6) as f64);
-    let bodies: Vec<_> = (0..24).map(|k| (&points, pose(k))).collect();
+    let body = |k| Body { samples: &samples, hull_from_body: pose(k), last_escape: None };
+    let bodies: Vec<_> = (0..24).map(body).collect();
+    let placed: Vec<Vec<Point3<f64>>> =
+        (0..6).map(|k| cloud.iter().map(|point| pose(k) * point).collect()).collect();
     let mut colliding = 0;
     let mut run = |frame: usize| {
         let hull = studio.show(frame);
-        let [workspace] = &mut workspaces;
         for k in 0..6 {
-            colliding += hull.inside_many(&points, &pose(k), workspace).unwrap().count();
-            colliding += hull.respond_many(&points, &pose(k), workspace).unwrap().len();
+            colliding += hull.inside_many(&points, &pose(k), &mut workspace).unwrap().count();
+            colliding += hull.respond_many(&placed[k], &mut workspace).len();
         }
-        hull.respond_bodies(&bodies, &mut workspaces, &mut responses).unwrap();
+        contact::collide_many(&hull, &bodies, &Settings::default(), &mut contacts);
+        contact::body_responses(&hull, &bodies, &mut responses);
     };
     // History fills up, and each buffer meets the largest silhouette.
     (0..150).for_each(&mut run);

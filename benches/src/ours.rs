@@ -3,7 +3,7 @@
 use crate::scene::{Bodies, Scene};
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3};
-use ode_visual_hull::contact::{self, BodyResponse, Contacts, Settings};
+use ode_visual_hull::contact::{self, BodyResponse, BodyContacts, Settings};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Inside, Points, Unseen, Workspace};
 use ode_visual_hull::sample::Samples;
 use std::cell::Cell;
@@ -99,20 +99,16 @@ impl Frame {
 
     /// How far up the paper's responses of `points` lead, added up.
     pub fn rise_of_responses(&self, points: &[Point3<f64>], workspace: &mut Workspace) -> f64 {
-        let responses = self.0.respond_many(&Points::new(points), &Isometry3::identity(), workspace);
-        responses.expect("a finite pose").iter().map(|response| f64::from(response.w().z)).sum()
+        self.0.respond_many(points, workspace).iter().map(|response| response.w().z).sum()
     }
 
     /// The paper's body vectors (section 5), as the C face answers them, written to `vectors`.
     pub fn body_vectors(&self, boxes: &Boxes, vectors: &mut Vec<BodyResponse>) {
-        let response =
-            |body: contact::Body| contact::body_response(&self.0, body.samples, &body.hull_from_body);
-        vectors.clear();
-        vectors.extend(boxes.bodies().into_iter().map(response));
+        contact::body_responses(&self.0, &boxes.bodies(), vectors);
     }
 
     /// The library's contacts as a simulation gets them by default, written to `contacts`, body by body.
-    pub fn contacts(&self, boxes: &Boxes, contacts: &mut Vec<Contacts>) {
+    pub fn contacts(&self, boxes: &Boxes, contacts: &mut Vec<BodyContacts>) {
         contact::collide_many(&self.0, &boxes.bodies(), &Settings::default(), contacts);
     }
 

@@ -8,7 +8,7 @@ use crate::random::Random;
 use crate::scene::{Bodies, Given, Optics, SAMPLES_400, SAMPLES_4000, Scene, VGA, Who};
 use crate::{ode, parry};
 use nalgebra::{Point3, Vector3};
-use ode_visual_hull::contact::Contacts;
+use ode_visual_hull::contact::BodyContacts;
 use ode_visual_hull::hull::reference;
 
 fn plain(p: &Point3<f64>) -> Vec3 {
@@ -121,7 +121,7 @@ fn the_literal_program_and_the_library_find_the_same_bodies_in_contact_also_behi
         assert!((120..=180).contains(&touching), "{optics:?}: {touching} of 600 bodies touch");
         let pairs = contacts.iter().zip(&vectors);
         let differ = pairs.filter(|(ours, literal)| ours.contacts.is_empty() != (literal.colliding == 0));
-        let deepest = |ours: &Contacts| ours.contacts.iter().map(|contact| contact.depth).fold(0.0, f64::max);
+        let deepest = |ours: &BodyContacts| ours.points.iter().map(|point| point.depth).fold(0.0, f64::max);
         let depths: Vec<_> = differ
             .map(|(ours, literal)| deepest(ours).max(apart(&literal.vector, &Vector3::zeros())))
             .collect();

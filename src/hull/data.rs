@@ -31,9 +31,7 @@ struct State {
     unseen: Unseen,
     /// Published frames, the latest last.
     frames: VecDeque<Arc<Hull>>,
-    /// Whether somebody looks back at past frames.
-    looks_back: bool,
-    /// Frames that history has dropped: their memory is for the next ones, once nobody else holds them.
+    /// Frames that history has dropped: their memory is for the next ones, once they have no other owner.
     retired: Vec<Arc<Hull>>,
     published: u64,
 }
@@ -45,7 +43,6 @@ impl Default for State {
             bounds: None,
             unseen: Unseen::Outside,
             frames: VecDeque::new(),
-            looks_back: false,
             retired: Vec::new(),
             published: 0,
         }
@@ -144,7 +141,7 @@ impl HullData {
         let (mut preparation, border) = {
             let mut state = self.lock();
             let border = border_of(state.unseen);
-            (state.slot_mut(view)?.begin(), border)
+            (state.slot_mut(view)?.take_buffers(), border)
         };
         // Prepared outside the lock, so that cameras on several threads do not wait for one another.
         preparation.prepare(mask, border)?;
@@ -152,7 +149,7 @@ impl HullData {
         if border != border_of(state.unseen) {
             preparation.prepare(mask, border_of(state.unseen))?;
         }
-        state.slot_mut(view)?.finish(preparation);
+        state.slot_mut(view)?.commit(preparation);
         Ok(())
     }
 
@@ -174,7 +171,7 @@ impl HullData {
             let past = state.frames.pop_front();
             state.retired.extend(past);
         }
-        state.reclaim();
+        state.recycle();
         state.published += 1;
         Ok(hull)
     }
@@ -187,12 +184,10 @@ impl HullData {
 
     /// The frames of the last tenth of a second and one before, the latest last.
     ///
-    /// The first call derives their tables again, which are not kept where nobody looks back.
+    /// All of them give the answers that they gave when they were new. The first query of a past frame may derive
+    /// the tables of its silhouettes again, about 0.03 ms a VGA view.
     pub fn history(&self) -> Vec<Arc<Hull>> {
-        let mut state = self.lock();
-        state.looks_back = true;
-        state.frames.iter_mut().filter_map(Arc::get_mut).for_each(Hull::restore);
-        state.frames.iter().cloned().collect()
+        self.lock().frames.iter().cloned().collect()
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -233,7 +228,7 @@ impl State {
                  clock"
             )));
         }
-        let mut hull = self.free_frame();
+        let mut hull = self.take_recycled_frame();
         let mut views = Arc::get_mut(&mut hull).map(Hull::take_views).unwrap_or_default();
         for slot in &mut self.views {
             views.push(slot.view(&bounds)?);
@@ -246,23 +241,28 @@ impl State {
         Ok(hull)
     }
 
-    /// A frame that has been taken back, or a new one.
-    fn free_frame(&mut self) -> Arc<Hull> {
-        let free = self.retired.iter().position(|frame| frame.views().is_empty());
-        let free = free.map(|k| self.retired.swap_remove(k));
-        free.unwrap_or_else(|| Arc::new(Hull::new(Vec::new(), Aabb::EMPTY, self.unseen, 0.0)))
+    /// A recycled frame, or a new one.
+    fn take_recycled_frame(&mut self) -> Arc<Hull> {
+        let recycled = self.retired.iter().position(|frame| frame.views().is_empty());
+        let recycled = recycled.map(|k| self.retired.swap_remove(k));
+        recycled.unwrap_or_else(|| Arc::new(Hull::new(Vec::new(), Aabb::EMPTY, self.unseen, 0.0)))
     }
 
-    /// Takes back what nobody holds any more: of frames that history has dropped the silhouettes, of other past ones
-    /// what is derived of these.
-    fn reclaim(&mut self) {
-        for frame in self.retired.iter_mut().filter_map(Arc::get_mut) {
-            frame.forget_views().zip(&mut self.views).for_each(|(silhouette, slot)| slot.reclaim(silhouette));
-        }
-        // Those before have lent theirs already, but for what somebody held for long.
+    /// Recycles the buffers of frames with no other owner: tables of past frames, silhouettes of dropped ones.
+    fn recycle(&mut self) {
+        // First the tables of the last frames, which are still in the caches. Those of older frames that were held
+        // for longer, or asked again since, stay until the frame is dropped.
         let past = self.frames.iter_mut().rev().skip(1).take(2);
-        for frame in past.filter(|_| !self.looks_back).filter_map(Arc::get_mut) {
-            frame.silhouettes().zip(&mut self.views).for_each(|(silhouette, slot)| slot.thin(silhouette));
+        for frame in past.filter_map(Arc::get_mut) {
+            for (view, slot) in frame.views.iter_mut().zip(&mut self.views) {
+                slot.recycle_tables(|| view.take_tables());
+            }
+        }
+
+        for frame in self.retired.iter_mut().filter_map(Arc::get_mut) {
+            for (silhouette, slot) in frame.drain_silhouettes().zip(&mut self.views) {
+                slot.recycle(silhouette);
+            }
         }
     }
 }

@@ -138,19 +138,9 @@ impl Hull {
         Self { views, bounds, unseen, culls: Culls::DEFAULT, time, aabb, emptiness }
     }
 
-    /// Lets go of the views, for a frame that nobody asks any more; the memory of their list stays.
-    fn forget_views(&mut self) -> impl Iterator<Item = Arc<Silhouette>> {
+    /// Removes the views of a dropped frame, and returns their silhouettes; the memory of the list of views stays.
+    fn drain_silhouettes(&mut self) -> impl Iterator<Item = Arc<Silhouette>> {
         self.views.drain(..).map(View::into_silhouette)
-    }
-
-    /// Its views' silhouettes.
-    fn silhouettes(&mut self) -> impl Iterator<Item = &mut Arc<Silhouette>> {
-        self.views.iter_mut().map(View::silhouette_mut)
-    }
-
-    /// Makes the silhouettes whole again.
-    fn restore(&mut self) {
-        self.silhouettes().filter_map(Arc::get_mut).for_each(Silhouette::restore);
     }
 
     /// The memory of the list of views.

@@ -1,14 +1,14 @@
-//! One view of a data object: its camera, its latest silhouette, and the memory of those that nobody asks any more.
+//! One view of a data object: its camera, its latest silhouette, and memory recycled from past ones.
 
 use super::{Aabb, View};
 use crate::camera::Camera;
-use crate::silhouette::{Border, Derived, SUBJECT, Silhouette, Undistortion};
+use crate::silhouette::{Border, SUBJECT, Silhouette, Tables, Undistortion};
 use crate::{Error, Result};
 use image::GrayImage;
 use std::sync::Arc;
 
-/// As many silhouettes that nobody asks, and sets of tables, are kept for the next masks.
-const MOST_FREE: usize = 3;
+/// As many silhouettes, and as many sets of tables, are kept for the next masks of a view.
+const MAX_RECYCLED: usize = 3;
 
 /// A view's camera and latest silhouette.
 #[derive(Debug)]
@@ -18,10 +18,10 @@ pub(super) struct Slot {
     pub(super) enabled: bool,
     /// Whether the camera sees some of the work volume given beside.
     sees: Option<(Aabb, bool)>,
-    /// Silhouettes that nobody holds any more, without what was derived of them: memory for the next ones.
-    free: Vec<Arc<Silhouette>>,
-    /// What was derived of silhouettes that nobody asks: memory as well, and most of it.
-    spare: Vec<Derived>,
+    /// Silhouettes without another owner and without tables: memory for the bits of the next masks.
+    recycled_silhouettes: Vec<Arc<Silhouette>>,
+    /// Tables of past silhouettes: memory for those of the next masks, nine tenths of all.
+    recycled_tables: Vec<Tables>,
     /// Memory for a mask on its way through the lens.
     flat: Option<GrayImage>,
 }
@@ -65,8 +65,8 @@ impl Slot {
             silhouette: None,
             enabled: true,
             sees: None,
-            free: Vec::new(),
-            spare: Vec::new(),
+            recycled_silhouettes: Vec::new(),
+            recycled_tables: Vec::new(),
             flat: None,
         })
     }
@@ -79,37 +79,41 @@ impl Slot {
         &self.lens.camera
     }
 
-    /// What the next mask's preparation needs, in memory that is free.
-    pub(super) fn begin(&mut self) -> Preparation {
+    /// What the next mask's preparation needs, in recycled memory where there is any.
+    pub(super) fn take_buffers(&mut self) -> Preparation {
         let blank = || Arc::new(Silhouette::blank(Border::Background));
-        let mut silhouette = self.free.pop().unwrap_or_else(blank);
-        if let (Some(silhouette), Some(memory)) = (Arc::get_mut(&mut silhouette), self.spare.pop()) {
-            silhouette.borrow(memory);
+        let mut silhouette = self.recycled_silhouettes.pop().unwrap_or_else(blank);
+        if let Some(unshared) = Arc::get_mut(&mut silhouette)
+            && let Some(tables) = self.recycled_tables.pop()
+        {
+            unshared.recycle_tables(tables);
         }
         Preparation { lens: self.lens.clone(), silhouette, flat: self.flat.take() }
     }
 
     /// Takes a prepared silhouette into force, from the next frame on.
-    pub(super) fn finish(&mut self, preparation: Preparation) {
+    pub(super) fn commit(&mut self, preparation: Preparation) {
         self.flat = self.flat.take().or(preparation.flat);
         if let Some(last) = self.silhouette.replace(preparation.silhouette) {
-            self.reclaim(last);
+            self.recycle(last);
         }
     }
 
-    /// Takes back a silhouette that is no longer needed here; elsewhere somebody may still hold it.
-    pub(super) fn reclaim(&mut self, mut silhouette: Arc<Silhouette>) {
-        self.thin(&mut silhouette);
-        if Arc::get_mut(&mut silhouette).is_some() && self.free.len() < MOST_FREE {
-            self.free.push(silhouette);
+    /// Keeps the memory of a silhouette that is no longer needed here, unless it has another owner.
+    pub(super) fn recycle(&mut self, mut silhouette: Arc<Silhouette>) {
+        let Some(unshared) = Arc::get_mut(&mut silhouette) else { return };
+        let tables = unshared.take_tables();
+        self.recycle_tables(|| tables);
+        if self.recycled_silhouettes.len() < MAX_RECYCLED {
+            self.recycled_silhouettes.push(silhouette);
         }
     }
 
-    /// Takes from a silhouette that nobody else holds what is derived of it.
-    pub(super) fn thin(&mut self, silhouette: &mut Arc<Silhouette>) {
-        let derived = Arc::get_mut(silhouette).and_then(Silhouette::lend);
-        let room = MOST_FREE - self.spare.len().min(MOST_FREE);
-        self.spare.extend(derived.into_iter().take(room));
+    /// Keeps the memory of the tables that `take` takes out of a past silhouette, if more of it is needed.
+    pub(super) fn recycle_tables(&mut self, take: impl FnOnce() -> Option<Tables>) {
+        if self.recycled_tables.len() < MAX_RECYCLED {
+            self.recycled_tables.extend(take());
+        }
     }
 
     /// Prepares the latest silhouette anew for another border: what the view does not see is then something else.

@@ -2,7 +2,7 @@
 
 use super::{Aabb, EdgeModel, frustum};
 use crate::camera::{Camera, MIN_DEPTH, Pixel};
-use crate::silhouette::{Border, Edge, HALF_COVERAGE, Rect, Silhouette};
+use crate::silhouette::{Border, Edge, HALF_COVERAGE, Rect, Silhouette, Tables};
 use nalgebra::{Matrix3, Matrix3x4, Point2, Point3, Vector2, Vector3};
 use std::sync::Arc;
 
@@ -112,8 +112,9 @@ impl View {
         &self.silhouette
     }
 
-    pub(super) fn silhouette_mut(&mut self) -> &mut Arc<Silhouette> {
-        &mut self.silhouette
+    /// The memory of the silhouette's tables, if it has no other owner.
+    pub(super) fn take_tables(&mut self) -> Option<Tables> {
+        Arc::get_mut(&mut self.silhouette)?.take_tables()
     }
 
     pub(super) fn into_silhouette(self) -> Arc<Silhouette> {

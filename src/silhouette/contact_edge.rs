@@ -44,10 +44,11 @@ type Sums = [[f64; ABREAST]; 3];
 
 /// Finds the edges at some background pixels of a silhouette, which remembers them.
 pub(crate) fn compute_edges(silhouette: &Silhouette, pixels: &[EdgePixel]) {
+    let edges = &silhouette.derived_tables().edges;
     for pixels in pixels.chunks(ABREAST) {
         let sums = sums_around(silhouette, pixels.iter().map(|pixel| pixel.at));
         for (slot, pixel) in pixels.iter().enumerate() {
-            silhouette.derived.edges.get(pixel, || edge(silhouette, pixel.at, &sums, slot));
+            edges.get(pixel, || edge(silhouette, pixel.at, &sums, slot));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Normals at the edge of a silhouette: the paper's, and the one that contacts use.
 
 use super::neighbours::Neighbours;
-use super::region::{WORD, Word};
+use super::region::{Region, WORD, Word};
 use super::{Silhouette, contact_edge};
 use crate::vectorised::vectorised;
 use nalgebra::{Point2, Vector2};
@@ -99,14 +99,14 @@ impl EdgeTable {
 
     /// Rank of an edge pixel among all.
     #[inline(always)]
-    fn rank(&self, silhouette: &Silhouette, (i, j): (i32, i32)) -> Option<u32> {
-        let (rect, words) = (silhouette.region.rect(), silhouette.region.words());
+    fn rank(&self, neighbours: &Neighbours, region: &Region, (i, j): (i32, i32)) -> Option<u32> {
+        let (rect, words) = (region.rect(), region.words());
         if !rect.contains(i, j) {
             return None;
         }
         let (x, y) = ((i - rect.x0) as usize, (j - rect.y0) as usize);
         let (place, bit) = (y * words + x / WORD, x % WORD);
-        let edges = silhouette.derived.neighbours.edges();
+        let edges = neighbours.edges();
         let word = edges[place];
         if word >> bit & 1 == 0 {
             return None;
@@ -144,19 +144,20 @@ impl Silhouette {
     /// A background pixel whose edge is to be asked for more than once.
     #[inline(always)]
     pub(crate) fn edge_pixel(&self, at: (i32, i32)) -> EdgePixel {
-        EdgePixel { at, rank: self.derived.edges.rank(self, at) }
+        let tables = self.derived_tables();
+        EdgePixel { at, rank: tables.edges.rank(&tables.neighbours, &self.region, at) }
     }
 
     /// [`Self::edge`] at a pixel.
     #[inline(always)]
     pub(crate) fn edge_at(&self, pixel: &EdgePixel) -> Option<Edge> {
-        self.derived.edges.get(pixel, || contact_edge::at(self, pixel.at))
+        self.derived_tables().edges.get(pixel, || contact_edge::at(self, pixel.at))
     }
 
     /// Whether the caller is the first to ask for the edge at a pixel, and should see to it that it becomes known.
     #[inline(always)]
     pub(crate) fn claim_edge(&self, pixel: &EdgePixel) -> bool {
-        pixel.rank.is_some_and(|rank| self.derived.edges.claim(rank))
+        pixel.rank.is_some_and(|rank| self.derived_tables().edges.claim(rank))
     }
 
     /// The paper's normal (section 4.2) at background pixel `(i, j)`: the mean vector from there to the background

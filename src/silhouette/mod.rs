@@ -5,7 +5,6 @@
 //! inside the pixel. What lies beyond the image is decided by the [`Border`].
 
 mod contact_edge;
-mod derived;
 mod distance;
 mod edge;
 mod mask;
@@ -14,25 +13,26 @@ mod neighbours;
 mod rect;
 mod region;
 mod scan;
+mod tables;
 mod tiles;
 mod turned;
 mod undistort;
 
 pub(crate) use contact_edge::compute_edges;
-pub(crate) use derived::Derived;
 pub(crate) use distance::NO_EDGE;
 pub use edge::Edge;
 pub(crate) use edge::{EdgePixel, SHORTEST_MEAN};
 pub use mask::load_mask;
 pub use rect::Rect;
+pub(crate) use tables::{TableSlices, Tables};
 pub use undistort::Undistortion;
 
 use image::GrayImage;
 use region::Region;
 pub(crate) use region::{LOW, Word};
 use scan::Columns;
-pub(crate) use tiles::{Lookup, Tiles};
-use turned::Turned;
+use std::sync::OnceLock;
+pub(crate) use tiles::Lookup;
 
 /// A pixel is subject from this byte upwards: covered by half or more.
 pub const SUBJECT: u8 = 128;
@@ -49,36 +49,13 @@ pub enum Border {
     Open,
 }
 
-/// What is prepared of a silhouette: tables over its rectangle and some pixels around, row-major.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Tables<'a> {
-    /// Column and row of the first pixel.
-    pub(crate) corner: (i32, i32),
-    pub(crate) width: usize,
-    pub(crate) height: usize,
-    /// Words in a row of bits.
-    pub(crate) words: usize,
-    /// Subject pixels, 32 a word, the first in the lowest bit.
-    pub(crate) subject: &'a [Word],
-    /// Subject pixels and those around each.
-    pub(crate) near: &'a [Word],
-    turned: &'a Turned,
-    /// Chebyshev distances, four a word as they lie in memory; 255 for all that are larger than 254.
-    pub(crate) distance_words: &'a [u32],
-    pub(crate) tiles: &'a Tiles,
-}
-
-impl<'a> Tables<'a> {
-    /// Subject pixels by columns, column-major, and how many words a column has.
-    pub(crate) fn columns(&self) -> (&'a [Word], usize) {
-        self.turned.columns(self.subject, self.words)
-    }
-}
-
 /// One view's mask, prepared. Immutable while it is shared, so that any number of threads may ask it.
 ///
 /// What is kept of the mask are the subject's rectangle and eight pixels around it. Bytes farther out, which can only
 /// be coverage below one half, count as background.
+///
+/// Its tables are derived from these bits with the mask. Their memory may be taken for another mask once the silhouette
+/// is past; the first query that needs them afterwards derives them again, with the same answers.
 #[derive(Debug)]
 pub struct Silhouette {
     border: Border,
@@ -86,9 +63,10 @@ pub struct Silhouette {
     rect: Rect,
     has_coverage: bool,
     region: Region,
-    derived: Derived,
-    /// Whether what is derived is at hand, and not lent to another silhouette.
-    is_whole: bool,
+    /// What follows from `region`. Not there after [`Self::take_tables`], until a query derives it again.
+    tables: OnceLock<Tables>,
+    /// Memory for the tables of the next mask. It holds those of another mask, which are never looked up.
+    recycled_tables: Option<Tables>,
     columns: Columns,
 }
 
@@ -108,42 +86,49 @@ impl Silhouette {
             rect: Rect::EMPTY,
             has_coverage: false,
             region: Region::default(),
-            derived: Derived::default(),
-            is_whole: true,
+            tables: OnceLock::new(),
+            recycled_tables: None,
             columns: Columns::default(),
         }
     }
 
     /// Prepares another mask in the memory of the last one.
     pub fn refill(&mut self, mask: &GrayImage, border: Border) {
+        // Taken first, so that tables and bits never are those of different masks.
+        let tables = self.tables.take().or_else(|| self.recycled_tables.take());
+
         let scan = self.columns.scan(mask);
         self.image = Rect::of_image(mask.width(), mask.height());
         (self.border, self.rect, self.has_coverage) = (border, scan.rect, scan.has_coverage);
         self.region.fill(mask, &scan, border);
-        self.derived.fill(&self.region);
-        self.is_whole = true;
+
+        // Derived here, on the thread that brings the mask, so that no query of the newest frame waits.
+        let mut tables = tables.unwrap_or_default();
+        tables.fill(&self.region);
+        self.tables = OnceLock::from(tables);
     }
 
-    /// Gives away the memory of what is derived. Nothing but [`Self::restore`] and [`Self::refill`] may be asked then.
-    pub(crate) fn lend(&mut self) -> Option<Derived> {
-        std::mem::take(&mut self.is_whole).then(|| std::mem::take(&mut self.derived))
+    /// Takes the tables out, as memory for those of another mask. The next query derives them again.
+    pub(crate) fn take_tables(&mut self) -> Option<Tables> {
+        self.tables.take()
     }
 
-    /// Memory for what is derived of the next mask.
-    pub(crate) fn borrow(&mut self, memory: Derived) {
-        self.derived = memory;
+    /// Keeps `tables` as memory for those of the next mask, which [`Self::refill`] prepares.
+    pub(crate) fn recycle_tables(&mut self, tables: Tables) {
+        self.recycled_tables = Some(tables);
     }
 
-    /// Derives again what was lent.
-    pub(crate) fn restore(&mut self) {
-        if !std::mem::replace(&mut self.is_whole, true) {
-            self.derived.fill(&self.region);
-        }
+    /// The tables, derived here where they have been taken out. A loop over many points fetches them once.
+    #[inline(always)]
+    fn derived_tables(&self) -> &Tables {
+        self.tables.get_or_init(|| Tables::new(&self.region))
     }
 
     /// Bytes of memory for what is prepared, beside the mask's own bytes.
     pub fn working_memory(&self) -> usize {
-        self.region.working_memory() + self.derived.working_memory() + self.columns.working_memory()
+        let tables = self.tables.get().into_iter().chain(&self.recycled_tables);
+        let tables: usize = tables.map(Tables::working_memory).sum();
+        self.region.working_memory() + tables + self.columns.working_memory()
     }
 
     /// The mask, as far as it is kept.
@@ -206,7 +191,7 @@ impl Silhouette {
     /// [`u16::MAX`] where there is none.
     pub fn distance(&self, i: i32, j: i32) -> u16 {
         if self.rect.contains(i, j) {
-            self.derived.distances.at(self.region.rect().index(i, j))
+            self.derived_tables().distances.at(self.region.rect().index(i, j))
         } else if self.border == Border::Open && !self.image.contains(i, j) {
             NO_EDGE
         } else {
@@ -217,23 +202,12 @@ impl Silhouette {
     /// The distance at a place of the table.
     #[inline]
     pub(crate) fn distance_at(&self, place: usize) -> u16 {
-        self.derived.distances.at(place)
+        self.derived_tables().distances.at(place)
     }
 
-    /// The tables themselves, for queries of many points.
-    pub(crate) fn tables(&self) -> Tables<'_> {
-        let rect = self.region.rect();
-        Tables {
-            corner: (rect.x0, rect.y0),
-            width: rect.width(),
-            height: rect.height(),
-            words: self.region.words(),
-            subject: self.region.subject(),
-            near: self.derived.neighbours.near(),
-            turned: &self.derived.turned,
-            distance_words: self.derived.distances.narrow_words(),
-            tiles: &self.derived.tiles,
-        }
+    /// The tables as slices, for queries of many points.
+    pub(crate) fn tables(&self) -> TableSlices<'_> {
+        self.derived_tables().slices(&self.region)
     }
 
     /// Coverage at image position `(u, v)`, 0 to 255, bilinear between pixel centres.
@@ -266,7 +240,13 @@ impl Silhouette {
             (0..region::WORD as i32).filter(move |bit| word >> bit & 1 == 1).map(move |bit| (x + bit, y))
         };
         // The table holds pixels beside an open border too, which is no edge.
-        self.derived.neighbours.edges().iter().enumerate().flat_map(word).filter(move |&pixel| beside(pixel))
+        self.derived_tables()
+            .neighbours
+            .edges()
+            .iter()
+            .enumerate()
+            .flat_map(word)
+            .filter(move |&pixel| beside(pixel))
     }
 }
 

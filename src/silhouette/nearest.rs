@@ -106,7 +106,7 @@ impl Silhouette {
             }
             return None;
         }
-        let (table, start) = (self.derived.distances.narrow(), region.index(from.0, from.1) as i32);
+        let (table, start) = (self.derived_tables().distances.narrow(), region.index(from.0, from.1) as i32);
         let step = sign * (along.0 + along.1 * region.width() as i32);
         while offset <= reach {
             match table[(start + step * offset) as usize] {
@@ -123,7 +123,7 @@ impl Silhouette {
     fn clear(&self, i: i32, j: i32) -> i32 {
         let region = self.region.rect();
         if region.contains(i, j) {
-            i32::from(self.derived.distances.at(region.index(i, j)))
+            i32::from(self.derived_tables().distances.at(region.index(i, j)))
         } else {
             i32::from(self.is_subject(i, j))
         }

@@ -135,6 +135,31 @@ fn a_silhouette_made_in_the_memory_of_another_is_the_same() {
 }
 
 #[test]
+fn tables_that_were_taken_out_are_derived_again_by_the_next_query() {
+    let mask = covered(70, 50, blob);
+    let fresh = Silhouette::new(&mask, Border::Background);
+    let mut s = Silhouette::new(&mask, Border::Background);
+    let full = s.working_memory();
+
+    // Any of the queries may be the first one.
+    let pixels: Vec<_> = (0..50).flat_map(|j| (0..70).map(move |i| (i, j))).collect();
+    assert!(s.take_tables().is_some() && s.take_tables().is_none());
+    assert!(2 * s.working_memory() < full);
+    assert!(pixels.iter().all(|&(i, j)| s.distance(i, j) == fresh.distance(i, j)));
+    s.take_tables();
+    assert!(s.edge_pixels().eq(fresh.edge_pixels()));
+    s.take_tables();
+    assert!(fresh.edge_pixels().all(|(i, j)| s.edge(i, j) == fresh.edge(i, j)));
+    s.take_tables();
+    assert_eq!(s.tables().distance, fresh.tables().distance);
+
+    // A silhouette of no image has no tables to take, and answers too.
+    let mut blank = Silhouette::blank(Border::Background);
+    assert!(blank.take_tables().is_none());
+    assert_eq!((blank.distance(3, 4), blank.edge(3, 4)), (0, None));
+}
+
+#[test]
 fn an_edge_is_the_same_when_asked_again() {
     let s = Silhouette::new(&covered(70, 50, blob), Border::Background);
     let once: Vec<_> = s.edge_pixels().map(|(i, j)| s.edge(i, j)).collect();

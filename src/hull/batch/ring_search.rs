@@ -9,7 +9,7 @@
 
 use super::super::lookup::{Bits, Distances};
 use super::super::points::LANES;
-use crate::silhouette::Tables;
+use crate::silhouette::TableSlices;
 
 /// Whole numbers of as many points as are asked together.
 type Whole = [i32; LANES];
@@ -64,7 +64,7 @@ struct Search<'a> {
 /// The background pixel nearest to each middle (Euclidean, then row-major) within its window of half-width `half`,
 /// where `first` is the Chebyshev distance of the nearest ones.
 #[inline(always)]
-pub(super) fn nearest(tables: &Tables, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
+pub(super) fn nearest(tables: &TableSlices, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
     let rows = Bits::new(tables.subject, tables.words);
     if first.iter().all(|&first| first <= NEAR) {
         return nearest_in_sight(rows, middle, half);

@@ -14,7 +14,7 @@ use super::super::lookup::{Bits, Distances};
 use super::super::points::{Block, LANES, Points};
 use super::super::{Hull, View};
 use super::filter::MaskDilation;
-use crate::silhouette::{Lookup, Tables};
+use crate::silhouette::{Lookup, TableSlices};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Point3, Translation3, Vector3};
 
@@ -35,7 +35,7 @@ pub(super) struct BodyView<'a> {
     /// By how many pixels columns and rows of the region change at most, per metre at a depth of one metre: the
     /// length of `row - u depth row`, which is largest at one end of the region.
     slope: [f32; 2],
-    pub(super) tables: Tables<'a>,
+    pub(super) tables: TableSlices<'a>,
     /// `None` where what the view does not see is outside, as its mask's background says.
     pub(super) sight: Option<Sight<'a>>,
 }

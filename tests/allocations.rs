@@ -54,9 +54,9 @@ fn frames_and_batches_allocate_nothing_in_the_steady_state() {
     let mut colliding = 0;
     let mut run = |frame: usize| {
         let hull = studio.show(frame);
-        for k in 0..6 {
+        for (k, placed) in placed.iter().enumerate() {
             colliding += hull.inside_many(&points, &pose(k), &mut workspace).unwrap().count();
-            colliding += hull.respond_many(&placed[k], &mut workspace).len();
+            colliding += hull.respond_many(placed, &mut workspace).len();
         }
         contact::collide_many(&hull, &bodies, &Settings::default(), &mut contacts);
         contact::body_responses(&hull, &bodies, &mut responses);

@@ -3,7 +3,7 @@
 use crate::scene::{Bodies, Scene};
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3};
-use ode_visual_hull::contact::{self, BodyResponse, BodyContacts, Settings};
+use ode_visual_hull::contact::{self, BodyContacts, BodyResponse, Settings};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Inside, Points, Unseen, Workspace};
 use ode_visual_hull::sample::Samples;
 use std::cell::Cell;

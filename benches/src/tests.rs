@@ -117,10 +117,10 @@ fn the_literal_program_and_the_library_find_the_same_bodies_in_contact_also_behi
         frame.contacts(&Boxes::new(&bodies), &mut contacts);
         LiteralBodies::new(&bodies).vectors(&LiteralHull::new(&given.rivals, frame.aabb()), &mut vectors);
 
-        let touching = contacts.iter().filter(|contacts| !contacts.contacts.is_empty()).count();
+        let touching = contacts.iter().filter(|contacts| !contacts.points.is_empty()).count();
         assert!((120..=180).contains(&touching), "{optics:?}: {touching} of 600 bodies touch");
         let pairs = contacts.iter().zip(&vectors);
-        let differ = pairs.filter(|(ours, literal)| ours.contacts.is_empty() != (literal.colliding == 0));
+        let differ = pairs.filter(|(ours, literal)| ours.points.is_empty() != (literal.colliding == 0));
         let deepest = |ours: &BodyContacts| ours.points.iter().map(|point| point.depth).fold(0.0, f64::max);
         let depths: Vec<_> = differ
             .map(|(ours, literal)| deepest(ours).max(apart(&literal.vector, &Vector3::zeros())))
@@ -138,7 +138,7 @@ fn lenses_abstaining_views_and_coverage_find_nearly_the_same_bodies_in_contact()
     let touching = |rig: Rig, scene: &Scene| -> Vec<bool> {
         let mut contacts = Vec::new();
         rig.publish(&scene.masks).contacts(&boxes, &mut contacts);
-        contacts.iter().map(|contacts| !contacts.contacts.is_empty()).collect()
+        contacts.iter().map(|contacts| !contacts.points.is_empty()).collect()
     };
     let differ = |a: &[bool], b: &[bool]| a.iter().zip(b).filter(|(a, b)| a != b).count();
 
@@ -169,7 +169,7 @@ fn each_peer_finds_contacts_for_the_bodies_that_we_find_in_contact() {
     let bodies = Bodies::scattered(600, SAMPLES_400);
     let mut contacts = Vec::new();
     frame.contacts(&Boxes::new(&bodies), &mut contacts);
-    let ours: Vec<_> = contacts.iter().map(|contacts| contacts.contacts.len()).collect();
+    let ours: Vec<_> = contacts.iter().map(|contacts| contacts.points.len()).collect();
     let mut vectors = Vec::new();
     frame.body_vectors(&Boxes::new(&bodies), &mut vectors);
     for cell in [0.01, 0.02] {

@@ -150,7 +150,7 @@ impl ContactPipeline {
     pub(super) fn group_by_mean_response(&mut self, hull: &Hull) {
         let Self { penetrating, exits, scratch, .. } = self;
         exits.find_depths(hull, penetrating, EdgeModel::Pixel, |_| true, scratch);
-        self.group_along(|penetrating, _| mean_direction(penetrating));
+        self.group_along(|penetrating, _| mean_direction(penetrating), |_| true);
     }
 
     /// Tells `take` the paper's response of each body that touches, by its place: V with the length of the longest exit
@@ -165,25 +165,32 @@ impl ContactPipeline {
         }
     }
 
-    /// Puts the samples of each body together, to leave along the paper's vector.
+    /// Puts the samples of each body together, to leave along the paper's vector. As in every mode contacts begin at the
+    /// coverage edge.
     pub(super) fn group_by_paper(&mut self, hull: &Hull) {
         self.group_by_mean_response(hull);
         self.manifolds.find_deepest(hull, 0, &mut self.scratch);
         // Their directions, as the vectors' lengths round them.
         let manifolds = self.manifolds.of(0..self.bodies.len()).iter();
         let vectors: Vec<_> = manifolds.map(|manifold| self.manifolds.vector(manifold)).collect();
-        self.group_along(|penetrating, body| {
+        let direction = |penetrating: &[PenetratingSample], body: usize| {
             vectors[body].try_normalize(0.0).unwrap_or_else(|| mean_direction(penetrating))
-        });
+        };
+        self.group_along(direction, |sample| hull.inside_by(&sample.point, EdgeModel::Coverage));
     }
 
-    /// Puts the samples of each body together, to leave along a direction each.
-    fn group_along(&mut self, direction: impl Fn(&[PenetratingSample], usize) -> Vector3<f64>) {
+    /// Puts those samples of each body together that are `wanted`, to leave along a direction for each body.
+    fn group_along(
+        &mut self,
+        direction: impl Fn(&[PenetratingSample], usize) -> Vector3<f64>,
+        wanted: impl Fn(&PenetratingSample) -> bool,
+    ) {
         self.manifolds.clear(EdgeModel::Pixel, f64::INFINITY);
         for (body, touching) in self.bodies.iter_mut().enumerate() {
             let penetrating = &self.penetrating[touching.penetrating.clone()];
-            self.manifolds.add_samples(penetrating.iter(), &direction(penetrating, body), None);
-            touching.manifolds = body..body + 1;
+            let (direction, start) = (direction(penetrating, body), self.manifolds.len());
+            self.manifolds.add_samples(penetrating.iter().filter(|sample| wanted(sample)), &direction, None);
+            touching.manifolds = start..self.manifolds.len();
         }
     }
 

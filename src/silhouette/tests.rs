@@ -151,7 +151,7 @@ fn tables_that_were_taken_out_are_derived_again_by_the_next_query() {
     s.take_tables();
     assert!(fresh.edge_pixels().all(|(i, j)| s.edge(i, j) == fresh.edge(i, j)));
     s.take_tables();
-    assert_eq!(s.tables().distance, fresh.tables().distance);
+    assert_eq!(s.tables().distance_words, fresh.tables().distance_words);
 
     // A silhouette of no image has no tables to take, and answers too.
     let mut blank = Silhouette::blank(Border::Background);

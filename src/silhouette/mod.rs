@@ -24,12 +24,14 @@ pub use edge::Edge;
 pub(crate) use edge::EdgePixel;
 pub use mask::load_mask;
 pub use rect::Rect;
+pub(crate) use undistort::TileMask;
 pub use undistort::Undistortion;
 
+use crate::Result;
 use image::GrayImage;
 use region::Region;
 pub(crate) use region::{LOW, Word};
-use scan::Columns;
+use scan::{Columns, Scan};
 pub(crate) use tiles::{Lookup, Tiles};
 use turned::Turned;
 
@@ -118,6 +120,41 @@ impl Silhouette {
     /// Prepares another mask in the memory of the last one.
     pub fn refill(&mut self, mask: &GrayImage, border: Border) {
         let scan = self.columns.scan(mask);
+        self.take_scanned(mask, scan, border);
+    }
+
+    /// Prepares another mask in the memory of the last one, unless every pixel of it is subject: whether it did so.
+    pub(crate) fn refill_unless_full(&mut self, mask: &GrayImage, border: Border) -> bool {
+        let scan = self.columns.scan(mask);
+        if !scan.is_full {
+            self.take_scanned(mask, scan, border);
+        }
+        !scan.is_full
+    }
+
+    /// Prepares what the pinhole of `lens` sees of a mask, unless every pixel of that is subject: whether it did so.
+    ///
+    /// # Errors
+    /// A mask of another size than the original camera's image.
+    pub(crate) fn refill_undistorted(
+        &mut self,
+        mask: &GrayImage,
+        lens: &Undistortion,
+        border: Border,
+        tiles: &mut TileMask,
+    ) -> Result<bool> {
+        if lens.draw(mask, region::value_beyond(border), tiles)? {
+            return Ok(false);
+        }
+        (self.image, self.rect) = (tiles.image(), tiles.find_rect());
+        (self.border, self.has_coverage) = (border, tiles.has_coverage());
+        self.region.fill_from_tiles(tiles, &self.rect, border);
+        self.derived.fill(&self.region);
+        self.is_whole = true;
+        Ok(true)
+    }
+
+    fn take_scanned(&mut self, mask: &GrayImage, scan: Scan, border: Border) {
         self.image = Rect::of_image(mask.width(), mask.height());
         (self.border, self.rect, self.has_coverage) = (border, scan.rect, scan.has_coverage);
         self.region.fill(mask, &scan, border);

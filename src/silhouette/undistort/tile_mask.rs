@@ -1,0 +1,191 @@
+//! A pinhole's mask by tiles of 8 x 8 pixels: uniform ones share two tiles of bytes, the others have their own.
+
+// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+#![allow(clippy::needless_range_loop)]
+
+use super::Undistortion;
+use super::source_blocks::{BACKGROUND, FOREGROUND, MIXED, SourceBlocks};
+use super::tile_map::{PIXELS, SIDE, pixels_of};
+use crate::silhouette::Rect;
+use crate::silhouette::region::top_bits;
+use crate::vectorised::vectorised;
+use image::GrayImage;
+
+/// The bytes of a tile, row-major.
+pub(in crate::silhouette) type Tile = [u8; PIXELS];
+
+/// A bit for each pixel of a tile, row-major, the first in the lowest bit.
+type TileBits = u64;
+
+/// The bits of a tile's leftmost column.
+const LEFTMOST: TileBits = 0x0101_0101_0101_0101;
+
+/// The two uniform tiles stand first.
+const UNIFORM: [Tile; 2] = [[0; PIXELS], [255; PIXELS]];
+
+/// A pinhole's mask, drawn from the original camera's; memory for the next one.
+#[derive(Debug, Default)]
+pub(crate) struct TileMask {
+    blocks: SourceBlocks,
+    width: usize,
+    height: usize,
+    /// Tiles side by side.
+    pub(super) across: usize,
+    /// The class of each tile.
+    classes: Vec<u8>,
+    /// The subject pixels of each tile, also beyond the image.
+    pub(super) subject: Vec<TileBits>,
+    /// For each tile the place of its bytes.
+    pub(super) places: Vec<u32>,
+    /// The bytes of the two uniform tiles and of those that are none.
+    pub(super) bytes: Vec<Tile>,
+    /// For each column of tiles the subject pixels of all its tiles together.
+    columns: Vec<TileBits>,
+    has_coverage: bool,
+}
+
+impl TileMask {
+    /// Draws what the pinhole of `lens` sees of `mask`, a mask of the original camera; returns whether every pixel of
+    /// that is subject, and then draws nothing.
+    pub(super) fn draw(&mut self, lens: &Undistortion, mask: &GrayImage, unseen_value: u8) -> bool {
+        let (map, unseen) = (&lens.tiles, if unseen_value == 0 { BACKGROUND } else { FOREGROUND });
+        if self.blocks.classify(mask, &map.blocks, map.last_level, unseen) {
+            return true;
+        }
+        let size = lens.pinhole.size();
+        (self.width, self.height, self.across) = (size.0 as usize, size.1 as usize, map.across);
+
+        // A tile that is seen in part is uniform where what is seen of it is as what is not.
+        let blocks = &self.blocks;
+        self.classes.clear();
+        self.classes.extend(map.windows.iter().map(|&window| blocks.class(window)));
+        map.partly_seen.iter().for_each(|&tile| self.classes[tile as usize] |= unseen);
+
+        let count = self.classes.len();
+        self.subject.resize(count, 0);
+        self.places.resize(count, 0);
+        fill_uniform(&self.classes, &mut self.subject, &mut self.places);
+
+        self.bytes.clear();
+        self.bytes.extend(UNIFORM);
+        self.has_coverage = interpolate_mixed(lens, mask, unseen_value, self);
+        false
+    }
+
+    /// The image's pixels.
+    pub(in crate::silhouette) fn image(&self) -> Rect {
+        Rect::of_image(self.width as u32, self.height as u32)
+    }
+
+    /// Whether any byte of the image is neither 0 nor 255.
+    pub(in crate::silhouette) fn has_coverage(&self) -> bool {
+        self.has_coverage
+    }
+
+    /// The smallest rectangle around the subject.
+    pub(in crate::silhouette) fn find_rect(&mut self) -> Rect {
+        self.columns.clear();
+        self.columns.resize(self.across, 0);
+        let (first_row, last_row) =
+            take_extremes(&self.subject, (self.width, self.height), &mut self.columns);
+
+        // The columns of pixels are the lowest byte's bits once all rows of a tile are one.
+        let column = |bits: &TileBits| (0..SIDE).fold(0, |any, row| any | (bits >> (SIDE * row)) as u8);
+        let left = self.columns.iter().position(|&bits| bits != 0);
+        let right = self.columns.iter().rposition(|&bits| bits != 0);
+        let (Some(left), Some(right)) = (left, right) else {
+            return Rect::EMPTY;
+        };
+        let first = column(&self.columns[left]).trailing_zeros();
+        let last = u8::BITS - column(&self.columns[right]).leading_zeros();
+        Rect {
+            x0: (SIDE * left) as i32 + first as i32,
+            y0: first_row as i32,
+            x1: (SIDE * right) as i32 + last as i32,
+            y1: last_row as i32 + 1,
+        }
+    }
+}
+
+vectorised! {
+    /// The bits and places of uniform tiles; of the others they are nothing yet.
+    fn fill_uniform(classes: &[u8], subject: &mut [TileBits], places: &mut [u32]) {
+        for ((&class, subject), place) in classes.iter().zip(subject).zip(places) {
+            let is_full = class == FOREGROUND;
+            *subject = TileBits::from(is_full).wrapping_neg();
+            *place = u32::from(is_full);
+        }
+    }
+}
+
+vectorised! {
+    /// Interpolates the tiles that are not uniform; whether any has coverage.
+    fn interpolate_mixed(lens: &Undistortion, mask: &[u8], unseen_value: u8, drawn: &mut TileMask) -> bool {
+        let width = lens.original_size.0 as usize;
+        let mut coverage = 0;
+        for (k, patch) in lens.tiles.patches.iter().enumerate() {
+            if drawn.classes[k] != MIXED {
+                continue;
+            }
+            let bytes = match patch.interpolate(mask, width, unseen_value) {
+                Some(bytes) => bytes,
+                None => interpolate_each(lens, mask, unseen_value, k),
+            };
+
+            // One more makes 255 and 0 the only bytes without a bit above the lowest.
+            coverage |= bytes.iter().fold(0, |coverage, byte| coverage | byte.wrapping_add(1) >> 1);
+            drawn.subject[k] = subject_of(&bytes);
+            drawn.places[k] = drawn.bytes.len() as u32;
+            drawn.bytes.push(bytes);
+        }
+        coverage != 0
+    }
+}
+
+/// The bytes of a tile whose pixels are spread too far over the original for a patch.
+#[inline(never)]
+fn interpolate_each(lens: &Undistortion, mask: &[u8], unseen_value: u8, tile: usize) -> Tile {
+    let (width, height) = lens.pinhole.size();
+    pixels_of(tile, lens.tiles.across).map(|(x, y)| match x < width as usize && y < height as usize {
+        true => lens.taps[y * width as usize + x].value(mask, lens.original_size, unseen_value),
+        false => unseen_value,
+    })
+}
+
+/// The subject pixels of a tile.
+#[inline(always)]
+fn subject_of(bytes: &Tile) -> TileBits {
+    let (rows, mut packed) = (bytes.as_chunks().0, [0; SIDE]);
+    for k in 0..SIDE {
+        packed[k] = top_bits(&rows[k]);
+    }
+    TileBits::from_le_bytes(packed)
+}
+
+vectorised! {
+    /// Unites the tiles of each column in `columns`, as far as they lie in the image of this `size`; the first and the
+    /// last row of pixels with subject, zero where none has any.
+    fn take_extremes(subject: &[TileBits], size: (usize, usize), columns: &mut [TileBits]) -> (usize, usize) {
+        let last_column = columns.len() - 1;
+        let in_last_column = LEFTMOST * (0xff >> (SIDE * columns.len() - size.0));
+        let (mut first_row, mut last_row) = (None, 0);
+        for (row, tiles) in subject.chunks_exact(columns.len()).enumerate() {
+            let beyond = (SIDE * (row + 1)).saturating_sub(size.1);
+            let in_image = TileBits::MAX >> (SIDE * beyond);
+            let mut any = 0;
+            for (column, &tile) in columns[..last_column].iter_mut().zip(tiles) {
+                *column |= tile & in_image;
+                any |= tile;
+            }
+            let last = tiles[last_column] & in_last_column;
+            columns[last_column] |= last & in_image;
+
+            any = (any | last) & in_image;
+            if any != 0 {
+                first_row = first_row.or(Some(SIDE * row + any.trailing_zeros() as usize / SIDE));
+                last_row = SIDE * (row + 1) - 1 - any.leading_zeros() as usize / SIDE;
+            }
+        }
+        (first_row.unwrap_or(0), last_row)
+    }
+}

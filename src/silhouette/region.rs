@@ -68,6 +68,7 @@ impl Region {
     /// Takes up what `scan` found in `mask`.
     pub(super) fn fill(&mut self, mask: &GrayImage, scan: &Scan, border: Border) {
         let rect = self.resize(&scan.rect, &Rect::of_image(mask.width(), mask.height()), border);
+        self.bytes.clear();
         if rect.is_empty() {
             return;
         }
@@ -86,13 +87,16 @@ impl Region {
     /// Takes up a mask drawn by tiles, whose subject has this rectangle.
     pub(super) fn fill_from_tiles(&mut self, mask: &TileMask, subject: &Rect, border: Border) {
         let rect = self.resize(subject, &mask.image(), border);
+        if rect.is_empty() || !mask.has_coverage() {
+            self.bytes.clear();
+        }
         if rect.is_empty() {
             return;
         }
         let beyond = value_beyond(border);
         if mask.has_coverage() {
             self.bytes.resize(rect.width() * rect.height(), beyond);
-            mask.write_bytes(&rect, &mut self.bytes);
+            mask.write_bytes(&rect, beyond, &mut self.bytes);
         }
         let pad = self.pad();
         mask.write_subject(&rect, beyond, &mut self.row, &mut self.subject[pad..]);
@@ -104,7 +108,6 @@ impl Region {
         let rect = around(subject);
         self.rect = Some(rect);
         self.subject.resize(self.words() * rect.height() + 2 * self.pad(), 0);
-        self.bytes.clear();
         self.is_open = border == Border::Open && rect.intersection(image) != rect;
         rect
     }

@@ -18,8 +18,19 @@
 //! - Of a million random points around the person, 0.40 % get another verdict than by projecting them through the lens
 //!   into the distorted mask, and each of them appears within 0.6 px of the silhouette's edge. 7 points in a million
 //!   are lost at the image border, where the centre of their pinhole pixel is just outside.
-//! - [`Undistortion::apply`] takes 1.3 to 1.6 ms a view on one core, about 2.2 ns per pinhole pixel or 30 times a copy
-//!   of its result; [`Undistortion::new`], once per camera, 35 to 65 ms. The pinhole's image has twice the pixels.
+//! - [`Undistortion::apply`], which interpolates every pixel, takes 1.3 to 1.6 ms a view on one core, about 2.2 ns per
+//!   pinhole pixel or 30 times a copy of its result. The pinhole's image has twice the pixels.
+//!
+//! Of a mask's pixels only those at outlines need it. What [`HullData::set_mask`](crate::hull::HullData::set_mask) does
+//! gives the same bits and bytes in three steps:
+//!
+//! 1. [`source_blocks`] finds the uniform blocks of the mask, in one pass.
+//! 2. [`tile_mask`] fills tiles of the pinhole's image whose source is uniform, and interpolates the others, 3 % of a
+//!    person's, from the patches that [`tile_map`] holds.
+//! 3. [`tile_rows`] makes the packed rows of a region from the tiles.
+//!
+//! For lenses with k1 = -0.2 a person's mask takes 0.09 ms at 640 x 480 and 0.65 ms at 1920 x 1080 pixels with all its
+//! tables, 2.6 and 2.4 times as long as for a pinhole camera, whose image is smaller by a third.
 
 mod source_blocks;
 mod tile_map;

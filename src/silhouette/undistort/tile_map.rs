@@ -40,15 +40,19 @@ pub(super) struct TileMap {
     pub(super) windows: Vec<u32>,
     /// The tiles of which the lens sees a part only.
     pub(super) partly_seen: Vec<u32>,
-    /// For each tile its patch; none for one whose pixels are spread farther than a patch.
+    /// For each tile the index of its patch's first pixel in the original, or [`NO_PATCH`].
+    pub(super) sources: Vec<u32>,
     pub(super) patches: Vec<Patch>,
 }
 
-/// The patch of the original that a tile takes its pixels from.
+/// The source of a tile that has no patch, because its pixels are spread farther over the original.
+pub(super) const NO_PATCH: u32 = u32::MAX;
+
+/// Where a tile's pixels lie in the patch of the original that they are taken from. Aligned to cache lines, of which it
+/// fills three: in large images those of a frame's outlines come from memory.
 #[derive(Debug, Clone)]
+#[repr(align(64))]
 pub(super) struct Patch {
-    /// The index of its first pixel in the original; none where the tile's pixels are spread farther than a patch.
-    first: Option<u32>,
     /// For each pixel of the tile the place in the patch of the upper left one of the four around it.
     places: [u8; PIXELS],
     /// How far it lies right of that pixel's centre, in units of [`FULL`].
@@ -69,9 +73,15 @@ impl TileMap {
     pub(super) fn new(taps: &[Tap], size: (u32, u32), original: (u32, u32)) -> Self {
         let [size, original] = [size, original].map(|(width, height)| (width as usize, height as usize));
         let (across, down) = (size.0.div_ceil(SIDE), size.1.div_ceil(SIDE));
-        let blocks = BlockGrid::new(original);
-        let (windows, patches) = (Vec::with_capacity(across * down), Vec::with_capacity(across * down));
-        let mut map = Self { across, blocks, last_level: 0, windows, partly_seen: Vec::new(), patches };
+        let mut map = Self {
+            across,
+            blocks: BlockGrid::new(original),
+            last_level: 0,
+            windows: Vec::with_capacity(across * down),
+            partly_seen: Vec::new(),
+            sources: Vec::with_capacity(across * down),
+            patches: Vec::with_capacity(across * down),
+        };
         for tile in 0..across * down {
             let taps = pixels_of(tile, across).map(|(x, y)| match x < size.0 && y < size.1 {
                 true => taps[y * size.0 + x],
@@ -90,18 +100,19 @@ impl TileMap {
         }
         let places =
             seen.map(|tap| (tap.upper_left as usize % original.0, tap.upper_left as usize / original.0));
-        match Extent::around(places, original) {
+        let (window, source, patch) = match Extent::around(places, original) {
             Some(extent) => {
                 let (window, level) = self.blocks.window(extent.low, extent.high);
-                self.windows.push(window);
                 self.last_level = self.last_level.max(level);
-                self.patches.push(Patch::new(taps, &extent, original));
+                let (source, patch) =
+                    Patch::new(taps, &extent, original).unwrap_or((NO_PATCH, Patch::UNSEEN));
+                (window, source, patch)
             }
-            None => {
-                self.windows.push(UNSEEN_WINDOW);
-                self.patches.push(Patch::UNSEEN);
-            }
-        }
+            None => (UNSEEN_WINDOW, NO_PATCH, Patch::UNSEEN),
+        };
+        self.windows.push(window);
+        self.sources.push(source);
+        self.patches.push(patch);
     }
 }
 
@@ -124,19 +135,20 @@ impl Extent {
 
 impl Patch {
     /// The patch of a tile that the lens does not see.
-    const UNSEEN: Self =
-        Self { first: None, places: [UNSEEN_PLACE; PIXELS], right: [0; PIXELS], below: [0; PIXELS] };
+    const UNSEEN: Self = Self { places: [UNSEEN_PLACE; PIXELS], right: [0; PIXELS], below: [0; PIXELS] };
 
-    fn new(taps: &[Tap; PIXELS], extent: &Extent, (width, height): (usize, usize)) -> Self {
+    /// The patch of a tile, and the index of its first pixel; `None` where the tile's pixels are spread too far.
+    fn new(taps: &[Tap; PIXELS], extent: &Extent, (width, height): (usize, usize)) -> Option<(u32, Self)> {
         // The patch lies in the image as a whole.
-        let left = extent.low.0.min(width.saturating_sub(PATCH_WIDTH));
-        let top = extent.low.1.min(height.saturating_sub(PATCH_HEIGHT));
-        let fits = extent.high.0 < left + PATCH_WIDTH && extent.high.1 < top + PATCH_HEIGHT;
-        if !fits || width < PATCH_WIDTH || height < PATCH_HEIGHT {
-            return Self::UNSEEN;
+        let (left, top) = (
+            extent.low.0.min(width.checked_sub(PATCH_WIDTH)?),
+            extent.low.1.min(height.checked_sub(PATCH_HEIGHT)?),
+        );
+        if extent.high.0 >= left + PATCH_WIDTH || extent.high.1 >= top + PATCH_HEIGHT {
+            return None;
         }
 
-        let mut patch = Self { first: Some((top * width + left) as u32), ..Self::UNSEEN };
+        let mut patch = Self::UNSEEN;
         for (k, tap) in taps.iter().enumerate().filter(|(_, tap)| tap.upper_left != UNSEEN) {
             // A whole pixel to the right is the next pixel, so that what is left is less than one, and fits a byte.
             let (x, right) = carried(tap.upper_left as usize % width - left, tap.right);
@@ -144,16 +156,23 @@ impl Patch {
             patch.places[k] = (y * PATCH_WIDTH + x) as u8;
             (patch.right[k], patch.below[k]) = (right, below);
         }
-        patch
+        Some(((top * width + left) as u32, patch))
     }
 
-    /// The tile's bytes, by the arithmetic of [`Tap::interpolate`]; `None` where it has no patch.
+    /// The tile's bytes, by the arithmetic of [`Tap::interpolate`], where the patch begins with pixel `source` of a
+    /// mask of this `width`.
     #[inline(always)]
-    pub(super) fn interpolate(&self, mask: &[u8], width: usize, unseen_value: u8) -> Option<[u8; PIXELS]> {
-        let first = self.first? as usize;
+    pub(super) fn interpolate(
+        &self,
+        mask: &[u8],
+        source: usize,
+        width: usize,
+        unseen_value: u8,
+    ) -> [u8; PIXELS] {
         let mut patch = [unseen_value; PATCH_BYTES];
-        for (row, copy) in patch.as_chunks_mut::<PATCH_WIDTH>().0.iter_mut().take(PATCH_HEIGHT).enumerate() {
-            *copy = *mask[first + row * width..].first_chunk()?;
+        let rows = patch.as_chunks_mut::<PATCH_WIDTH>().0.iter_mut().take(PATCH_HEIGHT);
+        for (row, start) in rows.zip((source..).step_by(width)) {
+            row.copy_from_slice(&mask[start..start + PATCH_WIDTH]);
         }
 
         // Two pixels side by side come in one load.
@@ -171,7 +190,7 @@ impl Patch {
             let sum = mix(upper[k]) * (FULL - below) + mix(lower[k]) * below;
             bytes[k] = ((sum + FULL * FULL / 2) / (FULL * FULL)) as u8;
         }
-        Some(bytes)
+        bytes
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::Undistortion;
 use super::source_blocks::{BACKGROUND, FOREGROUND, MIXED, SourceBlocks};
-use super::tile_map::{PIXELS, SIDE, pixels_of};
+use super::tile_map::{NO_PATCH, PIXELS, SIDE, pixels_of};
 use crate::silhouette::Rect;
 use crate::silhouette::region::top_bits;
 use crate::vectorised::vectorised;
@@ -20,8 +20,11 @@ type TileBits = u64;
 /// The bits of a tile's leftmost column.
 const LEFTMOST: TileBits = 0x0101_0101_0101_0101;
 
-/// The two uniform tiles stand first.
-const UNIFORM: [Tile; 2] = [[0; PIXELS], [255; PIXELS]];
+/// The tiles that are all background and all subject.
+static UNIFORM: [Tile; 2] = [[0; PIXELS], [255; PIXELS]];
+
+/// Classes looked at together.
+const CHUNK: usize = 8;
 
 /// A pinhole's mask, drawn from the original camera's; memory for the next one.
 #[derive(Debug, Default)]
@@ -35,10 +38,12 @@ pub(crate) struct TileMask {
     classes: Vec<u8>,
     /// The subject pixels of each tile, also beyond the image.
     pub(super) subject: Vec<TileBits>,
-    /// For each tile the place of its bytes.
-    pub(super) places: Vec<u32>,
-    /// The bytes of the two uniform tiles and of those that are none.
-    pub(super) bytes: Vec<Tile>,
+    /// The tiles that are not uniform, ascending; what follows behind their count is scratch.
+    mixed: Vec<u32>,
+    /// For each tile that is not uniform the place of its bytes.
+    places: Vec<u32>,
+    /// The bytes of the tiles that are not uniform.
+    bytes: Vec<Tile>,
     /// For each column of tiles the subject pixels of all its tiles together.
     columns: Vec<TileBits>,
     has_coverage: bool,
@@ -64,12 +69,22 @@ impl TileMask {
         let count = self.classes.len();
         self.subject.resize(count, 0);
         self.places.resize(count, 0);
-        fill_uniform(&self.classes, &mut self.subject, &mut self.places);
-
-        self.bytes.clear();
-        self.bytes.extend(UNIFORM);
-        self.has_coverage = interpolate_mixed(lens, mask, unseen_value, self);
+        self.mixed.resize(count, 0);
+        fill_uniform(&self.classes, &mut self.subject);
+        let mixed = list_mixed(&self.classes, &mut self.mixed);
+        self.bytes.resize(self.bytes.len().max(mixed), UNIFORM[0]);
+        self.has_coverage = interpolate_mixed(lens, mask, unseen_value, mixed, self);
         false
+    }
+
+    /// The bytes of a tile.
+    #[inline(always)]
+    pub(super) fn tile(&self, tile: usize) -> &Tile {
+        match self.classes[tile] {
+            BACKGROUND => &UNIFORM[0],
+            FOREGROUND => &UNIFORM[1],
+            _ => &self.bytes[self.places[tile] as usize],
+        }
     }
 
     /// The image's pixels.
@@ -108,35 +123,57 @@ impl TileMask {
 }
 
 vectorised! {
-    /// The bits and places of uniform tiles; of the others they are nothing yet.
-    fn fill_uniform(classes: &[u8], subject: &mut [TileBits], places: &mut [u32]) {
-        for ((&class, subject), place) in classes.iter().zip(subject).zip(places) {
-            let is_full = class == FOREGROUND;
-            *subject = TileBits::from(is_full).wrapping_neg();
-            *place = u32::from(is_full);
+    /// The bits of uniform tiles; those of the others are nothing yet.
+    fn fill_uniform(classes: &[u8], subject: &mut [TileBits]) {
+        for (&class, subject) in classes.iter().zip(subject) {
+            *subject = TileBits::from(class == FOREGROUND).wrapping_neg();
         }
     }
 }
 
+/// Lists the tiles that are not uniform, and counts them.
+fn list_mixed(classes: &[u8], mixed: &mut [u32]) -> usize {
+    let mut count = 0;
+    let mut list = |classes: &[u8], first: u32| {
+        // Each tile is written, and the next one in its place if it is uniform: no branch that is hard to predict.
+        for (&class, tile) in classes.iter().zip(first..) {
+            mixed[count] = tile;
+            count += usize::from(class == MIXED);
+        }
+    };
+    let (chunks, rest) = classes.as_chunks::<CHUNK>();
+    for (chunk, first) in chunks.iter().zip((0..).step_by(CHUNK)) {
+        let classes = u64::from_le_bytes(*chunk);
+        if classes & (classes >> 1) & LEFTMOST != 0 {
+            list(chunk, first);
+        }
+    }
+    list(rest, (classes.len() - rest.len()) as u32);
+    count
+}
+
 vectorised! {
-    /// Interpolates the tiles that are not uniform; whether any has coverage.
-    fn interpolate_mixed(lens: &Undistortion, mask: &[u8], unseen_value: u8, drawn: &mut TileMask) -> bool {
-        let width = lens.original_size.0 as usize;
+    /// Interpolates the first `count` tiles that are not uniform; whether any has coverage.
+    fn interpolate_mixed(
+        lens: &Undistortion,
+        mask: &[u8],
+        unseen_value: u8,
+        count: usize,
+        drawn: &mut TileMask,
+    ) -> bool {
+        let (map, width) = (&lens.tiles, lens.original_size.0 as usize);
         let mut coverage = 0;
-        for (k, patch) in lens.tiles.patches.iter().enumerate() {
-            if drawn.classes[k] != MIXED {
-                continue;
-            }
-            let bytes = match patch.interpolate(mask, width, unseen_value) {
-                Some(bytes) => bytes,
-                None => interpolate_each(lens, mask, unseen_value, k),
+        for (place, (&tile, bytes)) in drawn.mixed[..count].iter().zip(&mut drawn.bytes).enumerate() {
+            let k = tile as usize;
+            *bytes = match map.sources[k] {
+                NO_PATCH => interpolate_each(lens, mask, unseen_value, k),
+                source => map.patches[k].interpolate(mask, source as usize, width, unseen_value),
             };
 
             // One more makes 255 and 0 the only bytes without a bit above the lowest.
             coverage |= bytes.iter().fold(0, |coverage, byte| coverage | byte.wrapping_add(1) >> 1);
-            drawn.subject[k] = subject_of(&bytes);
-            drawn.places[k] = drawn.bytes.len() as u32;
-            drawn.bytes.push(bytes);
+            drawn.subject[k] = subject_of(bytes);
+            drawn.places[k] = place as u32;
         }
         coverage != 0
     }

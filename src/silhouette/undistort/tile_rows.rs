@@ -11,10 +11,11 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::tile_map::SIDE;
-use super::tile_mask::{Tile, TileMask};
+use super::tile_mask::TileMask;
 use crate::silhouette::Rect;
 use crate::silhouette::region::{MARGIN, WORD, Word};
 use crate::vectorised::vectorised;
+use std::ops::Range;
 
 /// Bytes of eight pixels before a row of tiles, as far as a region reaches beyond the image.
 const BEFORE: usize = MARGIN as usize / SIDE;
@@ -36,45 +37,46 @@ impl TileMask {
         write_bits(self, rect, beyond, row, subject);
     }
 
-    /// Writes the bytes of `rect` as far as there are tiles.
-    pub(in crate::silhouette) fn write_bytes(&self, rect: &Rect, bytes: &mut [u8]) {
-        let (width, height) = (rect.width(), rect.height());
-        let rows = self.tile_range(rect.y0, rect.y1, self.places.len() / self.across);
-        let columns = self.tile_range(rect.x0, rect.x1, self.across);
-        for row in rows {
+    /// Writes the bytes of `rect`; where there are no tiles they are `beyond`.
+    pub(in crate::silhouette) fn write_bytes(&self, rect: &Rect, beyond: u8, bytes: &mut [u8]) {
+        let down = self.subject.len() / self.across;
+        let tiles = Rect::of_image((SIDE * self.across) as u32, (SIDE * down) as u32);
+        if rect.intersection(&tiles) != *rect {
+            bytes.fill(beyond);
+        }
+        let columns = tile_range(rect.x0, rect.x1, self.across);
+        for row in tile_range(rect.y0, rect.y1, down) {
             // The rows of pixels of this row of tiles that lie in the rectangle.
             let top = (SIDE * row) as i32 - rect.y0;
-            let inner_rows = (-top).max(0) as usize..(height as i32 - top).min(SIDE as i32) as usize;
-            let first = (top + inner_rows.start as i32) as usize * width;
-            let bytes = &mut bytes[first..];
+            let rows = (-top).max(0) as usize..(rect.height() as i32 - top).min(SIDE as i32) as usize;
+            let first = (top + rows.start as i32) as usize * rect.width();
             for column in columns.clone() {
-                let tile = &self.bytes[self.places[row * self.across + column] as usize];
-                let left = (SIDE * column) as i32 - rect.x0;
-                copy_tile(tile, inner_rows.clone(), left, width, bytes);
+                let tile = &self.tile(row * self.across + column).as_chunks().0[rows.clone()];
+                copy_rows(tile, (SIDE * column) as i32 - rect.x0, rect.width(), &mut bytes[first..]);
             }
         }
     }
-
-    /// The tiles that `low..high` touches of `count` side by side.
-    fn tile_range(&self, low: i32, high: i32, count: usize) -> std::ops::Range<usize> {
-        let high = (high.max(0) as usize).div_ceil(SIDE).min(count);
-        low.max(0) as usize / SIDE..high
-    }
 }
 
-/// Copies a tile's `rows` to column `left` of `bytes`, which are `width` wide; what does not fit is cut off.
+/// The tiles that the pixels `low..high` touch of `count` side by side.
+fn tile_range(low: i32, high: i32, count: usize) -> Range<usize> {
+    low.max(0) as usize / SIDE..(high.max(0) as usize).div_ceil(SIDE).min(count)
+}
+
+/// Copies a tile's rows to column `left` of `bytes`, which are `width` wide; what does not fit is cut off.
 #[inline(always)]
-fn copy_tile(tile: &Tile, rows: std::ops::Range<usize>, left: i32, width: usize, bytes: &mut [u8]) {
-    let source = &tile.as_chunks::<SIDE>().0[rows];
-    let fits = left >= 0 && left as usize + SIDE <= width;
-    for (row, place) in source.iter().zip(bytes.chunks_mut(width)) {
-        if fits {
-            place[left as usize..][..SIDE].copy_from_slice(row);
-        } else {
-            let columns = left.max(0) as usize..(left + SIDE as i32).clamp(0, width as i32) as usize;
-            let skipped = (-left).max(0) as usize;
-            place[columns.clone()].copy_from_slice(&row[skipped..skipped + columns.len()]);
+fn copy_rows(rows: &[[u8; SIDE]], left: i32, width: usize, bytes: &mut [u8]) {
+    if left >= 0 && left as usize + SIDE <= width {
+        let bytes = &mut bytes[left as usize..][..(rows.len() - 1) * width + SIDE];
+        for (row, start) in rows.iter().zip((0..).step_by(width)) {
+            bytes[start..start + SIDE].copy_from_slice(row);
         }
+        return;
+    }
+    let columns = left.max(0) as usize..(left + SIDE as i32).clamp(0, width as i32) as usize;
+    let skipped = (-left).max(0) as usize;
+    for (row, bytes) in rows.iter().zip(bytes.chunks_mut(width)) {
+        bytes[columns.clone()].copy_from_slice(&row[skipped..skipped + columns.len()]);
     }
 }
 

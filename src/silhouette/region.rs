@@ -87,17 +87,18 @@ impl Region {
     /// Takes up a mask drawn by tiles, whose subject has this rectangle.
     pub(super) fn fill_from_tiles(&mut self, mask: &TileMask, subject: &Rect, border: Border) {
         let rect = self.resize(subject, &mask.image(), border);
-        if rect.is_empty() || !mask.has_coverage() {
-            self.bytes.clear();
-        }
         if rect.is_empty() {
+            self.bytes.clear();
             return;
         }
+
+        // All bytes are written anew, so that those of the last mask need not be cleared.
         let beyond = value_beyond(border);
+        self.bytes.resize(if mask.has_coverage() { rect.width() * rect.height() } else { 0 }, 0);
         if mask.has_coverage() {
-            self.bytes.resize(rect.width() * rect.height(), beyond);
             mask.write_bytes(&rect, beyond, &mut self.bytes);
         }
+
         let pad = self.pad();
         mask.write_subject(&rect, beyond, &mut self.row, &mut self.subject[pad..]);
         self.clear_pads();

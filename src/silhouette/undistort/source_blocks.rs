@@ -114,7 +114,7 @@ impl SourceBlocks {
 }
 
 vectorised! {
-    /// The class of each block; whether every byte is subject.
+    /// Writes the class of each block; returns whether every byte is subject.
     fn classify_blocks(mask: &[u8], width: usize, classes: &mut [u8]) -> bool {
         let (across, whole) = (width.div_ceil(BLOCK), width / BLOCK);
         let mut common = u32::MAX;
@@ -151,12 +151,12 @@ vectorised! {
 /// The class of pixels of which these are the bits that any of them and that every one of them has.
 #[inline(always)]
 fn class_of(any: u32, every: u32) -> u8 {
-    u8::from(every != u32::MAX) * NOT_FULL | u8::from(any != 0) * NOT_EMPTY
+    (u8::from(every != u32::MAX) * NOT_FULL) | (u8::from(any != 0) * NOT_EMPTY)
 }
 
 vectorised! {
-    /// Windows `by` blocks wider and higher than those of `smaller`. Those that leave the image come out wrong, and are
-    /// no window of any tile.
+    /// Writes the classes of windows that are `by` blocks wider and higher than those of `smaller`. Those that leave the
+    /// image come out wrong, and are no window of any tile.
     fn enlarge(smaller: &[u8], by: usize, across: usize, larger: &mut [u8]) {
         let count = smaller.len().saturating_sub(by * across + by);
         let shifted = [0, by, by * across, by * across + by].map(|shift| &smaller[shift.min(smaller.len())..]);

@@ -10,22 +10,22 @@ use super::source_blocks::{BlockGrid, UNSEEN_WINDOW};
 use super::{FULL, Tap, UNSEEN};
 
 /// Width and height of a tile in pixels.
-pub(in crate::silhouette) const SIDE: usize = 8;
+pub(super) const SIDE: usize = 8;
 
 /// Pixels of a tile.
-pub(in crate::silhouette) const PIXELS: usize = SIDE * SIDE;
+pub(super) const PIXELS: usize = SIDE * SIDE;
 
 /// Width of a patch in pixels.
 const PATCH_WIDTH: usize = 16;
 
-/// Height of a patch in pixels. Places in a patch are bytes, and those of a sixteenth row are what the lens does not
+/// Height of a patch in pixels. Places in a patch are bytes; those of a sixteenth row stand for what the lens does not
 /// see.
 const PATCH_HEIGHT: usize = 15;
 
 /// The place in a patch of what the lens does not see.
 const UNSEEN_PLACE: u8 = (PATCH_WIDTH * PATCH_HEIGHT) as u8;
 
-/// The bytes of a patch, and those behind it that the last place's neighbours would be.
+/// The bytes of a patch and of the rows behind it, which the last places' right and lower neighbours lie in.
 const PATCH_BYTES: usize = PATCH_WIDTH * (PATCH_HEIGHT + 3);
 
 /// The tiles of a pinhole image, row-major. Those at the right and lower border reach beyond it, where all is unseen.
@@ -98,6 +98,8 @@ impl TileMap {
         if (1..PIXELS).contains(&seen.clone().count()) {
             self.partly_seen.push(self.patches.len() as u32);
         }
+
+        // The window and the patch hold all pixels that the tile is interpolated from.
         let places =
             seen.map(|tap| (tap.upper_left as usize % original.0, tap.upper_left as usize / original.0));
         let (window, source, patch) = match Extent::around(places, original) {
@@ -140,10 +142,8 @@ impl Patch {
     /// The patch of a tile, and the index of its first pixel; `None` where the tile's pixels are spread too far.
     fn new(taps: &[Tap; PIXELS], extent: &Extent, (width, height): (usize, usize)) -> Option<(u32, Self)> {
         // The patch lies in the image as a whole.
-        let (left, top) = (
-            extent.low.0.min(width.checked_sub(PATCH_WIDTH)?),
-            extent.low.1.min(height.checked_sub(PATCH_HEIGHT)?),
-        );
+        let left = extent.low.0.min(width.checked_sub(PATCH_WIDTH)?);
+        let top = extent.low.1.min(height.checked_sub(PATCH_HEIGHT)?);
         if extent.high.0 >= left + PATCH_WIDTH || extent.high.1 >= top + PATCH_HEIGHT {
             return None;
         }
@@ -175,7 +175,7 @@ impl Patch {
             row.copy_from_slice(&mask[start..start + PATCH_WIDTH]);
         }
 
-        // Two pixels side by side come in one load.
+        // Two pixels side by side are one load.
         let pair = |place: usize| u16::from_le_bytes([patch[place], patch[place + 1]]);
         let (mut upper, mut lower) = ([0; PIXELS], [0; PIXELS]);
         for k in 0..PIXELS {
@@ -183,6 +183,7 @@ impl Patch {
             (upper[k], lower[k]) = (pair(place), pair(place + PATCH_WIDTH));
         }
 
+        // All lanes at once: first along the rows, then between them.
         let mut bytes = [0; PIXELS];
         for k in 0..PIXELS {
             let (right, below) = (u32::from(self.right[k]), u32::from(self.below[k]));

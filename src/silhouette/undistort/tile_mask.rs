@@ -12,7 +12,7 @@ use crate::vectorised::vectorised;
 use image::GrayImage;
 
 /// The bytes of a tile, row-major.
-pub(in crate::silhouette) type Tile = [u8; PIXELS];
+pub(super) type Tile = [u8; PIXELS];
 
 /// A bit for each pixel of a tile, row-major, the first in the lowest bit.
 type TileBits = u64;
@@ -36,13 +36,13 @@ pub(crate) struct TileMask {
     pub(super) across: usize,
     /// The class of each tile.
     classes: Vec<u8>,
-    /// The subject pixels of each tile, also beyond the image.
+    /// The subject pixels of each tile, those beyond the image too.
     pub(super) subject: Vec<TileBits>,
-    /// The tiles that are not uniform, ascending; what follows behind their count is scratch.
+    /// The tiles that are not uniform, in ascending order, and scratch behind them.
     mixed: Vec<u32>,
     /// For each tile that is not uniform the place of its bytes.
     places: Vec<u32>,
-    /// The bytes of the tiles that are not uniform.
+    /// The bytes of the tiles that are not uniform, in the order of that list.
     bytes: Vec<Tile>,
     /// For each column of tiles the subject pixels of all its tiles together.
     columns: Vec<TileBits>,
@@ -60,18 +60,20 @@ impl TileMask {
         let size = lens.pinhole.size();
         (self.width, self.height, self.across) = (size.0 as usize, size.1 as usize, map.across);
 
-        // A tile that is seen in part is uniform where what is seen of it is as what is not.
+        // A tile of which a part is unseen is uniform only if the rest is as the unseen part.
         let blocks = &self.blocks;
         self.classes.clear();
         self.classes.extend(map.windows.iter().map(|&window| blocks.class(window)));
         map.partly_seen.iter().for_each(|&tile| self.classes[tile as usize] |= unseen);
 
+        // Uniform tiles are filled at once; the others are listed, so that interpolating them has no branch.
         let count = self.classes.len();
         self.subject.resize(count, 0);
         self.places.resize(count, 0);
         self.mixed.resize(count, 0);
         fill_uniform(&self.classes, &mut self.subject);
         let mixed = list_mixed(&self.classes, &mut self.mixed);
+
         self.bytes.resize(self.bytes.len().max(mixed), UNIFORM[0]);
         self.has_coverage = interpolate_mixed(lens, mask, unseen_value, mixed, self);
         false
@@ -104,7 +106,7 @@ impl TileMask {
         let (first_row, last_row) =
             take_extremes(&self.subject, (self.width, self.height), &mut self.columns);
 
-        // The columns of pixels are the lowest byte's bits once all rows of a tile are one.
+        // The outermost columns of tiles that hold subject, and in each the outermost column of pixels.
         let column = |bits: &TileBits| (0..SIDE).fold(0, |any, row| any | (bits >> (SIDE * row)) as u8);
         let left = self.columns.iter().position(|&bits| bits != 0);
         let right = self.columns.iter().rposition(|&bits| bits != 0);
@@ -123,7 +125,7 @@ impl TileMask {
 }
 
 vectorised! {
-    /// The bits of uniform tiles; those of the others are nothing yet.
+    /// Writes the bits of uniform tiles; those of the others mean nothing yet.
     fn fill_uniform(classes: &[u8], subject: &mut [TileBits]) {
         for (&class, subject) in classes.iter().zip(subject) {
             *subject = TileBits::from(class == FOREGROUND).wrapping_neg();
@@ -153,7 +155,7 @@ fn list_mixed(classes: &[u8], mixed: &mut [u32]) -> usize {
 }
 
 vectorised! {
-    /// Interpolates the first `count` tiles that are not uniform; whether any has coverage.
+    /// Interpolates the `count` tiles that are not uniform; returns whether any has coverage.
     fn interpolate_mixed(
         lens: &Undistortion,
         mask: &[u8],
@@ -200,8 +202,8 @@ fn subject_of(bytes: &Tile) -> TileBits {
 }
 
 vectorised! {
-    /// Unites the tiles of each column in `columns`, as far as they lie in the image of this `size`; the first and the
-    /// last row of pixels with subject, zero where none has any.
+    /// Unites the tiles of each column in `columns`, as far as they lie in the image of this `size`; returns the first
+    /// and the last row of pixels with subject, zero where none has any.
     fn take_extremes(subject: &[TileBits], size: (usize, usize), columns: &mut [TileBits]) -> (usize, usize) {
         let last_column = columns.len() - 1;
         let in_last_column = LEFTMOST * (0xff >> (SIDE * columns.len() - size.0));

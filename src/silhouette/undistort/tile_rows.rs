@@ -20,7 +20,7 @@ use std::ops::Range;
 /// Bytes of eight pixels before a row of tiles, as far as a region reaches beyond the image.
 const BEFORE: usize = MARGIN as usize / SIDE;
 
-/// Bytes of eight pixels behind a row of tiles: the margin, what the region is rounded up by, and two words.
+/// Bytes of eight pixels behind a row of tiles: the margin, what the region's width is rounded up by, and two words.
 const BEHIND: usize = BEFORE + 1 + 2 * WORD / SIDE;
 
 impl TileMask {

@@ -25,7 +25,7 @@
 //! gives the same bits and bytes in three steps:
 //!
 //! 1. [`source_blocks`] finds the uniform blocks of the mask, in one pass.
-//! 2. [`tile_mask`] fills tiles of the pinhole's image whose source is uniform, and interpolates the others, 3 % of a
+//! 2. [`tile_mask`] fills tiles of the pinhole's image whose source is uniform, and interpolates the others, 1 to 3 % of a
 //!    person's, from the patches that [`tile_map`] holds.
 //! 3. [`tile_rows`] makes the packed rows of a region from the tiles.
 //!

@@ -3,22 +3,28 @@
 mod scene;
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, point};
+use ode_visual_hull::camera::{Camera, Distortion};
 use ode_visual_hull::contact::{self, Body, Settings};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Points, Workspace};
 use ode_visual_hull::ode::{Shape, SpaceKind};
 use ode_visual_hull::sample;
 use ode_visual_hull::synthetic::{Subject, layout, silhouette};
 
-/// A walking person before seven VGA cameras.
+/// A walking person before seven VGA cameras without distortion, or all with the same.
 struct Studio {
     data: HullData,
     moments: Vec<Vec<image::GrayImage>>,
 }
 
 impl Studio {
-    fn new() -> Self {
+    fn new(distortion: Distortion) -> Self {
         let target = point![0.0, 0.0, 0.95];
-        let cameras = layout::staggered(7, 3.2, &[0.2, 1.6, 0.8, 2.3], target, (640, 480), 1.1).unwrap();
+        let pinholes = layout::staggered(7, 3.2, &[0.2, 1.6, 0.8, 2.3], target, (640, 480), 1.1).unwrap();
+        let behind_lens = |camera: &Camera| {
+            let (intrinsics, pose) = (*camera.intrinsics(), *camera.cam_from_world());
+            Camera::new(camera.name(), camera.size(), intrinsics, distortion, pose).unwrap()
+        };
+        let cameras: Vec<_> = pinholes.iter().map(behind_lens).collect();
         let data = HullData::new();
         for camera in &cameras {
             data.add_view(camera.clone()).unwrap();
@@ -41,7 +47,7 @@ impl Studio {
 
 #[test]
 fn frames_and_batches_allocate_nothing_in_the_steady_state() {
-    let studio = Studio::new();
+    let studio = Studio::new(Distortion::none());
     let samples = sample::box_(Vector3::new(0.1, 0.2, 0.25), 0.03).unwrap();
     let cloud: Vec<Point3<f64>> = samples.points().iter().map(|sample| sample.point).collect();
     let points = Points::new(&cloud);
@@ -69,8 +75,18 @@ fn frames_and_batches_allocate_nothing_in_the_steady_state() {
 }
 
 #[test]
+fn masks_of_lenses_allocate_nothing_in_the_steady_state() {
+    let studio = Studio::new(Distortion::from_opencv(&[-0.2, 0.0, 0.0, 0.0]).unwrap());
+    let hulls = |frames: std::ops::Range<usize>| frames.map(|frame| studio.show(frame)).for_each(drop);
+    hulls(0..60);
+    let allocated = allocation_counter::measure(|| hulls(60..90));
+    assert_eq!(allocated.count_total, 0);
+    assert!(studio.show(90).views().iter().all(|view| view.silhouette().has_coverage()));
+}
+
+#[test]
 fn a_frame_works_in_less_than_half_the_memory_of_its_masks() {
-    let studio = Studio::new();
+    let studio = Studio::new(Distortion::none());
     let hull = studio.show(0);
     let working: usize = hull.views().iter().map(|view| view.silhouette().working_memory()).sum();
     let masks: usize = studio.moments[0].iter().map(|mask| mask.as_raw().len()).sum();

@@ -2,7 +2,7 @@
 
 use super::{Aabb, View};
 use crate::camera::Camera;
-use crate::silhouette::{Border, SUBJECT, Silhouette, Tables, Undistortion};
+use crate::silhouette::{Border, SUBJECT, Silhouette, Tables, TileMask, Undistortion};
 use crate::{Error, Result};
 use image::GrayImage;
 use std::sync::Arc;
@@ -22,8 +22,8 @@ pub(super) struct Slot {
     recycled_silhouettes: Vec<Arc<Silhouette>>,
     /// Tables of past silhouettes: memory for those of the next masks, nine tenths of all.
     recycled_tables: Vec<Tables>,
-    /// Memory for a mask on its way through the lens.
-    flat: Option<GrayImage>,
+    /// Memory for a mask that is undistorted.
+    tiles: Option<TileMask>,
 }
 
 /// What never changes of a view.
@@ -40,7 +40,7 @@ pub(super) struct Lens {
 pub(super) struct Preparation {
     lens: Arc<Lens>,
     silhouette: Arc<Silhouette>,
-    flat: Option<GrayImage>,
+    tiles: Option<TileMask>,
 }
 
 impl Slot {
@@ -67,7 +67,7 @@ impl Slot {
             sees: None,
             recycled_silhouettes: Vec::new(),
             recycled_tables: Vec::new(),
-            flat: None,
+            tiles: None,
         })
     }
 
@@ -88,12 +88,12 @@ impl Slot {
         {
             unshared.recycle_tables(tables);
         }
-        Preparation { lens: self.lens.clone(), silhouette, flat: self.flat.take() }
+        Preparation { lens: self.lens.clone(), silhouette, tiles: self.tiles.take() }
     }
 
     /// Takes a prepared silhouette into force, from the next frame on.
     pub(super) fn commit(&mut self, preparation: Preparation) {
-        self.flat = self.flat.take().or(preparation.flat);
+        self.tiles = self.tiles.take().or(preparation.tiles);
         if let Some(last) = self.silhouette.replace(preparation.silhouette) {
             self.recycle(last);
         }
@@ -174,25 +174,29 @@ impl Preparation {
     /// # Errors
     /// As [`HullData::set_mask`](super::HullData::set_mask).
     pub(super) fn prepare(&mut self, mask: &GrayImage, border: Border) -> Result<()> {
-        self.lens.check(mask)?;
-        let flat = match &self.lens.undistortion {
-            Some(lens) => {
-                let flat = self.flat.get_or_insert_default();
-                lens.apply_into(mask, unseen_value(border), flat)?;
-                flat
-            }
-            None => mask,
-        };
-        match Arc::get_mut(&mut self.silhouette) {
-            Some(silhouette) => silhouette.refill(flat, border),
-            None => self.silhouette = Arc::new(Silhouette::new(flat, border)),
+        self.lens.check_size(mask)?;
+
+        // A silhouette that has another owner too stays as it is.
+        if Arc::get_mut(&mut self.silhouette).is_none() {
+            self.silhouette = Arc::new(Silhouette::blank(border));
         }
-        Ok(())
+        let Some(silhouette) = Arc::get_mut(&mut self.silhouette) else {
+            unreachable!("a new silhouette has one owner");
+        };
+
+        // Either pass over the mask tells whether there is any background.
+        let is_prepared = match &self.lens.undistortion {
+            Some(lens) => {
+                silhouette.refill_undistorted(mask, lens, border, self.tiles.get_or_insert_default())?
+            }
+            None => silhouette.refill_unless_full(mask, border),
+        };
+        if is_prepared { Ok(()) } else { Err(self.lens.full_mask()) }
     }
 }
 
 impl Lens {
-    fn check(&self, mask: &GrayImage) -> Result<()> {
+    fn check_size(&self, mask: &GrayImage) -> Result<()> {
         let (width, height) = self.camera.size();
         if mask.dimensions() != (width, height) {
             let found = format!("found {} x {}", mask.width(), mask.height());
@@ -202,12 +206,13 @@ impl Lens {
             );
             return Err(Error::view(self.camera.name(), problem));
         }
-        if mask.as_raw().iter().all(|&byte| byte >= SUBJECT) {
-            let problem = "mask: expected some background, found every pixel subject; \
-                           it is inverted or the segmentation failed; the last good mask stays";
-            return Err(Error::view(self.camera.name(), problem));
-        }
         Ok(())
+    }
+
+    fn full_mask(&self) -> Error {
+        let problem = "mask: expected some background, found every pixel subject; \
+                       it is inverted or the segmentation failed; the last good mask stays";
+        Error::view(self.camera.name(), problem)
     }
 }
 

@@ -25,12 +25,14 @@ pub(crate) use edge::{EdgePixel, SHORTEST_MEAN};
 pub use mask::load_mask;
 pub use rect::Rect;
 pub(crate) use tables::{TableSlices, Tables};
+pub(crate) use undistort::TileMask;
 pub use undistort::Undistortion;
 
+use crate::Result;
 use image::GrayImage;
 use region::Region;
 pub(crate) use region::{LOW, Word};
-use scan::Columns;
+use scan::{Columns, Scan};
 use std::sync::OnceLock;
 pub(crate) use tiles::Lookup;
 
@@ -94,13 +96,56 @@ impl Silhouette {
 
     /// Prepares another mask in the memory of the last one.
     pub fn refill(&mut self, mask: &GrayImage, border: Border) {
-        // Taken first, so that tables and bits never are those of different masks.
-        let tables = self.tables.take().or_else(|| self.recycled_tables.take());
-
         let scan = self.columns.scan(mask);
-        self.image = Rect::of_image(mask.width(), mask.height());
-        (self.border, self.rect, self.has_coverage) = (border, scan.rect, scan.has_coverage);
-        self.region.fill(mask, &scan, border);
+        self.fill_from_scan(mask, scan, border);
+    }
+
+    /// Prepares another mask in the memory of the last one, unless every pixel of it is subject: whether it did so.
+    pub(crate) fn refill_unless_full(&mut self, mask: &GrayImage, border: Border) -> bool {
+        let scan = self.columns.scan(mask);
+        if !scan.is_full {
+            self.fill_from_scan(mask, scan, border);
+        }
+        !scan.is_full
+    }
+
+    /// Prepares what the pinhole of `lens` sees of a mask, unless every pixel of that is subject: whether it did so.
+    ///
+    /// # Errors
+    /// A mask of another size than the original camera's image.
+    pub(crate) fn refill_undistorted(
+        &mut self,
+        mask: &GrayImage,
+        lens: &Undistortion,
+        border: Border,
+        tiles: &mut TileMask,
+    ) -> Result<bool> {
+        if lens.draw(mask, region::value_beyond(border), tiles)? {
+            return Ok(false);
+        }
+        self.fill_region(|silhouette| {
+            (silhouette.image, silhouette.rect) = (tiles.image(), tiles.find_rect());
+            (silhouette.border, silhouette.has_coverage) = (border, tiles.has_coverage());
+            silhouette.region.fill_from_tiles(tiles, &silhouette.rect, border);
+        });
+        Ok(true)
+    }
+
+    /// Takes up what one pass over `mask` told.
+    fn fill_from_scan(&mut self, mask: &GrayImage, scan: Scan, border: Border) {
+        self.fill_region(|silhouette| {
+            silhouette.image = Rect::of_image(mask.width(), mask.height());
+            (silhouette.border, silhouette.rect) = (border, scan.rect);
+            silhouette.has_coverage = scan.has_coverage;
+            silhouette.region.fill(mask, &scan, border);
+        });
+    }
+
+    /// Takes up other bits by `fill`, and derives their tables.
+    fn fill_region(&mut self, fill: impl FnOnce(&mut Self)) {
+        // Taken out first, so that tables and bits never are those of different masks.
+        let tables = self.tables.take().or_else(|| self.recycled_tables.take());
+        fill(self);
 
         // Derived here, on the thread that brings the mask, so that no query of the newest frame waits.
         let mut tables = tables.unwrap_or_default();

@@ -10,6 +10,7 @@
 //! ```
 
 use super::scan::Scan;
+use super::undistort::TileMask;
 use super::{Border, Rect};
 use crate::vectorised::vectorised;
 use image::GrayImage;
@@ -66,26 +67,58 @@ impl Rows<'_> {
 impl Region {
     /// Takes up what `scan` found in `mask`.
     pub(super) fn fill(&mut self, mask: &GrayImage, scan: &Scan, border: Border) {
-        let rect = around(&scan.rect);
-        self.rect = Some(rect);
-        let (pad, count) = (self.pad(), self.words() * rect.height());
-        self.subject.resize(count + 2 * pad, 0);
+        let rect = self.resize(&scan.rect, &Rect::of_image(mask.width(), mask.height()), border);
         self.bytes.clear();
-        let image = Rect::of_image(mask.width(), mask.height());
-        self.is_open = border == Border::Open && rect.intersection(&image) != rect;
-        if count == 0 {
+        if rect.is_empty() {
             return;
         }
-        let source = Source { mask, rect, beyond: if border == Border::Open { 255 } else { 0 } };
+        let source = Source { mask, rect, beyond: value_beyond(border) };
         if scan.has_coverage {
             self.bytes.resize(rect.width() * rect.height(), 0);
             for (j, row) in (rect.y0..).zip(self.bytes.chunks_exact_mut(rect.width())) {
                 source.copy_row(j, row);
             }
         }
-        self.subject[..pad].fill(0);
+        let pad = self.pad();
         pack(&source, &mut self.subject[pad..], &mut self.row);
-        self.subject[pad + count..].fill(0);
+        self.clear_pads();
+    }
+
+    /// Takes up a mask drawn by tiles, whose subject has this rectangle.
+    pub(super) fn fill_from_tiles(&mut self, mask: &TileMask, subject: &Rect, border: Border) {
+        let rect = self.resize(subject, &mask.image(), border);
+        if rect.is_empty() {
+            self.bytes.clear();
+            return;
+        }
+
+        // All bytes are written anew, so that those of the last mask need not be cleared.
+        let beyond = value_beyond(border);
+        self.bytes.resize(if mask.has_coverage() { rect.width() * rect.height() } else { 0 }, 0);
+        if mask.has_coverage() {
+            mask.write_bytes(&rect, beyond, &mut self.bytes);
+        }
+
+        let pad = self.pad();
+        mask.write_subject(&rect, beyond, &mut self.row, &mut self.subject[pad..]);
+        self.clear_pads();
+    }
+
+    /// Makes room for the region around the subject's rectangle, and returns it.
+    fn resize(&mut self, subject: &Rect, image: &Rect, border: Border) -> Rect {
+        let rect = around(subject);
+        self.rect = Some(rect);
+        self.subject.resize(self.words() * rect.height() + 2 * self.pad(), 0);
+        self.is_open = border == Border::Open && rect.intersection(image) != rect;
+        rect
+    }
+
+    /// Background before the first row and behind the last.
+    fn clear_pads(&mut self) {
+        let pad = self.pad();
+        let end = self.subject.len() - pad;
+        self.subject[..pad].fill(0);
+        self.subject[end..].fill(0);
     }
 
     /// The pixels kept; empty where there is no subject.
@@ -109,6 +142,12 @@ impl Region {
     pub(super) fn byte(&self, i: i32, j: i32) -> Option<u8> {
         let is_subject = self.is_subject(i, j)?;
         Some(self.bytes.get(self.rect().index(i, j)).copied().unwrap_or(byte_of(is_subject)))
+    }
+
+    /// The mask's bytes, row-major; none where each is 0 or 255.
+    #[cfg(test)]
+    pub(super) fn bytes(&self) -> &[u8] {
+        &self.bytes
     }
 
     /// `N` bytes from `(i, j)` on; `None` where they do not all lie in one row of the region. At most 32.
@@ -164,6 +203,11 @@ impl Region {
     pub(super) fn working_memory(&self) -> usize {
         4 * self.subject.capacity() + self.row.capacity()
     }
+}
+
+/// The byte of all pixels beyond the image.
+pub(super) fn value_beyond(border: Border) -> u8 {
+    byte_of(border == Border::Open)
 }
 
 /// The byte of a pixel that the subject covers wholly or not at all.
@@ -244,11 +288,17 @@ vectorised! {
 fn pack_block(bytes: &[u8; BLOCK]) -> [Word; BLOCK / WORD] {
     let (eights, mut packed) = (bytes.as_chunks::<8>().0, [0; BLOCK / 8]);
     for k in 0..packed.len() {
-        // Byte m's highest bit comes to stand at m.
-        let tops = u64::from_le_bytes(eights[k]) >> 7 & 0x0101_0101_0101_0101;
-        let pairs = tops | tops >> 7;
-        let fours = pairs | pairs >> 14;
-        packed[k] = (fours | fours >> 28) as u8;
+        packed[k] = top_bits(&eights[k]);
     }
     bytemuck::cast::<_, [Word; BLOCK / WORD]>(packed).map(Word::from_le)
+}
+
+/// The highest bits of eight bytes, the first one's lowest.
+#[inline(always)]
+pub(super) fn top_bits(bytes: &[u8; 8]) -> u8 {
+    // Byte m's highest bit comes to stand at m.
+    let tops = u64::from_le_bytes(*bytes) >> 7 & 0x0101_0101_0101_0101;
+    let pairs = tops | tops >> 7;
+    let fours = pairs | pairs >> 14;
+    (fours | fours >> 28) as u8
 }

@@ -1,4 +1,4 @@
-//! One pass over a mask: where the subject is, and whether there is coverage.
+//! One pass over a mask: where the subject is, whether it is everywhere, and whether there is coverage.
 
 // A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
 #![allow(clippy::needless_range_loop)]
@@ -17,6 +17,8 @@ pub(super) struct Scan {
     pub(super) rect: Rect,
     /// Whether any byte is neither 0 nor 255.
     pub(super) has_coverage: bool,
+    /// Whether every pixel is subject.
+    pub(super) is_full: bool,
 }
 
 /// The least and the largest byte of each column, as signed numbers: 255 is -1 then, the subject is what is negative,
@@ -31,14 +33,15 @@ impl Columns {
     /// One pass over `mask`, in the memory of the last one.
     pub(super) fn scan(&mut self, mask: &GrayImage) -> Scan {
         let width = mask.width() as usize;
-        for columns in [&mut self.least, &mut self.largest] {
+        for (columns, start) in [(&mut self.least, 0), (&mut self.largest, i8::MIN)] {
             columns.clear();
-            columns.resize(width, 0);
+            columns.resize(width, start);
         }
         if width == 0 {
-            return Scan { rect: Rect::EMPTY, has_coverage: false };
+            return Scan { rect: Rect::EMPTY, has_coverage: false, is_full: true };
         }
-        let Strips { first, last, has_coverage } = strips(mask.as_raw(), &mut self.least, &mut self.largest);
+        let Strips { first, last, has_coverage, is_full } =
+            strips(mask.as_raw(), &mut self.least, &mut self.largest);
         let rows = |strip: usize| mask.as_raw()[STRIP * width * strip..].chunks_exact(width).take(STRIP);
         let (top, bottom) = (rows(first).position(holds_subject), rows(last).rposition(holds_subject));
         let is_subject = |least: &i8| *least < 0;
@@ -52,7 +55,7 @@ impl Columns {
             },
             _ => Rect::EMPTY,
         };
-        Scan { rect, has_coverage }
+        Scan { rect, has_coverage, is_full }
     }
 
     /// Bytes of memory behind it.
@@ -67,6 +70,7 @@ struct Strips {
     first: usize,
     last: usize,
     has_coverage: bool,
+    is_full: bool,
 }
 
 vectorised! {
@@ -92,8 +96,8 @@ vectorised! {
             take(strip, least, largest);
         }
         let least = least.iter().fold(0, |least, &byte| byte.min(least));
-        let largest = largest.iter().fold(0, |largest, &byte| byte.max(largest));
-        Strips { first, last, has_coverage: least < -1 || largest > 0 }
+        let largest = largest.iter().fold(i8::MIN, |largest, &byte| byte.max(largest));
+        Strips { first, last, has_coverage: least < -1 || largest > 0, is_full: largest < 0 }
     }
 }
 

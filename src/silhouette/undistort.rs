@@ -18,13 +18,32 @@
 //! - Of a million random points around the person, 0.40 % get another verdict than by projecting them through the lens
 //!   into the distorted mask, and each of them appears within 0.6 px of the silhouette's edge. 7 points in a million
 //!   are lost at the image border, where the centre of their pinhole pixel is just outside.
-//! - [`Undistortion::apply`] takes 1.3 to 1.6 ms a view on one core, about 2.2 ns per pinhole pixel or 30 times a copy
-//!   of its result; [`Undistortion::new`], once per camera, 35 to 65 ms. The pinhole's image has twice the pixels.
+//! - [`Undistortion::apply`], which interpolates every pixel, takes 1.3 to 1.6 ms a view on one core, about 2.2 ns per
+//!   pinhole pixel or 30 times a copy of its result. The pinhole's image has twice the pixels.
+//!
+//! Of a mask's pixels only those at outlines need it. What [`HullData::set_mask`](crate::hull::HullData::set_mask) does
+//! gives the same bits and bytes in three steps:
+//!
+//! 1. [`source_blocks`] finds the uniform blocks of the mask, in one pass.
+//! 2. [`tile_mask`] fills tiles of the pinhole's image whose source is uniform, and interpolates the others, 1 to 3 % of a
+//!    person's, from the patches that [`tile_map`] holds.
+//! 3. [`tile_rows`] makes the packed rows of a region from the tiles.
+//!
+//! For lenses with k1 = -0.2 a person's mask takes 0.09 ms at 640 x 480 and 0.65 ms at 1920 x 1080 pixels with all its
+//! tables, 2.6 and 2.4 times as long as for a pinhole camera, whose image is smaller by a third.
+
+mod source_blocks;
+mod tile_map;
+mod tile_mask;
+mod tile_rows;
+
+pub(crate) use tile_mask::TileMask;
 
 use crate::camera::{Camera, Distortion};
 use crate::{Error, Result};
 use image::{GrayImage, Luma};
 use nalgebra::{Matrix3, Point2};
+use tile_map::TileMap;
 
 /// The way from a distorted camera's masks to those of a pinhole camera in its place, with the same focal lengths.
 ///
@@ -36,6 +55,7 @@ pub struct Undistortion {
     pinhole: Camera,
     original_size: (u32, u32),
     taps: Vec<Tap>,
+    tiles: TileMap,
     seen: GrayImage,
 }
 
@@ -84,7 +104,8 @@ impl Undistortion {
             .collect();
         let seen = taps.iter().map(|tap| if tap.upper_left == UNSEEN { 0 } else { 255 }).collect();
         let seen = GrayImage::from_raw(width, height, seen)?;
-        Some(Self { pinhole, original_size: camera.size(), taps, seen })
+        let tiles = TileMap::new(&taps, pinhole.size(), camera.size());
+        Some(Self { pinhole, original_size: camera.size(), taps, tiles, seen })
     }
 
     /// The pinhole camera: the original's name, pose and focal lengths, its principal point moved by whole pixels.
@@ -113,28 +134,35 @@ impl Undistortion {
     /// # Errors
     /// A mask of another size than the original camera's image.
     pub fn apply_into(&self, mask: &GrayImage, unseen_value: u8, image: &mut GrayImage) -> Result<()> {
-        let (width, height) = self.original_size;
-        if mask.dimensions() != self.original_size {
-            let (w, h) = mask.dimensions();
-            let problem = format!(
-                "expected a mask of {width} x {height} pixels as the camera has, found {w} x {h}; \
-                 use masks of the calibrated size"
-            );
-            return Err(Error::view(self.pinhole.name(), problem));
-        }
-        let right = usize::from(width > 1);
-        let below = if height > 1 { width as usize } else { 0 };
-        let source: &[u8] = mask;
-        let values = self.taps.iter().map(|tap| match tap.upper_left {
-            UNSEEN => unseen_value,
-            at => tap.interpolate(&source[at as usize..], right, below),
-        });
+        self.check_size(mask)?;
+        let values = self.taps.iter().map(|tap| tap.value(mask, self.original_size, unseen_value));
         let (width, height) = self.pinhole.size();
         if image.dimensions() != (width, height) {
             *image = GrayImage::from_pixel(width, height, Luma([unseen_value]));
         }
         image.iter_mut().zip(values).for_each(|(pixel, value)| *pixel = value);
         Ok(())
+    }
+
+    /// Draws the mask that [`Self::apply`] makes by tiles, unless every pixel of `mask` is subject: whether that is so.
+    ///
+    /// # Errors
+    /// A mask of another size than the original camera's image.
+    pub(super) fn draw(&self, mask: &GrayImage, unseen_value: u8, tiles: &mut TileMask) -> Result<bool> {
+        self.check_size(mask)?;
+        Ok(tiles.draw(self, mask, unseen_value))
+    }
+
+    fn check_size(&self, mask: &GrayImage) -> Result<()> {
+        let ((width, height), (w, h)) = (self.original_size, mask.dimensions());
+        if (w, h) == (width, height) {
+            return Ok(());
+        }
+        let problem = format!(
+            "expected a mask of {width} x {height} pixels as the camera has, found {w} x {h}; \
+             use masks of the calibrated size"
+        );
+        Err(Error::view(self.pinhole.name(), problem))
     }
 }
 
@@ -156,6 +184,17 @@ impl Tap {
         let (x, right) = split(source.x, width);
         let (y, below) = split(source.y, height);
         Self { upper_left: y * width + x, right, below }
+    }
+
+    /// The value in `mask`, an image of `size` pixels.
+    #[inline(always)]
+    fn value(self, mask: &[u8], (width, height): (u32, u32), unseen_value: u8) -> u8 {
+        let right = usize::from(width > 1);
+        let below = if height > 1 { width as usize } else { 0 };
+        match self.upper_left {
+            UNSEEN => unseen_value,
+            at => self.interpolate(&mask[at as usize..], right, below),
+        }
     }
 
     /// The value from `pixels`, which start at the upper left one; `right` and `below` are the steps to its neighbours.

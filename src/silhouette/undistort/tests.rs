@@ -1,3 +1,5 @@
+mod tiles;
+
 use super::*;
 use nalgebra::{Isometry3, Point3, Vector3};
 

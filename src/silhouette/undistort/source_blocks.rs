@@ -1,0 +1,172 @@
+//! Which parts of a distorted mask are uniform, found in one pass over it.
+//!
+//! ```text
+//!   mask                      blocks of 4 x 4 pixels     windows of 2 x 2 blocks, by their upper left one
+//!   . . . . . . . . . . # #   +---+---+---+              +-------+
+//!   . . . . . . . . . # # #   | . | . | x |              |  .  x |      . all background     x neither
+//!   . . . . . . . . . # # #   +---+---+---+              |       |      # all subject
+//!   . . . . . . . . # # # #                              +-------+
+//! ```
+
+use crate::silhouette::SUBJECT;
+use crate::vectorised::vectorised;
+use image::GrayImage;
+
+/// Width and height of a block in pixels.
+pub(super) const BLOCK: usize = 4;
+
+/// Bit of a class: some byte is not 255.
+const NOT_FULL: u8 = 1;
+
+/// Bit of a class: some byte is not 0.
+const NOT_EMPTY: u8 = 2;
+
+/// The class of pixels that are all 0.
+pub(super) const BACKGROUND: u8 = NOT_FULL;
+
+/// The class of pixels that are all 255.
+pub(super) const FOREGROUND: u8 = NOT_EMPTY;
+
+/// The class of all other pixels.
+pub(super) const MIXED: u8 = NOT_FULL | NOT_EMPTY;
+
+/// Sides of windows in blocks, each made from four windows of the side before.
+pub(super) const SIDES: [usize; 6] = [1, 2, 3, 4, 8, 16];
+
+/// Place of a window that counts as mixed whatever the mask.
+pub(super) const ALWAYS_MIXED: u32 = 0;
+
+/// Place of a window for what the lens does not see.
+pub(super) const UNSEEN_WINDOW: u32 = 1;
+
+/// Places before those of the mask's own windows.
+const RESERVED: usize = 2;
+
+/// The blocks of an image, and where the class of a window stands in the table.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BlockGrid {
+    width: usize,
+    across: usize,
+    down: usize,
+}
+
+impl BlockGrid {
+    /// The blocks of an image of this width and height.
+    pub(super) fn new((width, height): (usize, usize)) -> Self {
+        Self { width, across: width.div_ceil(BLOCK), down: height.div_ceil(BLOCK) }
+    }
+
+    /// The smallest window around the pixels `x0..=x1`, `y0..=y1`: its place, and the index of its side.
+    pub(super) fn window(&self, (x0, y0): (usize, usize), (x1, y1): (usize, usize)) -> (u32, usize) {
+        let (left, top) = (x0 / BLOCK, y0 / BLOCK);
+        let side = (x1 / BLOCK - left).max(y1 / BLOCK - top) + 1;
+        let fits = |&k: &usize| side <= SIDES[k] && SIDES[k] <= self.across.min(self.down);
+        let Some(level) = (0..SIDES.len()).find(fits) else {
+            return (ALWAYS_MIXED, 0);
+        };
+        let (left, top) = (left.min(self.across - SIDES[level]), top.min(self.down - SIDES[level]));
+        let place = RESERVED + level * self.count() + top * self.across + left;
+        u32::try_from(place).map_or((ALWAYS_MIXED, 0), |place| (place, level))
+    }
+
+    fn count(&self) -> usize {
+        self.across * self.down
+    }
+}
+
+/// The class of every window of a mask.
+#[derive(Debug, Default)]
+pub(super) struct SourceBlocks {
+    classes: Vec<u8>,
+}
+
+impl SourceBlocks {
+    /// Classifies the windows of `mask` up to the side of index `last_level`; what the lens does not see has the class
+    /// `unseen`. Returns whether every pixel is subject.
+    pub(super) fn classify(
+        &mut self,
+        mask: &GrayImage,
+        grid: &BlockGrid,
+        last_level: usize,
+        unseen: u8,
+    ) -> bool {
+        let count = grid.count();
+        self.classes.resize(RESERVED + (last_level + 1) * count, 0);
+        self.classes[ALWAYS_MIXED as usize] = MIXED;
+        self.classes[UNSEEN_WINDOW as usize] = unseen;
+
+        // One pass over the mask; all that follows works on a sixteenth of its bytes.
+        let is_full = classify_blocks(mask, grid.width, &mut self.classes[RESERVED..][..count]);
+
+        // Each side's windows from those of the side before.
+        for level in 1..=last_level {
+            let (smaller, larger) = self.classes[RESERVED + (level - 1) * count..].split_at_mut(count);
+            enlarge(smaller, SIDES[level] - SIDES[level - 1], grid.across, &mut larger[..count]);
+        }
+        is_full
+    }
+
+    /// The class of the window at `place`.
+    #[inline(always)]
+    pub(super) fn class(&self, place: u32) -> u8 {
+        self.classes[place as usize]
+    }
+}
+
+vectorised! {
+    /// Writes the class of each block; returns whether every byte is subject.
+    fn classify_blocks(mask: &[u8], width: usize, classes: &mut [u8]) -> bool {
+        let (across, whole) = (width.div_ceil(BLOCK), width / BLOCK);
+        let mut common = u32::MAX;
+        for (rows, classes) in mask.chunks(BLOCK * width).zip(classes.chunks_exact_mut(across)) {
+            // The last row stands in for those that the lowest blocks lack.
+            let mut four = [&rows[rows.len() - width..]; BLOCK];
+            four.iter_mut().zip(rows.chunks_exact(width)).for_each(|(place, row)| *place = row);
+
+            // A block's row of four bytes is a word.
+            let words = four.map(|row| &row.as_chunks::<BLOCK>().0[..whole]);
+            let inner = &mut classes[..whole];
+            let mut common_here = u32::MAX;
+            for k in 0..whole {
+                let [a, b, c, d] = words.map(|row| u32::from_ne_bytes(row[k]));
+                let (any, every) = (a | b | c | d, a & b & c & d);
+                inner[k] = class_of(any, every);
+                common_here &= every;
+            }
+            common &= common_here;
+
+            // The rightmost block may be narrower.
+            let rest = || four.iter().flat_map(|row| &row[BLOCK * whole..]).map(|&byte| u32::from(byte) * 0x0101_0101);
+            if whole < across {
+                let (any, every) = (rest().fold(0, |any, word| any | word), rest().fold(u32::MAX, |every, word| every & word));
+                classes[whole] = class_of(any, every);
+                common &= every;
+            }
+        }
+        let tops = u32::from_ne_bytes([SUBJECT; 4]);
+        common & tops == tops
+    }
+}
+
+/// The class of pixels of which these are the bits that any of them and that every one of them has.
+#[inline(always)]
+fn class_of(any: u32, every: u32) -> u8 {
+    (u8::from(every != u32::MAX) * NOT_FULL) | (u8::from(any != 0) * NOT_EMPTY)
+}
+
+vectorised! {
+    /// Writes the classes of windows that are `by` blocks wider and higher than those of `smaller`. Those that leave the
+    /// image come out wrong, and are no window of any tile.
+    fn enlarge(smaller: &[u8], by: usize, across: usize, larger: &mut [u8]) {
+        let count = smaller.len().saturating_sub(by * across + by);
+        let shifted = [0, by, by * across, by * across + by].map(|shift| &smaller[shift.min(smaller.len())..]);
+        if count == 0 {
+            return;
+        }
+        let [a, b, c, d] = shifted.map(|classes| &classes[..count]);
+        let larger = &mut larger[..count];
+        for k in 0..count {
+            larger[k] = a[k] | b[k] | c[k] | d[k];
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Where the pixels of a pinhole image lie in the original, by tiles of 8 x 8 pixels.
+//!
+//! A tile takes its pixels from a small window of the original's blocks. Where that is uniform, so is the tile, and one
+//! look-up tells; elsewhere the tile is interpolated from a patch of the original that is copied beforehand.
+
+// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+#![allow(clippy::needless_range_loop)]
+
+use super::source_blocks::{BlockGrid, UNSEEN_WINDOW};
+use super::{FULL, Tap, UNSEEN};
+
+/// Width and height of a tile in pixels.
+pub(super) const SIDE: usize = 8;
+
+/// Pixels of a tile.
+pub(super) const PIXELS: usize = SIDE * SIDE;
+
+/// Width of a patch in pixels.
+const PATCH_WIDTH: usize = 16;
+
+/// Height of a patch in pixels. Places in a patch are bytes; those of a sixteenth row stand for what the lens does not
+/// see.
+const PATCH_HEIGHT: usize = 15;
+
+/// The place in a patch of what the lens does not see.
+const UNSEEN_PLACE: u8 = (PATCH_WIDTH * PATCH_HEIGHT) as u8;
+
+/// The bytes of a patch and of the rows behind it, which the last places' right and lower neighbours lie in.
+const PATCH_BYTES: usize = PATCH_WIDTH * (PATCH_HEIGHT + 3);
+
+/// The tiles of a pinhole image, row-major. Those at the right and lower border reach beyond it, where all is unseen.
+#[derive(Debug, Clone)]
+pub(super) struct TileMap {
+    /// Tiles side by side.
+    pub(super) across: usize,
+    pub(super) blocks: BlockGrid,
+    /// The index of the largest side that a window has.
+    pub(super) last_level: usize,
+    /// For each tile the place of its window's class.
+    pub(super) windows: Vec<u32>,
+    /// The tiles of which the lens sees a part only.
+    pub(super) partly_seen: Vec<u32>,
+    /// For each tile the index of its patch's first pixel in the original, or [`NO_PATCH`].
+    pub(super) sources: Vec<u32>,
+    pub(super) patches: Vec<Patch>,
+}
+
+/// The source of a tile that has no patch, because its pixels are spread farther over the original.
+pub(super) const NO_PATCH: u32 = u32::MAX;
+
+/// Where a tile's pixels lie in the patch of the original that they are taken from. Aligned to cache lines, of which it
+/// fills three: in large images those of a frame's outlines come from memory.
+#[derive(Debug, Clone)]
+#[repr(align(64))]
+pub(super) struct Patch {
+    /// For each pixel of the tile the place in the patch of the upper left one of the four around it.
+    places: [u8; PIXELS],
+    /// How far it lies right of that pixel's centre, in units of [`FULL`].
+    right: [u8; PIXELS],
+    /// How far it lies below that pixel's centre, in units of [`FULL`].
+    below: [u8; PIXELS],
+}
+
+/// The pixels that hold all four pixels around each of some taps, both corners included.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    low: (usize, usize),
+    high: (usize, usize),
+}
+
+impl TileMap {
+    /// The tiles of a pinhole image of `size` pixels with these taps into an original of `original` pixels.
+    pub(super) fn new(taps: &[Tap], size: (u32, u32), original: (u32, u32)) -> Self {
+        let [size, original] = [size, original].map(|(width, height)| (width as usize, height as usize));
+        let (across, down) = (size.0.div_ceil(SIDE), size.1.div_ceil(SIDE));
+        let mut map = Self {
+            across,
+            blocks: BlockGrid::new(original),
+            last_level: 0,
+            windows: Vec::with_capacity(across * down),
+            partly_seen: Vec::new(),
+            sources: Vec::with_capacity(across * down),
+            patches: Vec::with_capacity(across * down),
+        };
+        for tile in 0..across * down {
+            let taps = pixels_of(tile, across).map(|(x, y)| match x < size.0 && y < size.1 {
+                true => taps[y * size.0 + x],
+                false => Tap { upper_left: UNSEEN, right: 0, below: 0 },
+            });
+            map.push(&taps, original);
+        }
+        map
+    }
+
+    /// Appends the tile with these taps.
+    fn push(&mut self, taps: &[Tap; PIXELS], original: (usize, usize)) {
+        let seen = taps.iter().filter(|tap| tap.upper_left != UNSEEN);
+        if (1..PIXELS).contains(&seen.clone().count()) {
+            self.partly_seen.push(self.patches.len() as u32);
+        }
+
+        // The window and the patch hold all pixels that the tile is interpolated from.
+        let places =
+            seen.map(|tap| (tap.upper_left as usize % original.0, tap.upper_left as usize / original.0));
+        let (window, source, patch) = match Extent::around(places, original) {
+            Some(extent) => {
+                let (window, level) = self.blocks.window(extent.low, extent.high);
+                self.last_level = self.last_level.max(level);
+                let (source, patch) =
+                    Patch::new(taps, &extent, original).unwrap_or((NO_PATCH, Patch::UNSEEN));
+                (window, source, patch)
+            }
+            None => (UNSEEN_WINDOW, NO_PATCH, Patch::UNSEEN),
+        };
+        self.windows.push(window);
+        self.sources.push(source);
+        self.patches.push(patch);
+    }
+}
+
+/// The pixels of a tile, row-major.
+pub(super) fn pixels_of(tile: usize, across: usize) -> [(usize, usize); PIXELS] {
+    let (x, y) = (tile % across * SIDE, tile / across * SIDE);
+    std::array::from_fn(|k| (x + k % SIDE, y + k / SIDE))
+}
+
+impl Extent {
+    /// The extent of the pixels right of and below `places` too, as far as they lie in the image; `None` without any.
+    fn around(places: impl Iterator<Item = (usize, usize)>, (width, height): (usize, usize)) -> Option<Self> {
+        let ranges = places
+            .map(|(x, y)| (x, y, x, y))
+            .reduce(|a, b| (a.0.min(b.0), a.1.min(b.1), a.2.max(b.2), a.3.max(b.3)));
+        let (x0, y0, x1, y1) = ranges?;
+        Some(Self { low: (x0, y0), high: ((x1 + 1).min(width - 1), (y1 + 1).min(height - 1)) })
+    }
+}
+
+impl Patch {
+    /// The patch of a tile that the lens does not see.
+    const UNSEEN: Self = Self { places: [UNSEEN_PLACE; PIXELS], right: [0; PIXELS], below: [0; PIXELS] };
+
+    /// The patch of a tile, and the index of its first pixel; `None` where the tile's pixels are spread too far.
+    fn new(taps: &[Tap; PIXELS], extent: &Extent, (width, height): (usize, usize)) -> Option<(u32, Self)> {
+        // The patch lies in the image as a whole.
+        let left = extent.low.0.min(width.checked_sub(PATCH_WIDTH)?);
+        let top = extent.low.1.min(height.checked_sub(PATCH_HEIGHT)?);
+        if extent.high.0 >= left + PATCH_WIDTH || extent.high.1 >= top + PATCH_HEIGHT {
+            return None;
+        }
+
+        let mut patch = Self::UNSEEN;
+        for (k, tap) in taps.iter().enumerate().filter(|(_, tap)| tap.upper_left != UNSEEN) {
+            // A whole pixel to the right is the next pixel, so that what is left is less than one, and fits a byte.
+            let (x, right) = carried(tap.upper_left as usize % width - left, tap.right);
+            let (y, below) = carried(tap.upper_left as usize / width - top, tap.below);
+            patch.places[k] = (y * PATCH_WIDTH + x) as u8;
+            (patch.right[k], patch.below[k]) = (right, below);
+        }
+        Some(((top * width + left) as u32, patch))
+    }
+
+    /// The tile's bytes, by the arithmetic of [`Tap::interpolate`], where the patch begins with pixel `source` of a
+    /// mask of this `width`.
+    #[inline(always)]
+    pub(super) fn interpolate(
+        &self,
+        mask: &[u8],
+        source: usize,
+        width: usize,
+        unseen_value: u8,
+    ) -> [u8; PIXELS] {
+        let mut patch = [unseen_value; PATCH_BYTES];
+        let rows = patch.as_chunks_mut::<PATCH_WIDTH>().0.iter_mut().take(PATCH_HEIGHT);
+        for (row, start) in rows.zip((source..).step_by(width)) {
+            row.copy_from_slice(&mask[start..start + PATCH_WIDTH]);
+        }
+
+        // Two pixels side by side are one load.
+        let pair = |place: usize| u16::from_le_bytes([patch[place], patch[place + 1]]);
+        let (mut upper, mut lower) = ([0; PIXELS], [0; PIXELS]);
+        for k in 0..PIXELS {
+            let place = usize::from(self.places[k]);
+            (upper[k], lower[k]) = (pair(place), pair(place + PATCH_WIDTH));
+        }
+
+        // All lanes at once: first along the rows, then between them.
+        let mut bytes = [0; PIXELS];
+        for k in 0..PIXELS {
+            let (right, below) = (u32::from(self.right[k]), u32::from(self.below[k]));
+            let mix = |pair: u16| u32::from(pair & 0xff) * (FULL - right) + u32::from(pair >> 8) * right;
+            let sum = mix(upper[k]) * (FULL - below) + mix(lower[k]) * below;
+            bytes[k] = ((sum + FULL * FULL / 2) / (FULL * FULL)) as u8;
+        }
+        bytes
+    }
+}
+
+/// A pixel and how far a position lies beyond it, less than a pixel.
+fn carried(pixel: usize, beyond: u16) -> (usize, u8) {
+    let full = FULL as u16;
+    (pixel + usize::from(beyond / full), (beyond % full) as u8)
+}

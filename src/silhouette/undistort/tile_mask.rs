@@ -1,0 +1,230 @@
+//! A pinhole's mask by tiles of 8 x 8 pixels: uniform ones share two tiles of bytes, the others have their own.
+
+// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+#![allow(clippy::needless_range_loop)]
+
+use super::Undistortion;
+use super::source_blocks::{BACKGROUND, FOREGROUND, MIXED, SourceBlocks};
+use super::tile_map::{NO_PATCH, PIXELS, SIDE, pixels_of};
+use crate::silhouette::Rect;
+use crate::silhouette::region::top_bits;
+use crate::vectorised::vectorised;
+use image::GrayImage;
+
+/// The bytes of a tile, row-major.
+pub(super) type Tile = [u8; PIXELS];
+
+/// A bit for each pixel of a tile, row-major, the first in the lowest bit.
+type TileBits = u64;
+
+/// The bits of a tile's leftmost column.
+const LEFTMOST: TileBits = 0x0101_0101_0101_0101;
+
+/// The tiles that are all background and all subject.
+static UNIFORM: [Tile; 2] = [[0; PIXELS], [255; PIXELS]];
+
+/// Classes looked at together.
+const CHUNK: usize = 8;
+
+/// A pinhole's mask, drawn from the original camera's; memory for the next one.
+#[derive(Debug, Default)]
+pub(crate) struct TileMask {
+    blocks: SourceBlocks,
+    width: usize,
+    height: usize,
+    /// Tiles side by side.
+    pub(super) across: usize,
+    /// The class of each tile.
+    classes: Vec<u8>,
+    /// The subject pixels of each tile, those beyond the image too.
+    pub(super) subject: Vec<TileBits>,
+    /// The tiles that are not uniform, in ascending order, and scratch behind them.
+    mixed: Vec<u32>,
+    /// For each tile that is not uniform the place of its bytes.
+    places: Vec<u32>,
+    /// The bytes of the tiles that are not uniform, in the order of that list.
+    bytes: Vec<Tile>,
+    /// For each column of tiles the subject pixels of all its tiles together.
+    columns: Vec<TileBits>,
+    has_coverage: bool,
+}
+
+impl TileMask {
+    /// Draws what the pinhole of `lens` sees of `mask`, a mask of the original camera; returns whether every pixel of
+    /// that is subject, and then draws nothing.
+    pub(super) fn draw(&mut self, lens: &Undistortion, mask: &GrayImage, unseen_value: u8) -> bool {
+        let (map, unseen) = (&lens.tiles, if unseen_value == 0 { BACKGROUND } else { FOREGROUND });
+        if self.blocks.classify(mask, &map.blocks, map.last_level, unseen) {
+            return true;
+        }
+        let size = lens.pinhole.size();
+        (self.width, self.height, self.across) = (size.0 as usize, size.1 as usize, map.across);
+
+        // A tile of which a part is unseen is uniform only if the rest is as the unseen part.
+        let blocks = &self.blocks;
+        self.classes.clear();
+        self.classes.extend(map.windows.iter().map(|&window| blocks.class(window)));
+        map.partly_seen.iter().for_each(|&tile| self.classes[tile as usize] |= unseen);
+
+        // Uniform tiles are filled at once; the others are listed, so that interpolating them has no branch.
+        let count = self.classes.len();
+        self.subject.resize(count, 0);
+        self.places.resize(count, 0);
+        self.mixed.resize(count, 0);
+        fill_uniform(&self.classes, &mut self.subject);
+        let mixed = list_mixed(&self.classes, &mut self.mixed);
+
+        self.bytes.resize(self.bytes.len().max(mixed), UNIFORM[0]);
+        self.has_coverage = interpolate_mixed(lens, mask, unseen_value, mixed, self);
+        false
+    }
+
+    /// The bytes of a tile.
+    #[inline(always)]
+    pub(super) fn tile(&self, tile: usize) -> &Tile {
+        match self.classes[tile] {
+            BACKGROUND => &UNIFORM[0],
+            FOREGROUND => &UNIFORM[1],
+            _ => &self.bytes[self.places[tile] as usize],
+        }
+    }
+
+    /// The image's pixels.
+    pub(in crate::silhouette) fn image(&self) -> Rect {
+        Rect::of_image(self.width as u32, self.height as u32)
+    }
+
+    /// Whether any byte of the image is neither 0 nor 255.
+    pub(in crate::silhouette) fn has_coverage(&self) -> bool {
+        self.has_coverage
+    }
+
+    /// The smallest rectangle around the subject.
+    pub(in crate::silhouette) fn find_rect(&mut self) -> Rect {
+        self.columns.clear();
+        self.columns.resize(self.across, 0);
+        let (first_row, last_row) =
+            take_extremes(&self.subject, (self.width, self.height), &mut self.columns);
+
+        // The outermost columns of tiles that hold subject, and in each the outermost column of pixels.
+        let column = |bits: &TileBits| (0..SIDE).fold(0, |any, row| any | (bits >> (SIDE * row)) as u8);
+        let left = self.columns.iter().position(|&bits| bits != 0);
+        let right = self.columns.iter().rposition(|&bits| bits != 0);
+        let (Some(left), Some(right)) = (left, right) else {
+            return Rect::EMPTY;
+        };
+        let first = column(&self.columns[left]).trailing_zeros();
+        let last = u8::BITS - column(&self.columns[right]).leading_zeros();
+        Rect {
+            x0: (SIDE * left) as i32 + first as i32,
+            y0: first_row as i32,
+            x1: (SIDE * right) as i32 + last as i32,
+            y1: last_row as i32 + 1,
+        }
+    }
+}
+
+vectorised! {
+    /// Writes the bits of uniform tiles; those of the others mean nothing yet.
+    fn fill_uniform(classes: &[u8], subject: &mut [TileBits]) {
+        for (&class, subject) in classes.iter().zip(subject) {
+            *subject = TileBits::from(class == FOREGROUND).wrapping_neg();
+        }
+    }
+}
+
+/// Lists the tiles that are not uniform, and counts them.
+fn list_mixed(classes: &[u8], mixed: &mut [u32]) -> usize {
+    let mut count = 0;
+    let mut list = |classes: &[u8], first: u32| {
+        // Each tile is written, and the next one in its place if it is uniform: no branch that is hard to predict.
+        for (&class, tile) in classes.iter().zip(first..) {
+            mixed[count] = tile;
+            count += usize::from(class == MIXED);
+        }
+    };
+    let (chunks, rest) = classes.as_chunks::<CHUNK>();
+    for (chunk, first) in chunks.iter().zip((0..).step_by(CHUNK)) {
+        let classes = u64::from_le_bytes(*chunk);
+        if classes & (classes >> 1) & LEFTMOST != 0 {
+            list(chunk, first);
+        }
+    }
+    list(rest, (classes.len() - rest.len()) as u32);
+    count
+}
+
+vectorised! {
+    /// Interpolates the `count` tiles that are not uniform; returns whether any has coverage.
+    fn interpolate_mixed(
+        lens: &Undistortion,
+        mask: &[u8],
+        unseen_value: u8,
+        count: usize,
+        drawn: &mut TileMask,
+    ) -> bool {
+        let (map, width) = (&lens.tiles, lens.original_size.0 as usize);
+        let mut coverage = 0;
+        for (place, (&tile, bytes)) in drawn.mixed[..count].iter().zip(&mut drawn.bytes).enumerate() {
+            let k = tile as usize;
+            *bytes = match map.sources[k] {
+                NO_PATCH => interpolate_each(lens, mask, unseen_value, k),
+                source => map.patches[k].interpolate(mask, source as usize, width, unseen_value),
+            };
+
+            // One more makes 255 and 0 the only bytes without a bit above the lowest.
+            coverage |= bytes.iter().fold(0, |coverage, byte| coverage | byte.wrapping_add(1) >> 1);
+            drawn.subject[k] = subject_of(bytes);
+            drawn.places[k] = place as u32;
+        }
+        coverage != 0
+    }
+}
+
+/// The bytes of a tile whose pixels are spread too far over the original for a patch.
+#[inline(never)]
+fn interpolate_each(lens: &Undistortion, mask: &[u8], unseen_value: u8, tile: usize) -> Tile {
+    let (width, height) = lens.pinhole.size();
+    pixels_of(tile, lens.tiles.across).map(|(x, y)| match x < width as usize && y < height as usize {
+        true => lens.taps[y * width as usize + x].value(mask, lens.original_size, unseen_value),
+        false => unseen_value,
+    })
+}
+
+/// The subject pixels of a tile.
+#[inline(always)]
+fn subject_of(bytes: &Tile) -> TileBits {
+    let (rows, mut packed) = (bytes.as_chunks().0, [0; SIDE]);
+    for k in 0..SIDE {
+        packed[k] = top_bits(&rows[k]);
+    }
+    TileBits::from_le_bytes(packed)
+}
+
+vectorised! {
+    /// Unites the tiles of each column in `columns`, as far as they lie in the image of this `size`; returns the first
+    /// and the last row of pixels with subject, zero where none has any.
+    fn take_extremes(subject: &[TileBits], size: (usize, usize), columns: &mut [TileBits]) -> (usize, usize) {
+        let last_column = columns.len() - 1;
+        let in_last_column = LEFTMOST * (0xff >> (SIDE * columns.len() - size.0));
+        let (mut first_row, mut last_row) = (None, 0);
+        for (row, tiles) in subject.chunks_exact(columns.len()).enumerate() {
+            let beyond = (SIDE * (row + 1)).saturating_sub(size.1);
+            let in_image = TileBits::MAX >> (SIDE * beyond);
+            let mut any = 0;
+            for (column, &tile) in columns[..last_column].iter_mut().zip(tiles) {
+                *column |= tile & in_image;
+                any |= tile;
+            }
+            let last = tiles[last_column] & in_last_column;
+            columns[last_column] |= last & in_image;
+
+            any = (any | last) & in_image;
+            if any != 0 {
+                first_row = first_row.or(Some(SIDE * row + any.trailing_zeros() as usize / SIDE));
+                last_row = SIDE * (row + 1) - 1 - any.leading_zeros() as usize / SIDE;
+            }
+        }
+        (first_row.unwrap_or(0), last_row)
+    }
+}

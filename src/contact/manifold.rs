@@ -26,6 +26,10 @@ pub(super) struct Manifolds {
     asked: Vec<usize>,
     unknown: Vec<ExitRay>,
     exits: Vec<f64>,
+    /// Of the unknown ones: their places, the deepest known depths of their manifolds, and which may be deeper.
+    places: Vec<usize>,
+    deepest: Vec<f64>,
+    kept: Vec<usize>,
 }
 
 /// A manifold before its points are reduced.
@@ -57,6 +61,9 @@ impl Default for Manifolds {
             asked: Vec::new(),
             unknown: Vec::new(),
             exits: Vec::new(),
+            places: Vec::new(),
+            deepest: Vec::new(),
+            kept: Vec::new(),
         }
     }
 }
@@ -181,21 +188,32 @@ impl Manifolds {
         self.find_depths(hull, scratch);
 
         // Then those that do not provably exit before.
-        for PendingManifold { points, deepest_guess, .. } in &self.manifolds {
-            let deepest = self.depths[*deepest_guess].unwrap_or(0.0);
-            if deepest < self.max_depth {
-                let may_be_deeper = |&place: &usize| {
-                    self.depths[place].is_none()
-                        && !hull.provably_exits_before(&self.rays[place], self.edge, deepest)
-                };
-                self.asked.extend(points.clone().filter(may_be_deeper));
-            }
-        }
+        self.ask_unless_shallower(hull, scratch);
         self.find_depths(hull, scratch);
         for manifold in &mut self.manifolds {
             let known = self.depths[manifold.points.clone()].iter().flatten();
             manifold.deepest = known.copied().fold(0.0, f64::max);
         }
+    }
+
+    /// Asks for the depths of the points that are not provably shallower than the deepest known one of their manifold.
+    fn ask_unless_shallower(&mut self, hull: &Hull, scratch: &mut Scratch) {
+        let Self { manifolds, rays, depths, asked, unknown, places, deepest, kept, edge, max_depth, .. } =
+            self;
+        places.clear();
+        unknown.clear();
+        deepest.clear();
+        for PendingManifold { points, deepest_guess, .. } in manifolds.iter() {
+            let known = depths[*deepest_guess].unwrap_or(0.0);
+            for place in points.clone().filter(|&place| known < *max_depth && depths[place].is_none()) {
+                places.push(place);
+                unknown.push(rays[place]);
+                deepest.push(known);
+            }
+        }
+        kept.clear();
+        hull.keep_unless_proven(unknown, deepest, *edge, scratch, kept);
+        asked.extend(kept.iter().map(|&k| places[k]));
     }
 
     /// Finds the first point of each manifold that counts as deepest.

@@ -1,8 +1,8 @@
 //! The contact normals and edge points of background pixels: the paper's mean with each vector weighted by
-//! `(1 - coverage)` and a bell, which takes the square window's bias away.
+//! `(1 - coverage)` and a round kernel, which takes the square window's bias away.
 //!
 //! A window of 13x13 pixels is dear, and its sums have to be taken in order. So several windows are summed side by
-//! side.
+//! side, and so are the half-coverage crossings found.
 
 use super::edge::{Edge, EdgePixel, SHORTEST_MEAN};
 use super::{HALF_COVERAGE, Silhouette};
@@ -18,14 +18,14 @@ const SIDE: usize = 2 * WINDOW as usize + 1;
 /// Windows summed side by side.
 const ABREAST: usize = 16;
 
-/// Squared distance, in pixels, at which the contact normal's weights `(1 - r^2 / REACH_SQUARED)^3` end: a round bell
+/// Squared distance, in pixels, at which the contact normal's weights `(1 - r^2 / REACH_SQUARED)^3` end: a round kernel
 /// of standard deviation 2.2, wide enough to see past the stairs of a binary edge, narrow enough to follow a finger.
 /// It ends inside the window. A Gaussian that the square window cuts off tilts the normals of straight edges by 0.08
 /// degrees on average, enough for a sphere on a flat table to roll away; this one by 0.02.
 const REACH_SQUARED: f64 = 48.0;
 
 /// The weights of the contact normal's window.
-const BELL: [[f64; SIDE]; SIDE] = {
+const KERNEL: [[f64; SIDE]; SIDE] = {
     let mut weights = [[0.0; SIDE]; SIDE];
     let mut k = 0;
     while k < SIDE * SIDE {
@@ -42,40 +42,51 @@ const BELL: [[f64; SIDE]; SIDE] = {
 /// The weights' sums of windows side by side: times the offset's x, times its y, and alone.
 type Sums = [[f64; ABREAST]; 3];
 
+/// The bytes of windows side by side: of each row the first eight, and the last eight, which overlap.
+type Bytes = [[[u64; ABREAST]; 2]; SIDE];
+
+/// Where the last eight bytes of a row of a window begin.
+const LAST_EIGHT: usize = SIDE - 8;
+
 /// Finds the edges at some background pixels of a silhouette, which remembers them.
 pub(crate) fn compute_edges(silhouette: &Silhouette, pixels: &[EdgePixel]) {
-    let edges = &silhouette.derived_tables().edges;
+    if pixels.is_empty() {
+        return;
+    }
+    let edges = silhouette.edge_table();
     for pixels in pixels.chunks(ABREAST) {
-        let sums = sums_around(silhouette, pixels.iter().map(|pixel| pixel.at));
-        for (slot, pixel) in pixels.iter().enumerate() {
-            edges.get(pixel, || edge(silhouette, pixel.at, &sums, slot));
+        let mut at = [pixels[0].at; ABREAST];
+        at.iter_mut().zip(pixels).for_each(|(at, pixel)| *at = pixel.at);
+        let found = edges_at(silhouette, &at);
+        for (pixel, edge) in pixels.iter().zip(found) {
+            edges.get(pixel, || edge);
         }
     }
 }
 
 /// The edge at one pixel.
 pub(super) fn at(silhouette: &Silhouette, pixel: (i32, i32)) -> Option<Edge> {
-    edge(silhouette, pixel, &sums_around(silhouette, std::iter::once(pixel)), 0)
+    edges_at(silhouette, &[pixel; ABREAST])[0]
 }
 
-fn edge(silhouette: &Silhouette, (i, j): (i32, i32), [x, y, total]: &Sums, slot: usize) -> Option<Edge> {
-    let normal = (Vector2::new(x[slot], y[slot]) / total[slot]).try_normalize(SHORTEST_MEAN)?;
-    let centre = Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
-    let point = centre - normal * silhouette.depth_of_edge(centre, normal);
-    Some(Edge { point, normal })
-}
-
-fn sums_around(silhouette: &Silhouette, pixels: impl Iterator<Item = (i32, i32)>) -> Sums {
-    if silhouette.has_coverage {
-        return sums_of_bytes(silhouette, pixels);
-    }
-    let mut background = [[0; ABREAST]; SIDE];
-    for (slot, pixel) in pixels.enumerate() {
-        for (row, bits) in background.iter_mut().zip(silhouette.background_around(pixel)) {
-            row[slot] = bits;
-        }
-    }
-    sums_of_bits(&background)
+/// The edges at background pixels.
+fn edges_at(silhouette: &Silhouette, pixels: &[(i32, i32); ABREAST]) -> [Option<Edge>; ABREAST] {
+    let centre = |k: usize| Point2::new(f64::from(pixels[k].0) + 0.5, f64::from(pixels[k].1) + 0.5);
+    let normals = |[x, y, total]: &Sums| -> [Option<Vector2<f64>>; ABREAST] {
+        std::array::from_fn(|k| (Vector2::new(x[k], y[k]) / total[k]).try_normalize(SHORTEST_MEAN))
+    };
+    let (normals, depths) = if silhouette.has_coverage {
+        let bytes = silhouette.bytes_around(pixels);
+        let normals = normals(&sums_of_bytes(&bytes));
+        (normals, depths_of_edges(&bytes, pixels, &normals.map(Option::unwrap_or_default)))
+    } else {
+        // The edge lies at the pixels' border.
+        (normals(&sums_of_bits(&silhouette.background_around(pixels))), [0.5; ABREAST])
+    };
+    std::array::from_fn(|k| {
+        let normal = normals[k]?;
+        Some(Edge { point: centre(k) - normal * depths[k], normal })
+    })
 }
 
 vectorised! {
@@ -97,23 +108,76 @@ vectorised! {
     }
 }
 
-/// The sums of windows with coverage.
-fn sums_of_bytes(silhouette: &Silhouette, pixels: impl Iterator<Item = (i32, i32)>) -> Sums {
-    let [mut x, mut y, mut total] = [[0.0; ABREAST]; 3];
-    for (slot, (i, j)) in pixels.enumerate() {
-        for (dy, bells) in (-WINDOW..).zip(&BELL) {
-            for ((dx, bell), value) in (-WINDOW..).zip(bells).zip(silhouette.values_around(i, j + dy)) {
-                // Most pixels weigh nothing, and adding nothing changes no bit.
-                if value != 255 && *bell != 0.0 {
-                    let weight = f64::from(255 - value) * bell;
-                    x[slot] += f64::from(dx) * weight;
-                    y[slot] += f64::from(dy) * weight;
-                    total[slot] += weight;
+vectorised! {
+    /// The sums of windows with coverage.
+    fn sums_of_bytes(bytes: &Bytes) -> Sums {
+        let [mut x, mut y, mut total] = [[0.0; ABREAST]; 3];
+        for ((dy, row), weights) in (-WINDOW..).zip(bytes).zip(&KERNEL) {
+            for (place, &weight) in weights.iter().enumerate() {
+                let (eight, shift) = byte_of_row(place);
+                let dx = f64::from(place as i32 - WINDOW);
+                for k in 0..ABREAST {
+                    // A pixel that weighs nothing adds nothing, which changes no bit.
+                    let weight = f64::from(255 - (row[eight][k] >> shift) as u8) * weight;
+                    x[k] += dx * weight;
+                    y[k] += f64::from(dy) * weight;
+                    total[k] += weight;
                 }
             }
         }
+        [x, y, total]
     }
-    [x, y, total]
+}
+
+vectorised! {
+    /// How far inwards of background pixels' centres their edges lie, in pixels: where coverage reaches one half on the
+    /// way along the normal, or half a pixel where it does not within two.
+    fn depths_of_edges(
+        bytes: &Bytes,
+        pixels: &[(i32, i32); ABREAST],
+        normals: &[Vector2<f64>; ABREAST],
+    ) -> [f64; ABREAST] {
+        const STEP: f64 = 0.125;
+        let (mut before, mut found) = ([f64::INFINITY; ABREAST], [f64::INFINITY; ABREAST]);
+        for step in 0..=16 {
+            let (depth, mut missing) = (f64::from(step) * STEP, 0);
+            for k in 0..ABREAST {
+                let (i, j) = pixels[k];
+                let u = f64::from(i) + 0.5 - normals[k].x * depth;
+                let v = f64::from(j) + 0.5 - normals[k].y * depth;
+                let here = coverage(bytes, k, (u, i), (v, j)) - HALF_COVERAGE;
+                let crosses = (before[k] < 0.0) & (here >= 0.0) & (found[k] == f64::INFINITY);
+                found[k] = if crosses { depth - STEP * here / (here - before[k]) } else { found[k] };
+                before[k] = here;
+                missing |= u32::from(found[k] == f64::INFINITY);
+            }
+            if missing == 0 {
+                break;
+            }
+        }
+        found.map(|depth| if depth < f64::INFINITY { depth } else { 0.5 })
+    }
+}
+
+/// Coverage in window k at a position within three pixels of its middle: [`Silhouette::coverage`] in the image.
+#[inline(always)]
+fn coverage(bytes: &Bytes, k: usize, (u, i): (f64, i32), (v, j): (f64, i32)) -> f64 {
+    let (left, above) = ((u - 0.5).floor(), (v - 0.5).floor());
+    let (x, y) = (u - 0.5 - left, v - 0.5 - above);
+    let (place, row) = (left as i32 - i + WINDOW, above as i32 - j + WINDOW);
+    let (eight, shift) = if place < 7 { (0, 8 * place) } else { (1, 8 * (place - LAST_EIGHT as i32)) };
+    let pair = |row: i32| {
+        let two = bytes[row.clamp(0, SIDE as i32 - 1) as usize][eight][k] >> (shift & 63);
+        (f64::from(two as u8), f64::from((two >> 8) as u8))
+    };
+    let ((c00, c10), (c01, c11)) = (pair(row), pair(row + 1));
+    (c00 * (1.0 - x) + c10 * x) * (1.0 - y) + (c01 * (1.0 - x) + c11 * x) * y
+}
+
+/// Which of the two eights of a row holds a byte, and by how many bits it is shifted there.
+#[inline(always)]
+fn byte_of_row(place: usize) -> (usize, usize) {
+    if place < 8 { (0, 8 * place) } else { (1, 8 * (place - LAST_EIGHT)) }
 }
 
 /// What a pixel that is background altogether adds to the sums.
@@ -122,7 +186,7 @@ const WHOLE_WEIGHTS: [[[f64; 3]; SIDE]; SIDE] = {
     let mut k = 0;
     while k < SIDE * SIDE {
         let (dx, dy) = ((k % SIDE) as i32 - WINDOW, (k / SIDE) as i32 - WINDOW);
-        let weight = 255.0 * BELL[k / SIDE][k % SIDE];
+        let weight = 255.0 * KERNEL[k / SIDE][k % SIDE];
         weights[k / SIDE][k % SIDE] = [dx as f64 * weight, dy as f64 * weight, weight];
         k += 1;
     }
@@ -130,51 +194,40 @@ const WHOLE_WEIGHTS: [[[f64; 3]; SIDE]; SIDE] = {
 };
 
 impl Silhouette {
-    /// Which pixels of the rows of a window are background, the first of a row in the lowest bit.
-    #[inline(always)]
-    fn background_around(&self, (i, j): (i32, i32)) -> [u64; SIDE] {
+    /// Which pixels of the rows of windows are background, the first of a row in the lowest bit.
+    fn background_around(&self, pixels: &[(i32, i32); ABREAST]) -> [[u64; ABREAST]; SIDE] {
         const ALL: u32 = (1 << SIDE) - 1;
-        let (rect, corner) = (self.region.rect(), (i - WINDOW, j - WINDOW));
-        if rect.contains(corner.0, corner.1) && rect.contains(i + WINDOW, j + WINDOW) {
-            let rows = self.region.rows_from(corner.0, corner.1);
-            std::array::from_fn(|down| u64::from(!rows.row(down as i32) & ALL))
-        } else {
-            let is_background =
-                |k: usize, down: usize| !self.is_subject(corner.0 + k as i32, corner.1 + down as i32);
-            std::array::from_fn(|down| {
-                (0..SIDE).fold(0, |bits, k| bits | u64::from(is_background(k, down)) << k)
-            })
-        }
-    }
-
-    /// The bytes of row `j` in a window around column `i`.
-    fn values_around(&self, i: i32, j: i32) -> [u8; SIDE] {
-        match self.region.row::<SIDE>(i - WINDOW, j) {
-            Some(row) => row,
-            None => std::array::from_fn(|k| self.value(i - WINDOW + k as i32, j)),
-        }
-    }
-
-    /// How far inwards of a background pixel's centre the edge lies, in pixels: where coverage reaches one half, or
-    /// half a pixel where the mask carries none.
-    fn depth_of_edge(&self, centre: Point2<f64>, normal: Vector2<f64>) -> f64 {
-        const STEP: f64 = 0.125;
-        if !self.has_coverage {
-            return 0.5;
-        }
-        let coverage = |depth: f64| {
-            let inwards = centre - normal * depth;
-            self.coverage(inwards.x, inwards.y) - HALF_COVERAGE
-        };
-        let mut before = coverage(0.0);
-        for step in 1..=16 {
-            let depth = f64::from(step) * STEP;
-            let here = coverage(depth);
-            if before < 0.0 && here >= 0.0 {
-                return depth - STEP * here / (here - before);
+        let (rect, mut background) = (self.region.rect(), [[0; ABREAST]; SIDE]);
+        for (k, &(i, j)) in pixels.iter().enumerate() {
+            let (left, above) = (i - WINDOW, j - WINDOW);
+            if rect.contains(left, above) && rect.contains(i + WINDOW, j + WINDOW) {
+                let rows = self.region.rows_from(left, above);
+                for (down, row) in background.iter_mut().enumerate() {
+                    row[k] = u64::from(!rows.row(down as i32) & ALL);
+                }
+            } else {
+                let is_background = |x: usize, y: usize| !self.is_subject(left + x as i32, above + y as i32);
+                for (y, row) in background.iter_mut().enumerate() {
+                    row[k] = (0..SIDE).fold(0, |bits, x| bits | u64::from(is_background(x, y)) << x);
+                }
             }
-            before = here;
         }
-        0.5
+        background
+    }
+
+    /// The bytes of windows around pixels.
+    fn bytes_around(&self, pixels: &[(i32, i32); ABREAST]) -> Bytes {
+        let mut bytes = [[[0; ABREAST]; 2]; SIDE];
+        for (k, &(i, j)) in pixels.iter().enumerate() {
+            for (y, row) in (j - WINDOW..).zip(&mut bytes) {
+                let values: [u8; SIDE] = self
+                    .region
+                    .row(i - WINDOW, y)
+                    .unwrap_or_else(|| std::array::from_fn(|x| self.value(i - WINDOW + x as i32, y)));
+                let eight = |start: usize| u64::from_le_bytes(std::array::from_fn(|x| values[start + x]));
+                (row[0][k], row[1][k]) = (eight(0), eight(LAST_EIGHT));
+            }
+        }
+        bytes
     }
 }

@@ -4,6 +4,7 @@
 //! [`SUBJECT`]. The values between are coverage, the fraction of the pixel that the subject covers, and put the edge
 //! inside the pixel. What lies beyond the image is decided by the [`Border`].
 
+mod cell_distance;
 mod contact_edge;
 mod distance;
 mod edge;
@@ -248,6 +249,18 @@ impl Silhouette {
     #[inline]
     pub(crate) fn distance_at(&self, place: usize) -> u16 {
         self.derived_tables().distances.at(place)
+    }
+
+    /// The distance of the square between four pixel centres whose upper left pixel is at a place of the table.
+    #[cold]
+    pub(crate) fn cell_distance_at(&self, place: usize) -> u16 {
+        let tables = self.derived_tables();
+        tables.cell_distances.at(place, &tables.distances)
+    }
+
+    /// The table of contact edges.
+    fn edge_table(&self) -> &edge::EdgeTable {
+        &self.derived_tables().edges
     }
 
     /// The tables as slices, for queries of many points.

@@ -126,6 +126,11 @@ impl Region {
         self.rect.unwrap_or(Rect::EMPTY)
     }
 
+    /// Whether bytes are kept beside the bits.
+    pub(super) fn has_coverage(&self) -> bool {
+        !self.bytes.is_empty()
+    }
+
     /// Whether it reaches beyond an open border, where all is subject: then its rim is not all background.
     pub(super) fn is_open(&self) -> bool {
         self.is_open

@@ -1,5 +1,6 @@
 //! The tables that follow from a silhouette's bits, and that queries look up.
 
+use super::cell_distance::CellDistances;
 use super::distance::DistanceTable;
 use super::edge::EdgeTable;
 use super::neighbours::Neighbours;
@@ -14,6 +15,7 @@ pub(crate) struct Tables {
     pub(super) turned: Turned,
     pub(super) tiles: Tiles,
     pub(super) distances: DistanceTable,
+    pub(super) cell_distances: CellDistances,
     pub(super) edges: EdgeTable,
 }
 
@@ -33,6 +35,8 @@ pub(crate) struct TableSlices<'a> {
     turned: &'a Turned,
     /// Chebyshev distances, four a word as they lie in memory; 255 for all that are larger than 254.
     pub(crate) distance_words: &'a [u32],
+    /// Distances of the squares between four pixel centres likewise, where the mask carries coverage.
+    pub(crate) cell_distance_words: &'a [u32],
     pub(crate) tiles: &'a Tiles,
 }
 
@@ -53,6 +57,7 @@ impl Tables {
         self.turned.clear();
         self.tiles.fill(region);
         self.distances.fill(region, &self.tiles);
+        self.cell_distances.fill(region, &self.distances);
         self.edges.fill(&self.neighbours);
     }
 
@@ -68,6 +73,7 @@ impl Tables {
             near: self.neighbours.near(),
             turned: &self.turned,
             distance_words: self.distances.narrow_words(),
+            cell_distance_words: self.cell_distances.narrow_words(),
             tiles: &self.tiles,
         }
     }
@@ -78,6 +84,7 @@ impl Tables {
             + self.turned.working_memory()
             + self.tiles.working_memory()
             + self.distances.working_memory()
+            + self.cell_distances.working_memory()
             + self.edges.working_memory()
     }
 }

@@ -142,7 +142,10 @@ vectorised! {
                 others[lane] = u32::from(block.first[lane] != place as u32);
             }
             let others = lane_mask(&others) & (u32::MAX >> (LANES - block.count)) & visible;
-            let unresolved = others & !lines.stay_inside(kernel);
+            let mut unresolved = others & !lines.stay_inside(kernel);
+            if unresolved != 0 {
+                unresolved &= !lines.end_inside(kernel);
+            }
             queue.push(kernel, lines, unresolved, exits);
         }
         queue.drain(kernel, exits);

@@ -222,6 +222,40 @@ impl ImageLines {
         lane_mask(&stays)
     }
 
+    /// Which lines the view surely sees inside up to their limits, since the squares of subject pixels around their starts
+    /// and ends meet: an image that is straight lies in the one until it is in the other.
+    #[inline(always)]
+    pub(super) fn end_inside(&self, kernel: &ViewKernel) -> u32 {
+        // From a point to the side of its pixel's square it may be a pixel less than the distance; half a pixel more for
+        // an edge by coverage, and what is far more than rounding.
+        let rim = 1.0 + kernel.shift + 1e-6;
+        let (mut column, mut row, mut end_distance) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let (mut longest, mut in_rect) = ([0.0; LANES], [0; LANES]);
+        for k in 0..LANES {
+            let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
+            let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+            let t = self.t_max[k];
+            let (x, y, z) = (x0 + x1 * t, y0 + y1 * t, z0 + z1 * t);
+            let (u, v) = (x / z, y / z);
+            let in_columns = (u >= kernel.low[0]) & (u < kernel.high[0]);
+            let in_rows = (v >= kernel.low[1]) & (v < kernel.high[1]);
+            let is_in_rect = in_columns & in_rows & (z > MIN_DEPTH);
+            in_rect[k] = u32::from(is_in_rect);
+            (column[k], row[k]) =
+                (floor(select(is_in_rect, u, kernel.low[0])), floor(select(is_in_rect, v, kernel.low[1])));
+            let (du, dv) = ((u - x0 / z0).abs(), (v - y0 / z0).abs());
+            longest[k] = select(du > dv, du, dv);
+        }
+        kernel.find_distances(&column, &row, 0.0, &mut end_distance);
+        let mut stays = [0; LANES];
+        for k in 0..LANES {
+            let (from_start, from_end) = (self.distance[k] - rim, end_distance[k] - rim);
+            let meet = longest[k] <= from_start + from_end;
+            stays[k] = in_rect[k] & u32::from((from_start >= 0.0) & (from_end >= 0.0) & meet);
+        }
+        lane_mask(&stays)
+    }
+
     /// From the pixel in which each line starts into its first cell.
     #[inline(always)]
     fn enter_first_cell(&mut self, kernel: &ViewKernel) {

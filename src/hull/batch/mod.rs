@@ -19,6 +19,7 @@ mod exits;
 mod line_walk;
 mod nearest_edge;
 mod projection;
+mod rejection;
 mod ring_search;
 
 use super::lanes::set_bits;
@@ -100,6 +101,25 @@ impl Hull {
         }
         scratch.with_kernels(self, edge, |batch| {
             batch.exits.find(self, batch.kernels, rays, t_max, exits);
+        });
+    }
+
+    /// Adds the places of those of `rays` to `kept` whose exits do not provably lie before their `t` metres:
+    /// [`Self::provably_exits_before`] for many, which may leave a few more in doubt.
+    pub(crate) fn keep_unless_proven(
+        &self,
+        rays: &[ExitRay],
+        t: &[f64],
+        edge: EdgeModel,
+        scratch: &mut Scratch,
+        kept: &mut Vec<usize>,
+    ) {
+        scratch.with_kernels(self, edge, |batch| {
+            let mut first = 0;
+            let chunks = rays.chunks(LANES).zip(t.chunks(LANES));
+            for ((rays, t), base) in chunks.zip((0..).step_by(LANES)) {
+                rejection::keep(batch.kernels, rays, t, base, &mut first, kept);
+            }
         });
     }
 

@@ -28,6 +28,8 @@ pub(super) struct ViewKernel<'a> {
     pub(super) corner: (i32, i32),
     /// Chebyshev distances, a row's pixels, and the place that pixel (0, 0) would have.
     distances: Distances<'a>,
+    /// Distances of cells, where these are the squares between four pixel centres.
+    cell_distances: Distances<'a>,
     stride: f64,
     origin: f64,
     /// Whether its edge is taken inside pixels.
@@ -79,6 +81,7 @@ impl<'a> ViewKernel<'a> {
             high: [f64::from(rect.x1), f64::from(rect.y1)],
             corner: tables.corner,
             distances: Distances::new(tables.distance_words, tables.width),
+            cell_distances: Distances::new(tables.cell_distance_words, tables.width),
             stride,
             origin: -(stride * f64::from(tables.corner.1) + f64::from(tables.corner.0)),
             by_coverage,
@@ -95,16 +98,20 @@ impl<'a> ViewKernel<'a> {
     /// there is none. Cells are pixels, or the squares between the centres of four.
     #[inline(always)]
     pub(super) fn find_cell_distances(&self, column: &Wide, row: &Wide, distances: &mut Wide) {
-        self.find_distances(column, row, 0.0, distances);
         if self.by_coverage {
-            for beside in [1.0, self.stride, self.stride + 1.0] {
-                let mut of_corner = [0.0; LANES];
-                self.find_distances(column, row, beside, &mut of_corner);
-                for k in 0..LANES {
-                    distances[k] = select(of_corner[k] < distances[k], of_corner[k], distances[k]);
-                }
-            }
+            let places = self.places(column, row, 0.0);
+            look_up(&self.cell_distances, &places, distances, |place| {
+                self.view.silhouette().cell_distance_at(place)
+            });
+        } else {
+            self.find_distances(column, row, 0.0, distances);
         }
+    }
+
+    /// How many places behind the upper left pixel of a cell its other three lie.
+    #[inline(always)]
+    pub(super) fn other_corners(&self) -> [f64; 3] {
+        [1.0, self.stride, self.stride + 1.0]
     }
 
     /// Whether a cell, a square between four pixel centres, reaches beyond the silhouette's rectangle.
@@ -116,29 +123,23 @@ impl<'a> ViewKernel<'a> {
     /// The distances to the background of the pixels so many places behind these; of what lies beyond the region, some.
     #[inline(always)]
     pub(super) fn find_distances(&self, column: &Wide, row: &Wide, behind: f64, distances: &mut Wide) {
+        self.look_up_pixels(&self.places(column, row, behind), distances);
+    }
+
+    /// The distances of pixels at places of the table.
+    #[inline(always)]
+    fn look_up_pixels(&self, places: &[u32; LANES], distances: &mut Wide) {
+        look_up(&self.distances, places, distances, |place| self.view.silhouette().distance_at(place));
+    }
+
+    /// The places in the table so far behind those of pixels.
+    #[inline(always)]
+    fn places(&self, column: &Wide, row: &Wide, behind: f64) -> [u32; LANES] {
         let (origin, mut places) = (self.origin + behind, [0; LANES]);
         for k in 0..LANES {
             places[k] = index(row[k] * self.stride + column[k] + origin);
         }
-        self.look_up(&places, distances);
-    }
-
-    /// The distances at places of the table.
-    #[inline(always)]
-    fn look_up(&self, places: &[u32; LANES], distances: &mut Wide) {
-        let mut narrow = [0; LANES];
-        for k in 0..LANES {
-            narrow[k] = self.distances.at_place(places[k]);
-        }
-        for k in 0..LANES {
-            distances[k] = f64::from(narrow[k]);
-        }
-        // Distances of 255 and more stand in a table of their own.
-        if narrow.iter().any(|&narrow| narrow == u32::from(u8::MAX)) {
-            for k in (0..LANES).filter(|&k| narrow[k] == u32::from(u8::MAX)) {
-                distances[k] = f64::from(self.view.silhouette().distance_at(places[k] as usize));
-            }
-        }
+        places
     }
 
     /// Where the view sees points. A bit for each that it sees, and for each that it sees inside, of those `asked`.
@@ -161,7 +162,7 @@ impl<'a> ViewKernel<'a> {
             (sample.column[k], sample.row[k]) = (i, j);
             (visible[k], in_rect[k]) = (u32::from(seen), u32::from(in_columns & in_rows));
         }
-        self.look_up(&places, &mut sample.distance);
+        self.look_up_pixels(&places, &mut sample.distance);
         if !self.is_closed {
             // The table's first place is background only where it does not lie beyond an open border.
             for k in 0..LANES {
@@ -206,6 +207,23 @@ impl<'a> ViewKernel<'a> {
         let Some(field_of_view) = self.view.blind_spots() else { return 0 };
         let is_unseen = |k: usize| !field_of_view.is_subject(sample.column[k] as i32, sample.row[k] as i32);
         set_bits(asked).filter(|&k| is_unseen(k)).fold(0, |unseen, k| unseen | 1 << k)
+    }
+}
+
+/// The distances at places of a table; `exact` gives those of 255 and more, which a byte does not hold.
+#[inline(always)]
+fn look_up(table: &Distances, places: &[u32; LANES], distances: &mut Wide, exact: impl Fn(usize) -> u16) {
+    let mut narrow = [0; LANES];
+    for k in 0..LANES {
+        narrow[k] = table.at_place(places[k]);
+    }
+    for k in 0..LANES {
+        distances[k] = f64::from(narrow[k]);
+    }
+    if narrow.iter().any(|&narrow| narrow == u32::from(u8::MAX)) {
+        for k in (0..LANES).filter(|&k| narrow[k] == u32::from(u8::MAX)) {
+            distances[k] = f64::from(exact(places[k] as usize));
+        }
     }
 }
 

@@ -187,6 +187,14 @@ impl Manifolds {
         }
         self.find_depths(hull, scratch);
 
+        // What decides for one point is likely to decide for all that leave in its direction.
+        for PendingManifold { points, deepest_guess, shares_direction, .. } in &self.manifolds {
+            if *shares_direction {
+                let view = self.rays[*deepest_guess].view;
+                self.rays[points.clone()].iter_mut().for_each(|ray| ray.view = view);
+            }
+        }
+
         // Then those that do not provably exit before.
         self.ask_unless_shallower(hull, scratch);
         self.find_depths(hull, scratch);
@@ -255,8 +263,9 @@ impl Manifolds {
         unknown.clear();
         unknown.extend(asked.iter().map(|&place| rays[place]));
         hull.exits_within(unknown, self.edge, self.max_depth, scratch, exits);
-        for (place, exit) in asked.drain(..).zip(exits) {
+        for ((place, exit), ray) in asked.drain(..).zip(exits).zip(unknown) {
             depths[place] = Some(*exit);
+            rays[place].view = ray.view;
         }
     }
 }

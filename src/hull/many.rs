@@ -115,11 +115,15 @@ impl Hull {
     ) -> &'w [PointResponse] {
         let Workspace { batch, places, rays, exits, responses, .. } = workspace;
         self.exit_rays(points, EdgeModel::Pixel, usize::MAX, batch, places, rays);
-        self.exits_within(rays, EdgeModel::Pixel, f64::INFINITY, batch, exits);
         responses.clear();
-        responses.extend(places.iter().zip(rays).zip(exits).map(|((&point, ray), &mut depth)| {
-            PointResponse { point, view: ray.view, normal: ray.direction, depth }
+        responses.extend(places.iter().zip(&*rays).map(|(&point, ray)| PointResponse {
+            point,
+            view: ray.view,
+            normal: ray.direction,
+            depth: 0.0,
         }));
+        self.exits_within(rays, EdgeModel::Pixel, f64::INFINITY, batch, exits);
+        responses.iter_mut().zip(exits).for_each(|(response, exit)| response.depth = *exit);
         responses
     }
 

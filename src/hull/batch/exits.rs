@@ -23,6 +23,9 @@ pub(super) struct Exits {
     first: Vec<Vec<u32>>,
     /// Up to where the views that see a point surely go on to see it, and the others not to.
     sight_ends: Vec<f64>,
+    /// The exits before the view that walked last, and the places of the views that have lowered them.
+    previous: Vec<f64>,
+    deciders: Vec<u32>,
     lines: ImageLines,
     queue: RayQueue,
 }
@@ -39,12 +42,12 @@ pub(super) struct RayBlock {
 }
 
 impl Exits {
-    /// Writes to `exits` the exits of `rays`, at most `t_max`.
+    /// Writes to `exits` the exits of `rays`, at most `t_max`, and to the rays the views that decided them.
     pub(super) fn find(
         &mut self,
         hull: &Hull,
         kernels: &[ViewKernel],
-        rays: &[ExitRay],
+        rays: &mut [ExitRay],
         t_max: f64,
         exits: &mut Vec<f64>,
     ) {
@@ -61,11 +64,19 @@ impl Exits {
         for (place, kernel) in kernels.iter().enumerate() {
             walk_first(kernel, self, place, exits);
         }
+        self.previous.clear();
+        self.previous.extend_from_slice(exits);
+        self.deciders.clear();
+        self.deciders.extend(self.blocks.iter().flat_map(|block| block.first));
         for (place, kernel) in kernels.iter().enumerate() {
             walk_others(kernel, self, place, exits);
+            note_deciders(place as u32, exits, &mut self.previous, &mut self.deciders);
         }
 
         exits.truncate(rays.len());
+        rays.iter_mut()
+            .zip(&self.deciders)
+            .for_each(|(ray, &place)| ray.view = kernels[place as usize].index);
         if let Some(first) = kernels.first() {
             self.weigh_views(hull, rays, first.edge, t_max, exits);
         }
@@ -108,7 +119,7 @@ impl Exits {
 vectorised! {
     /// Walks the points through the view at `place` that is likely to decide them.
     fn walk_first(kernel: &ViewKernel, memory: &mut Exits, place: usize, exits: &mut [f64]) {
-        let Exits { blocks, first, lines, queue, sight_ends } = memory;
+        let Exits { blocks, first, lines, queue, sight_ends, .. } = memory;
         for points in first[place].chunks(LANES) {
             let mut block = RayBlock::empty(points.len());
             for k in 0..LANES {
@@ -149,6 +160,16 @@ vectorised! {
             queue.push(kernel, lines, unresolved, exits);
         }
         queue.drain(kernel, exits);
+    }
+}
+
+vectorised! {
+    /// Notes the view at `place` as that which decides the exits that it has lowered.
+    fn note_deciders(place: u32, exits: &[f64], previous: &mut [f64], deciders: &mut [u32]) {
+        for ((exit, previous), decider) in exits.iter().zip(previous).zip(deciders) {
+            *decider = select(*exit < *previous, place, *decider);
+            *previous = *exit;
+        }
     }
 }
 

@@ -85,10 +85,11 @@ impl Hull {
         });
     }
 
-    /// Writes to `exits` [`Self::exit_within`] of each of `rays`, whose points are inside by `edge`.
+    /// Writes to `exits` [`Self::exit_within`] of each of `rays`, whose points are inside by `edge`; and to the rays,
+    /// where there are many, the views that decided.
     pub(crate) fn exits_within(
         &self,
-        rays: &[ExitRay],
+        rays: &mut [ExitRay],
         edge: EdgeModel,
         t_max: f64,
         scratch: &mut Scratch,

@@ -169,7 +169,7 @@ fn many_exits_have_the_bits_of_single_ones() {
             for &direction in &directions {
                 rays.iter_mut().for_each(|ray| ray.direction = direction);
                 for t_max in [f64::INFINITY, 0.05] {
-                    hull.exits_within(&rays, edge, t_max, &mut scratch, &mut exits);
+                    hull.exits_within(&mut rays, edge, t_max, &mut scratch, &mut exits);
                     assert_eq!(exits.len(), rays.len());
                     for (exit, ray) in exits.iter().zip(&rays) {
                         let single = hull.exit_within(&ray.point, &direction, edge, t_max);

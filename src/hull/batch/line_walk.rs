@@ -22,8 +22,8 @@ const FIRST_ROUND_STEPS: usize = 2;
 /// Steps between later tests.
 const ROUND_STEPS: usize = 2;
 
-/// So few rays are sooner walked one by one.
-const SCALAR_BELOW: u32 = 4;
+/// From so many lines on, the crossings of edges in their cells are computed in all lanes at once.
+const VECTOR_FROM: u32 = 8;
 
 /// Lines in one view: where they are at `t` metres is `start + t ahead`, in homogeneous image coordinates.
 #[derive(Debug, Clone, Copy)]
@@ -40,6 +40,17 @@ pub(super) struct ImageLines {
     pub(super) t: Wide,
     /// In metres: another view has given a nearer exit, or this view may lose sight of the line.
     pub(super) t_max: Wide,
+}
+
+/// Where a line crosses an edge in a cell.
+#[derive(Clone, Copy, Default)]
+struct Crossing {
+    /// In metres; where the line enters, if that is outside already.
+    t: f64,
+    /// There is no crossing: the line stays inside.
+    goes_on: bool,
+    /// The line leaves the cell near the camera, or never.
+    goes_alone: bool,
 }
 
 /// Rays of one view on their way.
@@ -108,17 +119,11 @@ vectorised! {
                 active.take(free, fresh, k);
                 (*used, left) = (*used | 1 << free, left & (left - 1));
             }
-            if left == 0 && (!are_last || used.count_ones() <= SCALAR_BELOW) {
+            if left == 0 && (!are_last || *used == 0) {
                 break;
             }
-            *used &= !active.walk_round(ROUND_STEPS, *used, kernel, exits);
-        }
-
-        if are_last {
-            for k in set_bits(*used) {
-                active.go_on_alone(k, kernel, exits);
-            }
-            *used = 0;
+            let steps = if kernel.by_coverage { 1 } else { ROUND_STEPS };
+            *used &= !active.walk_round(steps, *used, kernel, exits);
         }
     }
 }
@@ -335,10 +340,10 @@ impl ImageLines {
     }
 
     /// Looks for crossings of one half in the cells of the lines `ended` that an edge crosses: to where there is one the
-    /// line comes, and lines whose cells have none go on, which are returned.
+    /// line comes. Lines whose cells have none go on; these are returned.
     #[inline(always)]
     fn cross_edges(&mut self, ended: u32, kernel: &ViewKernel) -> u32 {
-        let (mut asked, mut corners) = (0, [[0.0; LANES]; 4]);
+        let (mut asked, mut corners) = (0_u32, [[0.0; LANES]; 4]);
         for k in set_bits(ended) {
             if self.distance[k] > 0.0 || self.t[k] >= self.t_max[k] {
                 continue;
@@ -352,80 +357,66 @@ impl ImageLines {
             (0..4).for_each(|corner| corners[corner][k] = cell[corner]);
             asked |= 1 << k;
         }
-        if asked == 0 {
-            return 0;
-        }
 
-        let (leave, goes_alone) = self.leave_cells(kernel);
-        let (crossings, goes_on) = self.half_crossings(&corners, &leave, kernel);
+        let mut crossings = [Crossing::default(); LANES];
+        if asked.count_ones() < VECTOR_FROM {
+            set_bits(asked).for_each(|k| crossings[k] = self.crossing(k, &corners, kernel));
+        } else {
+            (0..LANES).for_each(|k| crossings[k] = self.crossing(k, &corners, kernel));
+        }
+        let mut go_on = 0;
         for k in set_bits(asked) {
-            if (goes_alone | goes_on) >> k & 1 != 0 {
+            let Crossing { t, goes_on, goes_alone } = crossings[k];
+            if goes_on | goes_alone {
                 self.distance[k] = 1.0;
+                go_on |= u32::from(!goes_alone) << k;
             } else {
-                self.t[k] = crossings[k];
+                self.t[k] = t;
             }
         }
-        asked & goes_on & !goes_alone
+        go_on
     }
 
-    /// When each line leaves its cell; for which lines that is near the camera, or never.
+    /// Where line k first crosses one half in its bilinear cell with the values `corners`: [`March`]'s quadratics.
     #[inline(always)]
-    fn leave_cells(&self, kernel: &ViewKernel) -> (Wide, u32) {
-        let (mut leave, mut far) = ([0.0; LANES], [0; LANES]);
-        for k in 0..LANES {
-            let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
-            let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
-            let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
-            let u = select(rightwards, self.column[k] + 1.0, self.column[k]) + kernel.shift;
-            let v = select(downwards, self.row[k] + 1.0, self.row[k]) + kernel.shift;
-            let by_column = ahead((u * z0 - x0) / (x1 - u * z1), z0, z1);
-            let by_row = ahead((v * z0 - y0) / (y1 - v * z1), z0, z1);
-            let t = select(by_column <= by_row, by_column, by_row);
-            let t = select(t > self.t[k], t, self.t[k]);
-            leave[k] = t;
-            far[k] = u32::from(!((t < f64::INFINITY) & (z0 + z1 * t > 2.0 * MIN_DEPTH)));
-        }
-        (leave, lane_mask(&far))
-    }
+    fn crossing(&self, k: usize, corners: &[Wide; 4], kernel: &ViewKernel) -> Crossing {
+        let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
+        let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+        let (i, j, t0, shift) = (self.column[k], self.row[k], self.t[k], kernel.shift);
+        let by_column = |u: f64| (u * z0 - x0) / (x1 - u * z1);
+        let by_row = |v: f64| (v * z0 - y0) / (y1 - v * z1);
 
-    /// Where lines first cross one half in bilinear cells with the values `corners`, which they leave at `leave`: where
-    /// they are now, for lines that enter outside. And for which lines there is no crossing: [`March`]'s quadratics.
-    #[inline(always)]
-    fn half_crossings(&self, corners: &[Wide; 4], leave: &Wide, kernel: &ViewKernel) -> (Wide, u32) {
-        let (mut crossings, mut goes_on) = ([0.0; LANES], [0; LANES]);
-        for k in 0..LANES {
-            let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
-            let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
-            let (i, j, t0, t1) = (self.column[k], self.row[k], self.t[k], leave[k]);
-            let local =
-                |x0: f64, x1: f64, cell: f64, t: f64| (x0 + x1 * t) / (z0 + z1 * t) - kernel.shift - cell;
-            let (xa, ya) = (local(x0, x1, i, t0), local(y0, y1, j, t0));
-            let (dx, dy) = (local(x0, x1, i, t1) - xa, local(y0, y1, j, t1) - ya);
+        // Where the line leaves the cell.
+        let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
+        let t_column = ahead(by_column(select(rightwards, i + 1.0, i) + shift), z0, z1);
+        let t_row = ahead(by_row(select(downwards, j + 1.0, j) + shift), z0, z1);
+        let t1 = select(t_column <= t_row, t_column, t_row);
+        let t1 = select(t1 > t0, t1, t0);
+        let goes_alone = !((t1 < f64::INFINITY) & (z0 + z1 * t1 > 2.0 * MIN_DEPTH));
 
-            // Along a straight line the coverage is c + b s + a s^2, from s = 0 as it enters to 1 as it leaves.
-            let [c00, c10, c01, c11] = [0, 1, 2, 3].map(|corner: usize| corners[corner][k]);
-            let (right, down, twist) = (c10 - c00, c01 - c00, c00 - c10 - c01 + c11);
-            let c = c00 + right * xa + down * ya + twist * xa * ya - HALF_COVERAGE;
-            let b = (right + twist * ya) * dx + (down + twist * xa) * dy;
-            let a = twist * dx * dy;
-            let discriminant = b * b - 4.0 * a * c;
-            let q = -0.5 * (b + 1.0_f64.copysign(b) * discriminant.sqrt());
-            let root = |s: f64| select((discriminant > 0.0) & (s > 0.0) & (s < 1.0), s, f64::INFINITY);
-            let (r1, r2) = (root(q / a), root(c / q));
-            let s = select(r1 < r2, r1, r2);
+        // Along a straight line the coverage is c + b s + a s^2, from s = 0 as it enters to 1 as it leaves.
+        let local = |x0: f64, x1: f64, cell: f64, t: f64| (x0 + x1 * t) / (z0 + z1 * t) - shift - cell;
+        let (xa, ya) = (local(x0, x1, i, t0), local(y0, y1, j, t0));
+        let (dx, dy) = (local(x0, x1, i, t1) - xa, local(y0, y1, j, t1) - ya);
+        let [c00, c10, c01, c11] = [0, 1, 2, 3].map(|corner: usize| corners[corner][k]);
+        let (right, down, twist) = (c10 - c00, c01 - c00, c00 - c10 - c01 + c11);
+        let c = c00 + right * xa + down * ya + twist * xa * ya - HALF_COVERAGE;
+        let b = (right + twist * ya) * dx + (down + twist * xa) * dy;
+        let a = twist * dx * dy;
+        let discriminant = b * b - 4.0 * a * c;
+        let q = -0.5 * (b + 1.0_f64.copysign(b) * discriminant.sqrt());
+        let root = |s: f64| select((discriminant > 0.0) & (s > 0.0) & (s < 1.0), s, f64::INFINITY);
+        let (r1, r2) = (root(q / a), root(c / q));
+        let s = select(r1 < r2, r1, r2);
 
-            // The sign before the crossing is taken where it is largest: halfway there.
-            let halfway = 0.5 * select(s < 1.0, s, 1.0);
-            let starts_inside = c + halfway * (b + halfway * a) >= 0.0;
-            let (u, v) = (i + kernel.shift + xa + s * dx, j + kernel.shift + ya + s * dy);
-            let by_column = (u * z0 - x0) / (x1 - u * z1);
-            let by_row = (v * z0 - y0) / (y1 - v * z1);
-            let t = select(dx.abs() > dy.abs(), by_column, by_row);
-            let t = select(t < t0, t0, select(t > t1, t1, t));
-            crossings[k] = select(starts_inside, t, t0);
-            goes_on[k] = u32::from(starts_inside & (s >= 1.0));
-        }
-        (crossings, lane_mask(&goes_on))
+        // The sign before the crossing is taken where it is largest: halfway there.
+        let halfway = 0.5 * select(s < 1.0, s, 1.0);
+        let starts_inside = c + halfway * (b + halfway * a) >= 0.0;
+        let (u, v) = (i + shift + xa + s * dx, j + shift + ya + s * dy);
+        let t = select(dx.abs() > dy.abs(), by_column(u), by_row(v));
+        let t = select(t < t0, t0, select(t > t1, t1, t));
+        let goes_on = starts_inside & (s >= 1.0);
+        Crossing { t: select(starts_inside, t, t0), goes_on, goes_alone }
     }
 
     /// Lowers the exits of the points whose lines have ended before their limits.

@@ -30,7 +30,7 @@ pub(super) struct ViewKernel<'a> {
     distances: Distances<'a>,
     /// Distances of cells, where these are the squares between four pixel centres.
     cell_distances: Distances<'a>,
-    stride: f64,
+    pub(super) stride: f64,
     origin: f64,
     /// Whether its edge is taken inside pixels.
     pub(super) by_coverage: bool,
@@ -106,12 +106,6 @@ impl<'a> ViewKernel<'a> {
         } else {
             self.find_distances(column, row, 0.0, distances);
         }
-    }
-
-    /// How many places behind the upper left pixel of a cell its other three lie.
-    #[inline(always)]
-    pub(super) fn other_corners(&self) -> [f64; 3] {
-        [1.0, self.stride, self.stride + 1.0]
     }
 
     /// Whether a cell, a square between four pixel centres, reaches beyond the silhouette's rectangle.

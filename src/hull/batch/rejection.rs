@@ -5,6 +5,7 @@ use super::super::points::LANES;
 use super::projection::ViewKernel;
 use super::{ExitRay, Wide};
 use crate::camera::MIN_DEPTH;
+use crate::silhouette::HALF_COVERAGE;
 use crate::vectorised::vectorised;
 
 /// Far more than rounding, in pixels.
@@ -30,7 +31,7 @@ vectorised! {
         }
         let mut left = u32::MAX >> (LANES - rays.len());
         for place in (*first..kernels.len()).chain(0..*first) {
-            left &= !kernels[place].sees_background(&ends);
+            left &= !kernels[place].sees_background(&ends, left);
             if left == 0 {
                 *first = place;
                 return;
@@ -41,11 +42,11 @@ vectorised! {
 }
 
 impl ViewKernel<'_> {
-    /// Which points the view sees outside, however their places are rounded.
+    /// Which of the points `asked` the view sees outside, however their places are rounded.
     #[inline(always)]
-    fn sees_background(&self, [x, y, z]: &[Wide; 3]) -> u32 {
+    fn sees_background(&self, [x, y, z]: &[Wide; 3], asked: u32) -> u32 {
         let (mut column, mut row, mut may_be) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
-        let mut in_reach = [0; LANES];
+        let (mut in_reach, mut at) = ([0; LANES], [[0.0; LANES]; 2]);
         for k in 0..LANES {
             let [pu, pv, pd] = self.p.each_ref().map(|p| p[0] * x[k] + p[1] * y[k] + p[2] * z[k] + p[3]);
             let (u, v) = (pu / pd, pv / pd);
@@ -63,30 +64,40 @@ impl ViewKernel<'_> {
             let in_rows = (j >= self.low[1] - reach) & (j < self.high[1]);
             in_reach[k] = u32::from(in_columns & in_rows);
             (column[k], row[k]) = (i, j);
+            (at[0][k], at[1][k]) = (u, v);
         }
-        let mut background = self.have_no_subject(&column, &row);
-        background |= !lane_mask(&in_reach);
-        background & lane_mask(&may_be)
+        let (background, on_edge) = self.classify(&column, &row);
+        let (in_reach, may_be) = (lane_mask(&in_reach), lane_mask(&may_be) & asked);
+        let mut outside = (background | !in_reach) & may_be;
+        for k in set_bits(on_edge & in_reach & may_be) {
+            let (u, v) = (at[0][k] + self.shift, at[1][k] + self.shift);
+            let is_outside = self.view.silhouette().coverage(u, v) < HALF_COVERAGE - 255.0 * RIM;
+            outside |= u32::from(is_outside) << k;
+        }
+        outside
     }
 
-    /// Which cells have no subject pixel at any corner; cells are pixels, or squares between the centres of four.
+    /// Which cells have no subject pixel at any corner, and which some but not all. Cells are pixels, which have one
+    /// corner, or squares between the centres of four.
     #[inline(always)]
-    fn have_no_subject(&self, column: &Wide, row: &Wide) -> u32 {
-        let mut largest = [0.0; LANES];
-        self.find_distances(column, row, 0.0, &mut largest);
+    fn classify(&self, column: &Wide, row: &Wide) -> (u32, u32) {
+        let mut least = [0.0; LANES];
+        self.find_cell_distances(column, row, &mut least);
+        let mut largest = least;
         if self.by_coverage {
-            for beside in self.other_corners() {
+            for corner in [0.0, 1.0, self.stride, self.stride + 1.0] {
                 let mut of_corner = [0.0; LANES];
-                self.find_distances(column, row, beside, &mut of_corner);
+                self.find_distances(column, row, corner, &mut of_corner);
                 for k in 0..LANES {
                     largest[k] = select(of_corner[k] > largest[k], of_corner[k], largest[k]);
                 }
             }
         }
-        let mut none = [0; LANES];
+        let (mut none, mut some) = ([0; LANES], [0; LANES]);
         for k in 0..LANES {
             none[k] = u32::from(largest[k] == 0.0);
+            some[k] = u32::from((least[k] == 0.0) & (largest[k] > 0.0));
         }
-        lane_mask(&none)
+        (lane_mask(&none), lane_mask(&some))
     }
 }

@@ -6,6 +6,8 @@
 
 #[path = "figures/accuracy.rs"]
 mod accuracy;
+#[path = "figures/agreement.rs"]
+mod agreement;
 #[path = "figures/analytic.rs"]
 mod analytic;
 #[path = "figures/capi.rs"]
@@ -46,8 +48,9 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 7] = [
+const GROUPS: [(&str, Measure); 8] = [
     ("geometry", geometry::measure),
+    ("agreement", agreement::measure),
     ("trajectories", trajectories::measure),
     ("rest", rest::measure),
     ("stack", stack::measure),

@@ -16,6 +16,9 @@ const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.5);
 /// Heights of the seven cameras in metres, from below the subject's middle to far above its top.
 const HEIGHTS: [f64; 7] = [0.15, 1.1, 0.45, 1.7, 0.0, 1.35, 0.8];
 
+/// Half a metre wide each.
+pub const SHAPES: [&str; 3] = ["sphere", "box", "torus"];
+
 /// A subject before cameras: the hull as it should be, and as pixels have it.
 pub struct Scene {
     /// Shape and number of cameras, as in `torus_7`.
@@ -29,7 +32,7 @@ pub struct Scene {
 
 /// Sphere, box and torus, half a metre wide, before five cameras on a hemisphere and seven around at various heights.
 pub fn all() -> impl Iterator<Item = Scene> {
-    ["sphere", "box", "torus"].into_iter().flat_map(|shape| [5, 7].map(|n| scene(shape, n)))
+    SHAPES.into_iter().flat_map(|shape| [5, 7].map(|n| scene(shape, n)))
 }
 
 /// `shape` (sphere, box or torus) before `n` (5 or 7) cameras.
@@ -45,7 +48,8 @@ pub fn scene(shape: &str, n: usize) -> Scene {
     }
 }
 
-fn placed(shape: &str) -> Placed {
+/// `shape` where cameras look at it.
+pub fn placed(shape: &str) -> Placed {
     let (solid, turn) = match shape {
         "sphere" => (Solid::sphere(0.25), Vector3::zeros()),
         "box" => (Solid::cuboid(vector![0.5, 0.4, 0.3]), vector![0.35, -0.2, 0.6]),

@@ -191,6 +191,48 @@ pub fn collide(
 /// What is asked of the hull is asked for all bodies side by side. With the feature `threads` the bodies are shared out
 /// among the threads of rayon's current pool. No body's contacts depend on another's: they have the bits that
 /// [`collide`] gives.
+///
+/// ```
+/// use nalgebra::{Isometry3, Point3, Vector3};
+/// use ode_visual_hull::contact::{Body, Settings, collide_many};
+/// use ode_visual_hull::hull::{Aabb, HullData};
+/// use ode_visual_hull::sample;
+/// use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, layout, silhouette};
+///
+/// # fn main() -> ode_visual_hull::Result<()> {
+/// // A table whose top lies at z = 0.2 m, before four cameras that look along it.
+/// let (sides, origin) = (Vector3::new(0.5, 0.5, 0.4), Isometry3::identity());
+/// let table = Subject::new(vec![Placed::new(Solid::cuboid(sides)?, origin, Paint::plain([200; 3]))]);
+/// let data = HullData::new();
+/// data.set_bounds(Aabb::new(Point3::new(-0.6, -0.6, -0.3), Point3::new(0.6, 0.6, 0.8))?)?;
+/// for camera in layout::face_on(sides, &origin, 2.8, 0.2, (320, 240), 0.45)? {
+///     data.set_mask(data.add_view(camera.clone())?, &silhouette(&camera, &table))?;
+/// }
+/// let hull = data.update(0.0)?;
+///
+/// // One box stands 5 mm deep in the table, one hangs above it.
+/// let samples = sample::box_(Vector3::new(0.2, 0.2, 0.2), 0.03)?;
+/// let at = |z: f64| Isometry3::translation(0.0, 0.0, z);
+/// let bodies =
+///     [0.295, 0.5].map(|z| Body { samples: &samples, hull_from_body: at(z), last_escape: None });
+/// let mut contacts = Vec::new();
+/// collide_many(&hull, &bodies, &Settings::default(), &mut contacts);
+/// let [standing, hanging] = &contacts[..] else { panic!("one for each body") };
+/// assert!(hanging.points.is_empty());
+///
+/// // The points of the standing box leave together, upwards.
+/// assert_eq!(standing.manifolds.len(), 1);
+/// assert!(standing.manifolds[0].direction.z > 0.99);
+/// assert!(standing.points_of(0).all(|point| (point.depth - 0.005).abs() < 0.005));
+///
+/// // Each with its direction, as ODE takes them.
+/// for contact in standing.contacts() {
+///     let moved = contact.point + contact.direction * (contact.depth + 0.005);
+///     assert!(!hull.inside(&moved));
+/// }
+/// # Ok(())
+/// # }
+/// ```
 pub fn collide_many(hull: &Hull, bodies: &[Body], settings: &Settings, contacts: &mut Vec<BodyContacts>) {
     contacts.resize_with(bodies.len(), BodyContacts::default);
     collide_into(contacts, hull, bodies, settings);

@@ -190,7 +190,10 @@ impl<'a> March<'a> {
     /// Starts in the cell of image position `(u, v)`.
     fn start_at(&mut self, u: f64, v: f64, t: f64) {
         let image = self.view.silhouette().image();
-        let cell = |x: f64, count: i32| floor(x - self.shift).clamp(-1, count - 1);
+        // Where a line enters the image, rounding may leave it beyond the border. No pixel is there; the first square
+        // between pixel centres begins half a pixel before.
+        let first = if self.shift == 0.0 { 0 } else { -1 };
+        let cell = |x: f64, count: i32| floor(x - self.shift).clamp(first, count - 1);
         self.enter_cell(cell(u, image.x1), cell(v, image.y1), t);
     }
 
@@ -305,7 +308,33 @@ fn roots_within_unit(c: f64, b: f64, a: f64) -> [Option<f64>; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::roots_within_unit;
+    use super::super::tests::{Random, cameras};
+    use super::*;
+    use crate::silhouette::{Border, Silhouette};
+    use image::{GrayImage, Luma};
+    use std::sync::Arc;
+
+    #[test]
+    fn a_line_that_enters_the_image_at_an_open_border_starts_in_its_first_pixel() {
+        // Subject in the first column, and one pixel far off.
+        let mask =
+            GrayImage::from_fn(160, 120, |i, j| Luma([if i == 0 || (i, j) == (50, 60) { 255 } else { 0 }]));
+        let (camera, silhouette) = (cameras().swap_remove(0), Silhouette::new(&mask, Border::Open));
+        let view = View::new(Arc::new(camera), Arc::new(silhouette), None);
+        let mut random = Random(5);
+        for _ in 0..300 {
+            let row = 1.0 + 118.0 * random.unit();
+            let mut place = |u: f64| view.camera().unproject(u, row, 1.0 + random.unit());
+            let (Some(from), Some(to)) = (place(-20.0), place(40.0)) else { panic!("a pinhole sees both") };
+            let mut march = March::new(&view, &from, &(to - from).normalize(), EdgeModel::Pixel);
+            assert_eq!(march.verdict(), Verdict::Unseen);
+            march.step();
+            assert_eq!(march.verdict(), Verdict::Inside);
+            let left = march.leave_by(0.0, f64::INFINITY);
+            let u = march.line.at(left).0;
+            assert!((u - 1.0).abs() < 1e-9, "left at column {u}, entered in row {row}");
+        }
+    }
 
     #[test]
     fn roots_are_the_sign_changes_in_order() {

@@ -1,4 +1,4 @@
-//! Many points at once, as the batch queries take them.
+//! Many points in blocks and in single precision, as the filter takes them.
 
 use nalgebra::{Point3, Vector3};
 
@@ -28,7 +28,7 @@ pub struct Points {
     order: Vec<u32>,
 }
 
-/// Points that are asked together, or directions. The last block of many is filled up with its last point.
+/// Points that are asked together. The last block of many is filled up with its last point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[repr(align(64))]
 pub(super) struct Block {
@@ -37,7 +37,7 @@ pub(super) struct Block {
     pub(super) z: Lane,
 }
 
-/// BoundingSpheres around as many blocks as are asked together, about the middle of all points; filled up as blocks are.
+/// Spheres around as many blocks as are asked together, about the middle of all points; filled up as blocks are.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(align(64))]
 pub(super) struct BoundingSpheres {

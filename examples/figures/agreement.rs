@@ -1,0 +1,166 @@
+//! Whether the responses in use are the reference's where lenses bend images, where views abstain, and both.
+//!
+//! ```text
+//!   +---------+   +---------+   +---------+
+//!   |         |   #         |   |         |     every second camera is turned aside, so that
+//!   |   ###   |   ##        |   |         |     its image's border cuts the subject off
+//!   |         |   #         |   +---###---+
+//!   +---------+   +---------+
+//! ```
+
+use crate::accuracy::{mean, share};
+use crate::figure::{Bound, Figure};
+use crate::random::Random;
+use crate::scene;
+use nalgebra::{Isometry3, Point2, Point3, UnitQuaternion, point};
+use ode_visual_hull::camera::{Camera, Distortion};
+use ode_visual_hull::hull::{Aabb, Hull, HullData, PointResponse, Response, Unseen, Workspace, reference};
+use ode_visual_hull::synthetic::{self, Subject, layout};
+use std::sync::Arc;
+
+/// Small images: the reference looks at every pixel.
+const SIZE: (u32, u32) = (320, 240);
+const FIELD_OF_VIEW: f64 = 0.9;
+const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.5);
+const HEIGHTS: [f64; 7] = [0.15, 1.1, 0.45, 1.5, 0.0, 1.2, 0.8];
+
+/// Where in the images the cameras see their target, in turn: in the middle, and near a border.
+const TARGET_PX: [Point2<f64>; 4] = [
+    Point2::new(160.0, 120.0),
+    Point2::new(12.0, 130.0),
+    Point2::new(160.0, 120.0),
+    Point2::new(170.0, 228.0),
+];
+
+/// Points inside that are compared in each scene.
+const POINTS: usize = 2000;
+
+/// Metres, and the length of a difference of unit vectors: both sides find the same pixel border in closed form.
+const TOLERANCE: f64 = 1e-9;
+
+/// What the cameras are like, by the figure's name.
+#[derive(Debug, Clone, Copy)]
+struct Kind {
+    name: &'static str,
+    k1: f64,
+    unseen: Unseen,
+}
+
+const KINDS: [Kind; 3] = [
+    Kind { name: "reference_agree_lens", k1: -0.36, unseen: Unseen::Outside },
+    Kind { name: "reference_agree_abstain", k1: 0.0, unseen: Unseen::ABSTAIN },
+    Kind { name: "reference_agree_lens_abstain", k1: -0.36, unseen: Unseen::ABSTAIN },
+];
+
+/// What was found in one scene.
+struct Measured {
+    scene: String,
+    agreement: f64,
+    /// The share of the points inside that some view does not see.
+    unseen: f64,
+}
+
+/// Of each kind the worst scene, with its bound, and all scenes; and in what share of points inside a view abstains.
+pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    for kind in KINDS {
+        let scenes = scene::SHAPES.into_iter().flat_map(|shape| [5, 7].map(|n| (shape, n)));
+        let measured: Vec<Measured> = scenes
+            .map(|(shape, n)| {
+                progress(&format!("{}, {shape}_{n}", kind.name));
+                measure_scene(kind, shape, n)
+            })
+            .collect();
+        let worst = measured.iter().map(|measured| measured.agreement).fold(1.0, f64::min);
+        figures.push(Figure::asked(kind.name, worst, Bound::AtLeast(1.0)));
+        for Measured { scene, agreement, .. } in &measured {
+            figures.push(Figure::reported(&format!("{}_{scene}", kind.name), *agreement));
+        }
+        if kind.unseen != Unseen::Outside {
+            let unseen: Vec<f64> = measured.iter().map(|measured| measured.unseen).collect();
+            figures.push(Figure::reported(&format!("{}_unseen_share", kind.name), mean(&unseen)));
+        }
+    }
+    figures
+}
+
+fn measure_scene(kind: Kind, shape: &str, n: usize) -> Measured {
+    let hull = hull(kind, shape, n);
+    let points = points(&hull, 5);
+    let mut workspace = Workspace::new();
+    let mut many = hull.respond_many(&points, &mut workspace).iter().peekable();
+    let agreement = share(points.iter().enumerate().map(|(place, p)| {
+        let many = many.next_if(|response| response.point == place);
+        hull.inside(p) == reference::inside(&hull, p) && agree(&hull, p, many, hull.respond(p))
+    }));
+    let is_unseen = |p: &Point3<f64>| hull.views().iter().any(|view| view.pixel(p).is_none());
+    let unseen = share(points.iter().filter(|p| hull.inside(p)).map(is_unseen));
+    Measured { scene: format!("{shape}_{n}"), agreement, unseen }
+}
+
+/// Whether the answers of the batch and of the single query are the reference's: the same verdict, view and b, normal and depth.
+fn agree(hull: &Hull, p: &Point3<f64>, many: Option<&PointResponse>, single: Option<Response>) -> bool {
+    match (many, single, reference::respond(hull, p)) {
+        (None, None, None) => true,
+        (Some(many), Some(single), Some(expected)) => {
+            let view = &hull.views()[expected.view];
+            let answers = [(many.normal, many.depth), (single.normal, single.depth)];
+            many.view == expected.view
+                && std::ptr::eq(single.nearest.view, view)
+                && single.nearest.b == expected.b
+                && answers.iter().all(|(normal, depth)| {
+                    (normal - expected.normal).norm() <= TOLERANCE
+                        && (depth - expected.depth).abs() <= TOLERANCE
+                })
+        }
+        _ => false,
+    }
+}
+
+/// Random points in and around the hull, of which so many are inside by the reference.
+fn points(hull: &Hull, seed: u64) -> Vec<Point3<f64>> {
+    let mut random = Random(seed);
+    let around = hull.aabb().grown(0.02);
+    let (mut points, mut inside) = (Vec::new(), 0);
+    while inside < POINTS {
+        let p = random.point(&around);
+        inside += usize::from(reference::inside(hull, &p));
+        points.push(p);
+    }
+    points
+}
+
+/// The hull of `shape` as `n` cameras give it through their lenses.
+fn hull(kind: Kind, shape: &str, n: usize) -> Arc<Hull> {
+    let subject = Subject::new(vec![scene::placed(shape)]);
+    let cameras = cameras(kind.k1, n);
+    let data = HullData::new();
+    let set_up = || {
+        data.set_bounds(Aabb::new(point![-0.45, -0.45, 0.05], point![0.45, 0.45, 0.95])?)?;
+        data.set_unseen(kind.unseen)?;
+        data.add_views(&cameras)?;
+        for (view, camera) in cameras.iter().enumerate() {
+            data.set_mask(view, &synthetic::silhouette(camera, &subject))?;
+        }
+        data.update(0.0)
+    };
+    set_up().expect("valid cameras and masks")
+}
+
+/// Cameras around the target, each turned until it sees the target at its place in the image.
+fn cameras(k1: f64, n: usize) -> Vec<Camera> {
+    let around = layout::staggered(n, 1.6, &HEIGHTS, TARGET, SIZE, FIELD_OF_VIEW).expect("a valid layout");
+    let lens = Distortion::from_opencv(&[k1, 0.0, 0.0, 0.0]).expect("four coefficients");
+    let with_pose = |camera: &Camera, cam_from_world: Isometry3<f64>| {
+        let (name, size, k) = (camera.name(), camera.size(), *camera.intrinsics());
+        Camera::new(name, size, k, lens, cam_from_world).expect("a valid camera")
+    };
+    let turned = |(camera, at): (&Camera, &Point2<f64>)| {
+        let ray =
+            with_pose(camera, *camera.cam_from_world()).ray(at.x, at.y).expect("a pixel within the lens");
+        let turn = UnitQuaternion::rotation_between(&camera.forward(), &ray.direction)
+            .expect("less than half a turn");
+        with_pose(camera, camera.cam_from_world() * Isometry3::rotation_wrt_point(turn, camera.centre()))
+    };
+    around.iter().zip(TARGET_PX.iter().cycle()).map(turned).collect()
+}

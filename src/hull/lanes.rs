@@ -13,7 +13,11 @@ pub(super) fn select<T>(condition: bool, yes: T, no: T) -> T {
 /// The bits of lanes that hold zero or one.
 #[inline(always)]
 pub(super) fn lane_mask<const N: usize>(lanes: &[u32; N]) -> u32 {
-    lanes.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
+    let mut mask = 0;
+    for (k, lane) in lanes.iter().enumerate() {
+        mask |= lane << k;
+    }
+    mask
 }
 
 /// The places of the bits set, ascending.

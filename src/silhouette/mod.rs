@@ -269,14 +269,21 @@ impl Silhouette {
     }
 
     /// Coverage at image position `(u, v)`, 0 to 255, bilinear between pixel centres.
+    #[inline]
     pub fn coverage(&self, u: f64, v: f64) -> f64 {
-        let (i, j) = ((u - 0.5).floor(), (v - 0.5).floor());
+        // `f64::floor` is a call on processors without SSE 4.1, the least that is built for.
+        let floor = |x: f64| {
+            let towards_zero = f64::from(x as i32);
+            if towards_zero > x { towards_zero - 1.0 } else { towards_zero }
+        };
+        let (i, j) = (floor(u - 0.5), floor(v - 0.5));
         let (x, y) = (u - 0.5 - i, v - 0.5 - j);
         let [c00, c10, c01, c11] = self.cell(i as i32, j as i32);
         (c00 * (1.0 - x) + c10 * x) * (1.0 - y) + (c01 * (1.0 - x) + c11 * x) * y
     }
 
     /// The bytes at the corners of the bilinear cell between the centres of pixels `(i, j)` and `(i + 1, j + 1)`.
+    #[inline]
     pub(crate) fn cell(&self, i: i32, j: i32) -> [f64; 4] {
         let bytes = match (self.region.row::<2>(i, j), self.region.row::<2>(i, j + 1)) {
             (Some([a, b]), Some([c, d])) => [a, b, c, d],

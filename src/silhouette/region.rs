@@ -150,7 +150,6 @@ impl Region {
     }
 
     /// The mask's bytes, row-major; none where each is 0 or 255.
-    #[cfg(test)]
     pub(super) fn bytes(&self) -> &[u8] {
         &self.bytes
     }

@@ -37,6 +37,8 @@ pub(crate) struct TableSlices<'a> {
     pub(crate) distance_words: &'a [u32],
     /// Distances of the squares between four pixel centres likewise, where the mask carries coverage.
     pub(crate) cell_distance_words: &'a [u32],
+    /// The mask's bytes; none where each is 0 or 255.
+    pub(crate) coverage: &'a [u8],
     pub(crate) tiles: &'a Tiles,
 }
 
@@ -74,6 +76,7 @@ impl Tables {
             turned: &self.turned,
             distance_words: self.distances.narrow_words(),
             cell_distance_words: self.cell_distances.narrow_words(),
+            coverage: region.bytes(),
             tiles: &self.tiles,
         }
     }

@@ -22,8 +22,8 @@ const FIRST_ROUND_STEPS: usize = 2;
 /// Steps between later tests.
 const ROUND_STEPS: usize = 2;
 
-/// From so many lines on, the crossings of edges in their cells are computed in all lanes at once.
-const VECTOR_FROM: u32 = 8;
+/// So few rays are sooner walked one by one.
+const FEW: usize = 8;
 
 /// Lines in one view: where they are at `t` metres is `start + t ahead`, in homogeneous image coordinates.
 #[derive(Debug, Clone, Copy)]
@@ -42,15 +42,14 @@ pub(super) struct ImageLines {
     pub(super) t_max: Wide,
 }
 
-/// Where a line crosses an edge in a cell.
-#[derive(Clone, Copy, Default)]
-struct Crossing {
-    /// In metres; where the line enters, if that is outside already.
-    t: f64,
-    /// There is no crossing: the line stays inside.
-    goes_on: bool,
-    /// The line leaves the cell near the camera, or never.
-    goes_alone: bool,
+/// The first crossing of one half in a cell that an edge crosses.
+enum Crossing {
+    /// There, in metres: as the line enters, if that is outside already.
+    At(f64),
+    /// The line stays inside.
+    None,
+    /// Not known here: the cell is on the rim, or the line leaves it near the camera, or never.
+    Unknown,
 }
 
 /// Rays of one view on their way.
@@ -106,12 +105,19 @@ vectorised! {
     /// no others will come, to their ends.
     fn walk(queue: &mut RayQueue, kernel: &ViewKernel, are_last: bool, exits: &mut [f64]) {
         let RayQueue { fresh, count, active, used } = queue;
-        let filled = u32::MAX.checked_shr((LANES - *count) as u32).unwrap_or(0);
-        *count = 0;
+        let mut filled = u32::MAX.checked_shr((LANES - *count) as u32).unwrap_or(0);
         if kernel.by_coverage {
             fresh.enter_first_cell(kernel);
         }
-        let mut left = filled & !fresh.walk_round(FIRST_ROUND_STEPS, filled, kernel, exits);
+        if *count <= FEW {
+            fresh.finish(filled, kernel, exits);
+            filled = 0;
+        }
+        *count = 0;
+        let mut left = filled;
+        if left != 0 {
+            left &= !fresh.walk_round(FIRST_ROUND_STEPS, filled, kernel, exits);
+        }
 
         loop {
             while left != 0 && *used != u32::MAX {
@@ -119,11 +125,15 @@ vectorised! {
                 active.take(free, fresh, k);
                 (*used, left) = (*used | 1 << free, left & (left - 1));
             }
-            if left == 0 && (!are_last || *used == 0) {
+            if left == 0 && (!are_last || used.count_ones() <= FEW as u32) {
                 break;
             }
             let steps = if kernel.by_coverage { 1 } else { ROUND_STEPS };
             *used &= !active.walk_round(steps, *used, kernel, exits);
+        }
+        if are_last {
+            active.finish(*used, kernel, exits);
+            *used = 0;
         }
     }
 }
@@ -302,34 +312,10 @@ impl ImageLines {
     /// No bounds test: the margin around the silhouette's rectangle is background, where a line ends.
     #[inline(always)]
     fn step(&mut self, steps: usize, kernel: &ViewKernel) -> u32 {
-        let (shift, mut goes) = (kernel.shift, [0; LANES]);
+        let mut goes = [0; LANES];
         for _ in 0..steps {
             for k in 0..LANES {
-                let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
-                let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
-                let half = self.distance[k] - 1.0;
-                let (left, above) = (self.column[k] - half, self.row[k] - half);
-                let (right, below) = (self.column[k] + half + 1.0, self.row[k] + half + 1.0);
-                let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
-                let (column, row) = (select(rightwards, right, left), select(downwards, below, above));
-                let (u, v) = (column + shift, row + shift);
-                let by_column = ahead((u * z0 - x0) / (x1 - u * z1), z0, z1);
-                let by_row = ahead((v * z0 - y0) / (y1 - v * z1), z0, z1);
-                let first = by_column <= by_row;
-                let t = select(first, by_column, by_row);
-                let t = select(t > self.t[k], t, self.t[k]);
-                // Up to its limit a line lies in the work volume, so that it comes near the camera only there.
-                let z = z0 + z1 * select(t < self.t_max[k], t, self.t_max[k]);
-                let is_going = (self.distance[k] > 0.0) & (self.t[k] < self.t_max[k]) & (z > 2.0 * MIN_DEPTH);
-                // The side fixes one coordinate; the other is where the line is.
-                let beside = select(first, y0 + y1 * t, x0 + x1 * t) / z - shift;
-                let cell = within(beside, select(first, above, left), select(first, below, right));
-                let i = select(first, select(rightwards, column, column - 1.0), cell);
-                let j = select(first, cell, select(downwards, row, row - 1.0));
-                self.column[k] = select(is_going, i, self.column[k]);
-                self.row[k] = select(is_going, j, self.row[k]);
-                self.t[k] = select(is_going, t, self.t[k]);
-                goes[k] = u32::from(is_going);
+                goes[k] = u32::from(self.advance(k, kernel));
             }
             kernel.find_cell_distances(&self.column, &self.row, &mut self.distance);
             for k in 0..LANES {
@@ -339,39 +325,75 @@ impl ImageLines {
         !lane_mask(&goes)
     }
 
+    /// Brings line k to the side of the square of subject cells around it, into the next cell; whether it could.
+    #[inline(always)]
+    fn advance(&mut self, k: usize, kernel: &ViewKernel) -> bool {
+        let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
+        let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+        let half = self.distance[k] - 1.0;
+        let (left, above) = (self.column[k] - half, self.row[k] - half);
+        let (right, below) = (self.column[k] + half + 1.0, self.row[k] + half + 1.0);
+        let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
+        let (column, row) = (select(rightwards, right, left), select(downwards, below, above));
+        let (u, v) = (column + kernel.shift, row + kernel.shift);
+        let by_column = ahead((u * z0 - x0) / (x1 - u * z1), z0, z1);
+        let by_row = ahead((v * z0 - y0) / (y1 - v * z1), z0, z1);
+        let first = by_column <= by_row;
+        let t = select(first, by_column, by_row);
+        let t = select(t > self.t[k], t, self.t[k]);
+
+        // Up to its limit a line lies in the work volume, so that it comes near the camera only there.
+        let z = z0 + z1 * select(t < self.t_max[k], t, self.t_max[k]);
+        let is_going = (self.distance[k] > 0.0) & (self.t[k] < self.t_max[k]) & (z > 2.0 * MIN_DEPTH);
+        // The side fixes one coordinate; the other is where the line is.
+        let beside = select(first, y0 + y1 * t, x0 + x1 * t) / z - kernel.shift;
+        let cell = within(beside, select(first, above, left), select(first, below, right));
+        let i = select(first, select(rightwards, column, column - 1.0), cell);
+        let j = select(first, cell, select(downwards, row, row - 1.0));
+        self.column[k] = select(is_going, i, self.column[k]);
+        self.row[k] = select(is_going, j, self.row[k]);
+        self.t[k] = select(is_going, t, self.t[k]);
+        is_going
+    }
+
+    /// Walks lines alone, one after the other, to their ends.
+    #[inline(always)]
+    fn finish(&mut self, lines: u32, kernel: &ViewKernel, exits: &mut [f64]) {
+        for k in set_bits(lines) {
+            loop {
+                while self.advance(k, kernel) {
+                    self.distance[k] = kernel.cell_distance(self.column[k], self.row[k]);
+                }
+                if !kernel.by_coverage || self.cross_edges(1 << k, kernel) == 0 {
+                    break;
+                }
+            }
+        }
+        self.write_exits(lines, kernel, exits);
+    }
+
     /// Looks for crossings of one half in the cells of the lines `ended` that an edge crosses: to where there is one the
     /// line comes. Lines whose cells have none go on; these are returned.
     #[inline(always)]
     fn cross_edges(&mut self, ended: u32, kernel: &ViewKernel) -> u32 {
-        let (mut asked, mut corners) = (0_u32, [[0.0; LANES]; 4]);
+        let mut go_on = 0;
         for k in set_bits(ended) {
             if self.distance[k] > 0.0 || self.t[k] >= self.t_max[k] {
                 continue;
             }
-            if kernel.is_on_rim(self.column[k], self.row[k]) {
-                // A line that is in subject as it ends goes on alone.
-                self.distance[k] = 1.0;
-                continue;
-            }
-            let cell = kernel.view.silhouette().cell(self.column[k] as i32, self.row[k] as i32);
-            (0..4).for_each(|corner| corners[corner][k] = cell[corner]);
-            asked |= 1 << k;
-        }
-
-        let mut crossings = [Crossing::default(); LANES];
-        if asked.count_ones() < VECTOR_FROM {
-            set_bits(asked).for_each(|k| crossings[k] = self.crossing(k, &corners, kernel));
-        } else {
-            (0..LANES).for_each(|k| crossings[k] = self.crossing(k, &corners, kernel));
-        }
-        let mut go_on = 0;
-        for k in set_bits(asked) {
-            let Crossing { t, goes_on, goes_alone } = crossings[k];
-            if goes_on | goes_alone {
-                self.distance[k] = 1.0;
-                go_on |= u32::from(!goes_alone) << k;
+            let crossing = if kernel.is_on_rim(self.column[k], self.row[k]) {
+                Crossing::Unknown
             } else {
-                self.t[k] = t;
+                self.crossing(k, &kernel.cell_corners(self.column[k], self.row[k]), kernel)
+            };
+            match crossing {
+                Crossing::At(t) => self.t[k] = t,
+                // A line that is in subject as it ends goes on alone.
+                Crossing::Unknown => self.distance[k] = 1.0,
+                Crossing::None => {
+                    self.distance[k] = 1.0;
+                    go_on |= 1 << k;
+                }
             }
         }
         go_on
@@ -379,7 +401,7 @@ impl ImageLines {
 
     /// Where line k first crosses one half in its bilinear cell with the values `corners`: [`March`]'s quadratics.
     #[inline(always)]
-    fn crossing(&self, k: usize, corners: &[Wide; 4], kernel: &ViewKernel) -> Crossing {
+    fn crossing(&self, k: usize, corners: &[f64; 4], kernel: &ViewKernel) -> Crossing {
         let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
         let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
         let (i, j, t0, shift) = (self.column[k], self.row[k], self.t[k], kernel.shift);
@@ -392,13 +414,15 @@ impl ImageLines {
         let t_row = ahead(by_row(select(downwards, j + 1.0, j) + shift), z0, z1);
         let t1 = select(t_column <= t_row, t_column, t_row);
         let t1 = select(t1 > t0, t1, t0);
-        let goes_alone = !((t1 < f64::INFINITY) & (z0 + z1 * t1 > 2.0 * MIN_DEPTH));
+        if t1 == f64::INFINITY || z0 + z1 * t1 <= 2.0 * MIN_DEPTH {
+            return Crossing::Unknown;
+        }
 
         // Along a straight line the coverage is c + b s + a s^2, from s = 0 as it enters to 1 as it leaves.
         let local = |x0: f64, x1: f64, cell: f64, t: f64| (x0 + x1 * t) / (z0 + z1 * t) - shift - cell;
         let (xa, ya) = (local(x0, x1, i, t0), local(y0, y1, j, t0));
         let (dx, dy) = (local(x0, x1, i, t1) - xa, local(y0, y1, j, t1) - ya);
-        let [c00, c10, c01, c11] = [0, 1, 2, 3].map(|corner: usize| corners[corner][k]);
+        let [c00, c10, c01, c11] = *corners;
         let (right, down, twist) = (c10 - c00, c01 - c00, c00 - c10 - c01 + c11);
         let c = c00 + right * xa + down * ya + twist * xa * ya - HALF_COVERAGE;
         let b = (right + twist * ya) * dx + (down + twist * xa) * dy;
@@ -411,12 +435,15 @@ impl ImageLines {
 
         // The sign before the crossing is taken where it is largest: halfway there.
         let halfway = 0.5 * select(s < 1.0, s, 1.0);
-        let starts_inside = c + halfway * (b + halfway * a) >= 0.0;
+        if c + halfway * (b + halfway * a) < 0.0 {
+            return Crossing::At(t0);
+        }
+        if s >= 1.0 {
+            return Crossing::None;
+        }
         let (u, v) = (i + shift + xa + s * dx, j + shift + ya + s * dy);
-        let t = select(dx.abs() > dy.abs(), by_column(u), by_row(v));
-        let t = select(t < t0, t0, select(t > t1, t1, t));
-        let goes_on = starts_inside & (s >= 1.0);
-        Crossing { t: select(starts_inside, t, t0), goes_on, goes_alone }
+        let t = if dx.abs() > dy.abs() { by_column(u) } else { by_row(v) };
+        Crossing::At(select(t < t0, t0, select(t > t1, t1, t)))
     }
 
     /// Lowers the exits of the points whose lines have ended before their limits.

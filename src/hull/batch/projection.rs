@@ -7,7 +7,7 @@ use super::super::view::Footprint;
 use super::super::{Aabb, EdgeModel, Hull, Unseen, View};
 use super::Wide;
 use crate::camera::MIN_DEPTH;
-use crate::silhouette::{HALF_COVERAGE, NO_EDGE};
+use crate::silhouette::{HALF_COVERAGE, NO_EDGE, Silhouette};
 use nalgebra::Point3;
 
 /// The distance of a pixel without any background, and of a point that the view does not see: it decides no search.
@@ -32,6 +32,8 @@ pub(super) struct ViewKernel<'a> {
     cell_distances: Distances<'a>,
     pub(super) stride: f64,
     origin: f64,
+    /// The mask's bytes at the places of the table, where there is coverage.
+    coverage_bytes: &'a [u8],
     /// Whether its edge is taken inside pixels.
     pub(super) by_coverage: bool,
     /// Cells are pixels (0), or the squares between four pixel centres (one half).
@@ -84,6 +86,7 @@ impl<'a> ViewKernel<'a> {
             cell_distances: Distances::new(tables.cell_distance_words, tables.width),
             stride,
             origin: -(stride * f64::from(tables.corner.1) + f64::from(tables.corner.0)),
+            coverage_bytes: tables.coverage,
             by_coverage,
             shift: if by_coverage { 0.5 } else { 0.0 },
             edge,
@@ -106,6 +109,34 @@ impl<'a> ViewKernel<'a> {
         } else {
             self.find_distances(column, row, 0.0, distances);
         }
+    }
+
+    /// The distance of one cell.
+    #[inline(always)]
+    pub(super) fn cell_distance(&self, column: f64, row: f64) -> f64 {
+        let place = index(row * self.stride + column + self.origin);
+        let silhouette = self.view.silhouette();
+        let (table, exact): (_, fn(&Silhouette, usize) -> u16) = if self.by_coverage {
+            (&self.cell_distances, Silhouette::cell_distance_at)
+        } else {
+            (&self.distances, Silhouette::distance_at)
+        };
+        let narrow = table.at_place(place);
+        if narrow == u32::from(u8::MAX) {
+            f64::from(exact(silhouette, place as usize))
+        } else {
+            f64::from(narrow)
+        }
+    }
+
+    /// The bytes at the corners of a cell that is not on the rim: upper left, upper right, lower left, lower right.
+    #[inline(always)]
+    pub(super) fn cell_corners(&self, column: f64, row: f64) -> [f64; 4] {
+        let (place, stride) =
+            (index(row * self.stride + column + self.origin) as usize, self.stride as usize);
+        let (upper, lower) =
+            (&self.coverage_bytes[place..][..2], &self.coverage_bytes[place + stride..][..2]);
+        [upper[0], upper[1], lower[0], lower[1]].map(f64::from)
     }
 
     /// Whether a cell, a square between four pixel centres, reaches beyond the silhouette's rectangle.
@@ -183,17 +214,29 @@ impl<'a> ViewKernel<'a> {
     }
 
     /// Which of `doubtful` points beside the edge, or beyond, are inside by coverage.
+    #[inline(always)]
     fn covered(&self, sample: &ViewSample, doubtful: u32) -> u32 {
         let mut inside = 0;
         for k in set_bits(doubtful) {
             let pixel = (sample.column[k] as i32, sample.row[k] as i32);
             let (u, v) = (sample.at[0][k] / sample.at[2][k], sample.at[1][k] / sample.at[2][k]);
-            if self.view.may_contain_subject(pixel) && self.view.silhouette().coverage(u, v) >= HALF_COVERAGE
-            {
+            if self.view.may_contain_subject(pixel) && self.coverage(u, v) >= HALF_COVERAGE {
                 inside |= 1 << k;
             }
         }
         inside
+    }
+
+    /// [`Silhouette::coverage`] at an image position.
+    #[inline(always)]
+    pub(super) fn coverage(&self, u: f64, v: f64) -> f64 {
+        let (column, row) = (floor(u - 0.5), floor(v - 0.5));
+        if self.is_on_rim(column, row) {
+            return self.view.silhouette().coverage(u, v);
+        }
+        let (x, y) = (u - 0.5 - column, v - 0.5 - row);
+        let [c00, c10, c01, c11] = self.cell_corners(column, row);
+        (c00 * (1.0 - x) + c10 * x) * (1.0 - y) + (c01 * (1.0 - x) + c11 * x) * y
     }
 
     /// Which of the points `asked` lie in pixels that the lens did not see. Its mask shows subject there.

@@ -37,7 +37,9 @@ vectorised! {
                 return;
             }
         }
-        kept.extend(set_bits(left).map(|k| base + k));
+        for k in set_bits(left) {
+            kept.push(base + k);
+        }
     }
 }
 
@@ -71,7 +73,7 @@ impl ViewKernel<'_> {
         let mut outside = (background | !in_reach) & may_be;
         for k in set_bits(on_edge & in_reach & may_be) {
             let (u, v) = (at[0][k] + self.shift, at[1][k] + self.shift);
-            let is_outside = self.view.silhouette().coverage(u, v) < HALF_COVERAGE - 255.0 * RIM;
+            let is_outside = self.coverage(u, v) < HALF_COVERAGE - 255.0 * RIM;
             outside |= u32::from(is_outside) << k;
         }
         outside

@@ -92,6 +92,7 @@
 #![deny(unsafe_code)]
 
 mod aabb;
+pub mod calibration_check;
 pub mod camera;
 mod capi;
 pub mod contact;
@@ -99,6 +100,7 @@ mod error;
 pub mod hull;
 mod image_file;
 mod lock;
+mod math;
 pub mod ode;
 pub mod recording;
 mod recycle;

@@ -2,9 +2,9 @@
 
 use super::batch::{self, ExitRay};
 use super::cull;
-use super::points::Points;
 use super::{EdgeModel, Hull};
 use crate::Result;
+use crate::math::point_cloud::Points;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 /// Memory for batch queries. Whoever keeps it from call to call allocates nothing once it has grown; it holds no

@@ -11,17 +11,13 @@
 //! through the masks (paper, section 4). [`mod@reference`] is the same algorithm written to be read.
 
 mod batch;
-mod consistency;
 mod cull;
 mod data;
 mod exit;
 mod frustum;
 mod image_line;
-mod lanes;
-mod lookup;
 mod many;
 mod march;
-mod points;
 mod ray;
 pub mod reference;
 mod response;
@@ -29,20 +25,17 @@ mod search;
 mod sighting;
 mod slot;
 mod sweep;
-mod tangents;
 mod view;
 
 pub use crate::aabb::Aabb;
+pub use crate::math::point_cloud::Points;
 pub(crate) use batch::{ExitRay, Scratch};
-pub use consistency::Fit;
 pub use data::HullData;
 pub use many::{Inside, PointResponse, Workspace};
 pub use march::EdgeModel;
-pub use points::Points;
 pub use ray::RayHit;
 pub use response::{Push, Response};
 pub use search::NearestEdge;
-pub use tangents::{Shift, Tangents};
 pub use view::{Verdict, View};
 
 use crate::silhouette::{Border, Silhouette};

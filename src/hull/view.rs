@@ -127,7 +127,7 @@ impl View {
     }
 
     /// The part of the image that the real lens saw, where that is not all of it.
-    pub(super) fn field_of_view(&self) -> Option<&Silhouette> {
+    pub(crate) fn field_of_view(&self) -> Option<&Silhouette> {
         self.field_of_view.as_deref()
     }
 
@@ -169,7 +169,7 @@ impl View {
     }
 
     /// Whether pixel `(i, j)` exists and was in the real lens's sight.
-    pub(super) fn sees(&self, i: i32, j: i32) -> bool {
+    pub(crate) fn sees(&self, i: i32, j: i32) -> bool {
         self.silhouette.image().contains(i, j)
             && self.field_of_view().is_none_or(|seen| seen.is_subject(i, j))
     }

@@ -6,13 +6,14 @@
 //!          ─► points before whose exit a view may lose sight of them, or gain it: all views in step
 //! ```
 
-use super::super::lanes::{lane_mask, select};
-use super::super::points::LANES;
 use super::super::sweep::Sweep;
 use super::super::{EdgeModel, Hull};
-use super::line_walk::{ImageLines, RayQueue};
+use super::image_lines::ImageLines;
+use super::line_walk::RayQueue;
 use super::projection::ViewKernel;
 use super::{ExitRay, Wide};
+use crate::math::lanes::{lane_mask, select};
+use crate::math::point_cloud::LANES;
 use crate::vectorised::vectorised;
 
 /// Points on their way, in blocks; the last block is filled up with its last point.

@@ -16,16 +16,17 @@
 #![allow(clippy::needless_range_loop)]
 
 mod exits;
+mod image_lines;
 mod line_walk;
 mod nearest_edge;
 mod projection;
 mod rejection;
 mod ring_search;
 
-use super::lanes::set_bits;
-use super::points::LANES;
 use super::view::floor_pixel;
 use super::{EdgeModel, Hull, View};
+use crate::math::lanes::set_bits;
+use crate::math::point_cloud::LANES;
 use crate::recycle::recycle;
 use crate::silhouette::HALF_COVERAGE;
 use crate::vectorised::vectorised;

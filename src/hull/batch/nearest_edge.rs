@@ -3,14 +3,14 @@
 //! Points that one view decides are put together, so that its silhouette is asked for many of them at a time.
 
 use super::super::EdgeModel;
-use super::super::lanes::{floor, lane_mask, select, set_bits};
-use super::super::lookup::Bits;
-use super::super::points::LANES;
 use super::super::response::towards;
 use super::super::search::window_half_width;
 use super::projection::{PointBlock, ViewKernel};
 use super::ring_search::{NEAR, Pixels, nearest};
 use super::{ExitRay, Wide};
+use crate::math::lanes::{floor, lane_mask, select, set_bits};
+use crate::math::point_cloud::LANES;
+use crate::silhouette::Bits;
 use crate::silhouette::{self, Edge, EdgePixel, SHORTEST_MEAN};
 use crate::vectorised::vectorised;
 use nalgebra::{Point2, Vector3};

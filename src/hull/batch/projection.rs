@@ -1,12 +1,12 @@
 //! Where the views see many points.
 
-use super::super::lanes::{floor, index, lane_mask, select, set_bits};
-use super::super::lookup::Distances;
-use super::super::points::LANES;
 use super::super::view::Footprint;
 use super::super::{Aabb, EdgeModel, Hull, Unseen, View};
 use super::Wide;
 use crate::camera::MIN_DEPTH;
+use crate::math::lanes::{floor, index, lane_mask, select, set_bits};
+use crate::math::point_cloud::LANES;
+use crate::silhouette::Distances;
 use crate::silhouette::{HALF_COVERAGE, NO_EDGE, Silhouette};
 use nalgebra::Point3;
 

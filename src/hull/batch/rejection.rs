@@ -1,10 +1,10 @@
 //! Which of many points provably leave the hull before they have gone so far: a look at where they would be then.
 
-use super::super::lanes::{floor, lane_mask, select, set_bits};
-use super::super::points::LANES;
 use super::projection::ViewKernel;
 use super::{ExitRay, Wide};
 use crate::camera::MIN_DEPTH;
+use crate::math::lanes::{floor, lane_mask, select, set_bits};
+use crate::math::point_cloud::LANES;
 use crate::silhouette::HALF_COVERAGE;
 use crate::vectorised::vectorised;
 

@@ -7,9 +7,9 @@
 //!     +---------+
 //! ```
 
-use super::super::lookup::{Bits, Distances};
-use super::super::points::LANES;
+use crate::math::point_cloud::LANES;
 use crate::silhouette::TableSlices;
+use crate::silhouette::{Bits, Distances};
 
 /// Whole numbers of as many points as are asked together.
 type Whole = [i32; LANES];

@@ -9,11 +9,11 @@
 //! double precision and only then rounded, so that world and body may lie anywhere: with points about their middle
 //! the error stays below a thousandth of a pixel.
 
-use super::super::lanes::{floor_clamped, lane_mask};
-use super::super::lookup::{Bits, Distances};
-use super::super::points::{Block, LANES, Points};
 use super::super::{Hull, View};
 use super::filter::MaskDilation;
+use crate::math::lanes::{floor_clamped, lane_mask};
+use crate::math::point_cloud::{Block, LANES, Points};
+use crate::silhouette::{Bits, Distances};
 use crate::silhouette::{Lookup, TableSlices};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Point3, Translation3, Vector3};

@@ -1,9 +1,9 @@
 //! Which of many points are inside, as many at a time as a vector register holds.
 
 use super::super::Unseen;
-use super::super::lanes::{floor_clamped, lane_mask, set_bits};
-use super::super::points::{BLOCKS_PER_GROUP, Block, BoundingSpheres, LANES, Points};
 use super::body_view::{BodyPlacement, BodyView, Volume};
+use crate::math::lanes::{floor_clamped, lane_mask, set_bits};
+use crate::math::point_cloud::{BLOCKS_PER_GROUP, Block, BoundingSpheres, LANES, Points};
 use crate::vectorised::vectorised;
 
 /// So few blocks are sooner asked point by point than in further views by the spheres around them.

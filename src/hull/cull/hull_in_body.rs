@@ -1,10 +1,10 @@
 //! A hull as bodies see it: its enabled views and its work volume, and which points of a body are inside.
 
 use super::super::Hull;
-use super::super::points::Points;
 use super::body_view::{BodyPlacement, BodyView, Volume};
 use super::filter::{self, Filter, Found, MaskDilation};
 use crate::Result;
+use crate::math::point_cloud::Points;
 use nalgebra::Isometry3;
 
 /// A hull as points of the volume's frame see it.

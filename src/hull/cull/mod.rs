@@ -17,8 +17,8 @@ mod filter;
 mod hull_in_body;
 
 use super::Hull;
-use super::points::Points;
 use crate::Result;
+use crate::math::point_cloud::Points;
 use crate::recycle::recycle;
 use body_view::BodyView;
 use filter::{Found, MaskDilation};

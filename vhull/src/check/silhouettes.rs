@@ -3,7 +3,8 @@
 use super::{Options, Report};
 use crate::progress;
 use crate::recorded_hulls::RecordedHulls;
-use ode_visual_hull::hull::{Emptiness, Fit, Hull, HullData, Shift, Tangents};
+use ode_visual_hull::calibration_check::{Fit, Shift, Tangents};
+use ode_visual_hull::hull::{Emptiness, Hull, HullData};
 use ode_visual_hull::rig::{Reading, Rig};
 use ode_visual_hull::{Error, Result};
 use std::sync::Arc;

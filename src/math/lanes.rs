@@ -6,13 +6,13 @@ const WHOLE_F64: f64 = 4_503_599_627_370_496.0;
 
 /// Branch-free select; both operands are evaluated.
 #[inline(always)]
-pub(super) fn select<T>(condition: bool, yes: T, no: T) -> T {
+pub(crate) fn select<T>(condition: bool, yes: T, no: T) -> T {
     if condition { yes } else { no }
 }
 
 /// The bits of lanes that hold zero or one.
 #[inline(always)]
-pub(super) fn lane_mask<const N: usize>(lanes: &[u32; N]) -> u32 {
+pub(crate) fn lane_mask<const N: usize>(lanes: &[u32; N]) -> u32 {
     let mut mask = 0;
     for (k, lane) in lanes.iter().enumerate() {
         mask |= lane << k;
@@ -22,7 +22,7 @@ pub(super) fn lane_mask<const N: usize>(lanes: &[u32; N]) -> u32 {
 
 /// The places of the bits set, ascending.
 #[inline(always)]
-pub(super) fn set_bits(mut word: u32) -> impl Iterator<Item = usize> {
+pub(crate) fn set_bits(mut word: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let place = word.trailing_zeros();
         word &= word.wrapping_sub(1);
@@ -32,7 +32,7 @@ pub(super) fn set_bits(mut word: u32) -> impl Iterator<Item = usize> {
 
 /// The whole number below `x`, which is brought between one half and `most`; NaN becomes the lower bound.
 #[inline(always)]
-pub(super) fn floor_clamped(x: f32, most: f32) -> u32 {
+pub(crate) fn floor_clamped(x: f32, most: f32) -> u32 {
     let x = select(x > 0.5, x, 0.5);
     let x = select(x < most, x, most);
     // Half is taken off since the sum rounds to the nearest.
@@ -47,13 +47,13 @@ fn round_u32(x: f32) -> u32 {
 
 /// The whole number below `x`, which is not negative and below 2^51.
 #[inline(always)]
-pub(super) fn floor(x: f64) -> f64 {
+pub(crate) fn floor(x: f64) -> f64 {
     let nearest = (x + WHOLE_F64) - WHOLE_F64;
     select(nearest > x, nearest - 1.0, nearest)
 }
 
 /// A whole number that is not negative and below 2^32.
 #[inline(always)]
-pub(super) fn index(x: f64) -> u32 {
+pub(crate) fn index(x: f64) -> u32 {
     (x + WHOLE_F64).to_bits() as u32
 }

@@ -1,10 +1,10 @@
 //! A silhouette's tables as many lanes look them up: without a branch, and with indices of which a vector holds many.
 
-use crate::silhouette::{LOW, Word};
+use super::region::{LOW, Word};
 
 /// Chebyshev distances to the background, up to 255.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Distances<'a> {
+pub(crate) struct Distances<'a> {
     /// Four a word, the first in the lowest byte.
     words: &'a [u32],
     last: u32,
@@ -13,7 +13,7 @@ pub(super) struct Distances<'a> {
 
 /// Packed bits, such as those of the subject's pixels.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bits<'a> {
+pub(crate) struct Bits<'a> {
     words: &'a [Word],
     last: u32,
     /// Bits in a row.
@@ -22,7 +22,7 @@ pub(super) struct Bits<'a> {
 
 impl<'a> Distances<'a> {
     #[inline(always)]
-    pub(super) fn new(words: &'a [u32], width: usize) -> Self {
+    pub(crate) fn new(words: &'a [u32], width: usize) -> Self {
         let words: &[u32] = if words.is_empty() { &[0] } else { words };
         let last = (words.len() - 1) as u32 & LOW;
         Self { words: &words[..=last as usize], last, width: width as u32 }
@@ -30,20 +30,20 @@ impl<'a> Distances<'a> {
 
     /// The distance at a pixel of the region; some distance for any other.
     #[inline(always)]
-    pub(super) fn at(&self, column: u32, row: u32) -> u32 {
+    pub(crate) fn at(&self, column: u32, row: u32) -> u32 {
         self.at_place(row.wrapping_mul(self.width).wrapping_add(column))
     }
 
     /// The distance at a place of the table; some distance beyond.
     #[inline(always)]
-    pub(super) fn at_place(&self, place: u32) -> u32 {
+    pub(crate) fn at_place(&self, place: u32) -> u32 {
         u32::from_le(self.words[(place / 4).min(self.last) as usize]) >> (place % 4 * 8) & 255
     }
 }
 
 impl<'a> Bits<'a> {
     #[inline(always)]
-    pub(super) fn new(words: &'a [Word], words_in_row: usize) -> Self {
+    pub(crate) fn new(words: &'a [Word], words_in_row: usize) -> Self {
         let words: &[Word] = if words.is_empty() { &[0] } else { words };
         let last = (words.len() - 1) as u32 & LOW;
         Self { words: &words[..=last as usize], last, stride: words_in_row as u32 * Word::BITS }
@@ -51,7 +51,7 @@ impl<'a> Bits<'a> {
 
     /// The bit of a pixel of the region, 0 or 1.
     #[inline(always)]
-    pub(super) fn at(&self, column: u32, row: u32) -> u32 {
+    pub(crate) fn at(&self, column: u32, row: u32) -> u32 {
         let place = row * self.stride + column;
         self.words[(place / Word::BITS).min(self.last) as usize] >> (place % Word::BITS) & 1
     }
@@ -59,7 +59,7 @@ impl<'a> Bits<'a> {
     /// The bits of a row from `column` on, the first lowest. What lies beside the region are bits of the rows
     /// before and after it: of their margins first, which are background.
     #[inline(always)]
-    pub(super) fn from(&self, column: i32, row: i32) -> Word {
+    pub(crate) fn from(&self, column: i32, row: i32) -> Word {
         let place = (row as u32).wrapping_mul(self.stride).wrapping_add(column as u32);
         let (word, shift) = (place / Word::BITS, place % Word::BITS);
         let low = self.words[word.min(self.last) as usize];

@@ -1,8 +1,8 @@
 //! What becomes of each view's silhouette in the hull: how much of it the hull fills, and which other view cuts off the
 //! rest.
 
-use super::{Hull, View};
 use crate::camera::Ray;
+use crate::hull::{Hull, View};
 use image::{GrayImage, Luma};
 use imageproc::distance_transform::euclidean_squared_distance_transform;
 use nalgebra::Point3;

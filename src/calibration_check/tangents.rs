@@ -11,7 +11,7 @@
 //! and Giblin, *Visual Motion of Curves and Surfaces*, 2000). Where they do not, one view cuts off what the other sees:
 //! its image is shifted, by a calibration that is off, or its mask has lost a part. Many pairs and frames tell which.
 
-use super::{Hull, View};
+use crate::hull::{Hull, View};
 use crate::silhouette::Rect;
 use image::{GrayImage, Luma};
 use imageproc::region_labelling::{Connectivity, connected_components};

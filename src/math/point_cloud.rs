@@ -3,13 +3,13 @@
 use nalgebra::{Point3, Vector3};
 
 /// Points asked together.
-pub(super) const LANES: usize = 32;
+pub(crate) const LANES: usize = 32;
 
 /// Blocks whose spheres are asked together: a body of 400 samples has 13.
-pub(super) const BLOCKS_PER_GROUP: usize = 16;
+pub(crate) const BLOCKS_PER_GROUP: usize = 16;
 
 /// One number of each of as many points as are asked together.
-pub(super) type Lane = [f32; LANES];
+pub(crate) type Lane = [f32; LANES];
 
 /// Points in a frame of their own, in metres: of a body in the body's frame, or of anything that moves as one.
 ///
@@ -31,20 +31,20 @@ pub struct Points {
 /// Points that are asked together. The last block of many is filled up with its last point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[repr(align(64))]
-pub(super) struct Block {
-    pub(super) x: Lane,
-    pub(super) y: Lane,
-    pub(super) z: Lane,
+pub(crate) struct Block {
+    pub(crate) x: Lane,
+    pub(crate) y: Lane,
+    pub(crate) z: Lane,
 }
 
 /// Spheres around as many blocks as are asked together, about the middle of all points; filled up as blocks are.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(align(64))]
-pub(super) struct BoundingSpheres {
-    pub(super) x: [f32; BLOCKS_PER_GROUP],
-    pub(super) y: [f32; BLOCKS_PER_GROUP],
-    pub(super) z: [f32; BLOCKS_PER_GROUP],
-    pub(super) radius: [f32; BLOCKS_PER_GROUP],
+pub(crate) struct BoundingSpheres {
+    pub(crate) x: [f32; BLOCKS_PER_GROUP],
+    pub(crate) y: [f32; BLOCKS_PER_GROUP],
+    pub(crate) z: [f32; BLOCKS_PER_GROUP],
+    pub(crate) radius: [f32; BLOCKS_PER_GROUP],
 }
 
 impl Points {
@@ -79,19 +79,19 @@ impl Points {
     }
 
     /// The blocks, with a sphere around each.
-    pub(super) fn blocks(&self) -> impl Iterator<Item = (&BoundingSpheres, &[Block])> {
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = (&BoundingSpheres, &[Block])> {
         self.spheres.iter().zip(self.blocks.chunks(BLOCKS_PER_GROUP))
     }
 
     /// How many points of a block are points, not filling.
     #[inline(always)]
-    pub(super) fn active_lanes(&self, block: usize) -> usize {
+    pub(crate) fn active_lanes(&self, block: usize) -> usize {
         (self.count - block * LANES).min(LANES)
     }
 
     /// The index, as given, of a point of the blocks.
     #[inline(always)]
-    pub(super) fn original_index(&self, place: usize) -> usize {
+    pub(crate) fn original_index(&self, place: usize) -> usize {
         self.order[place] as usize
     }
 }

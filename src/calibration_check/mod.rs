@@ -1,0 +1,10 @@
+//! Whether the silhouettes of a frame fit one another: what a wrong calibration shows in, without any other reference.
+//!
+//! Where the epipolar tangents of two silhouettes miss each other, some view's pixels are shifted; where a silhouette
+//! holds pixels that no point of the hull explains, another view cuts off what it sees.
+
+mod consistency;
+mod tangents;
+
+pub use consistency::Fit;
+pub use tangents::{Shift, Tangents};

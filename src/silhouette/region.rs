@@ -96,7 +96,7 @@ impl Region {
         let beyond = value_beyond(border);
         self.bytes.resize(if mask.has_coverage() { rect.width() * rect.height() } else { 0 }, 0);
         if mask.has_coverage() {
-            mask.write_bytes(&rect, beyond, &mut self.bytes);
+            mask.write_bytes(&rect, beyond, &mut self.row, &mut self.bytes);
         }
 
         let pad = self.pad();

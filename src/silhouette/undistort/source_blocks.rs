@@ -11,6 +11,7 @@
 use crate::silhouette::SUBJECT;
 use crate::vectorised::vectorised;
 use image::GrayImage;
+use std::ops::Range;
 
 /// Width and height of a block in pixels.
 pub(super) const BLOCK: usize = 4;
@@ -74,10 +75,19 @@ impl BlockGrid {
     }
 }
 
+/// Some blocks side by side and one above the other.
+#[derive(Debug, Clone, Default)]
+pub(super) struct BlockRect {
+    pub(super) columns: Range<usize>,
+    pub(super) rows: Range<usize>,
+}
+
 /// The class of every window of a mask.
 #[derive(Debug, Default)]
 pub(super) struct SourceBlocks {
     classes: Vec<u8>,
+    /// For each column of blocks the bits of all their classes.
+    columns: Vec<u8>,
 }
 
 impl SourceBlocks {
@@ -104,6 +114,17 @@ impl SourceBlocks {
             enlarge(smaller, SIDES[level] - SIDES[level - 1], grid.across, &mut larger[..count]);
         }
         is_full
+    }
+
+    /// The smallest rectangle around the blocks that are not all 0.
+    pub(super) fn find_occupied(&mut self, grid: &BlockGrid) -> BlockRect {
+        self.columns.clear();
+        self.columns.resize(grid.across, 0);
+        let rows = unite(&self.classes[RESERVED..][..grid.count()], &mut self.columns);
+        let is_occupied = |class: &u8| class & NOT_EMPTY != 0;
+        let left = self.columns.iter().position(is_occupied).unwrap_or(0);
+        let right = self.columns.iter().rposition(is_occupied).map_or(left, |last| last + 1);
+        BlockRect { columns: left..right, rows }
     }
 
     /// The class of the window at `place`.
@@ -145,6 +166,24 @@ vectorised! {
         }
         let tops = u32::from_ne_bytes([SUBJECT; 4]);
         common & tops == tops
+    }
+}
+
+vectorised! {
+    /// Unites the classes of each column in `columns`; returns the rows from the first to the last that is occupied.
+    fn unite(classes: &[u8], columns: &mut [u8]) -> Range<usize> {
+        let mut occupied = 0..0;
+        for (row, classes) in classes.chunks_exact(columns.len()).enumerate() {
+            let mut any = 0;
+            for (column, &class) in columns.iter_mut().zip(classes) {
+                *column |= class;
+                any |= class;
+            }
+            if any & NOT_EMPTY != 0 {
+                occupied = if occupied.is_empty() { row } else { occupied.start }..row + 1;
+            }
+        }
+        occupied
     }
 }
 

@@ -6,8 +6,9 @@
 // A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
 #![allow(clippy::needless_range_loop)]
 
-use super::source_blocks::{BlockGrid, UNSEEN_WINDOW};
+use super::source_blocks::{BLOCK, BlockGrid, BlockRect, UNSEEN_WINDOW};
 use super::{FULL, Tap, UNSEEN};
+use std::ops::Range;
 
 /// Width and height of a tile in pixels.
 pub(super) const SIDE: usize = 8;
@@ -38,11 +39,22 @@ pub(super) struct TileMap {
     pub(super) last_level: usize,
     /// For each tile the place of its window's class.
     pub(super) windows: Vec<u32>,
-    /// The tiles of which the lens sees a part only.
-    pub(super) partly_seen: Vec<u32>,
+    /// Column and row of the tiles of which the lens sees a part only.
+    pub(super) partly_seen: Vec<(u32, u32)>,
+    /// For each column of tiles the columns of blocks that it is taken from.
+    columns: Vec<Range<usize>>,
+    /// For each row of tiles the rows of blocks that it is taken from.
+    rows: Vec<Range<usize>>,
     /// For each tile the index of its patch's first pixel in the original, or [`NO_PATCH`].
     pub(super) sources: Vec<u32>,
     pub(super) patches: Vec<Patch>,
+}
+
+/// Some tiles side by side and one above the other.
+#[derive(Debug, Clone, Default)]
+pub(super) struct TileRect {
+    pub(super) columns: Range<usize>,
+    pub(super) rows: Range<usize>,
 }
 
 /// The source of a tile that has no patch, because its pixels are spread farther over the original.
@@ -79,6 +91,8 @@ impl TileMap {
             last_level: 0,
             windows: Vec::with_capacity(across * down),
             partly_seen: Vec::new(),
+            columns: vec![0..0; across],
+            rows: vec![0..0; down],
             sources: Vec::with_capacity(across * down),
             patches: Vec::with_capacity(across * down),
         };
@@ -94,9 +108,10 @@ impl TileMap {
 
     /// Appends the tile with these taps.
     fn push(&mut self, taps: &[Tap; PIXELS], original: (usize, usize)) {
+        let (column, row) = (self.patches.len() % self.across, self.patches.len() / self.across);
         let seen = taps.iter().filter(|tap| tap.upper_left != UNSEEN);
         if (1..PIXELS).contains(&seen.clone().count()) {
-            self.partly_seen.push(self.patches.len() as u32);
+            self.partly_seen.push((column as u32, row as u32));
         }
 
         // The window and the patch hold all pixels that the tile is interpolated from.
@@ -106,6 +121,8 @@ impl TileMap {
             Some(extent) => {
                 let (window, level) = self.blocks.window(extent.low, extent.high);
                 self.last_level = self.last_level.max(level);
+                extend(&mut self.columns[column], extent.low.0 / BLOCK..extent.high.0 / BLOCK + 1);
+                extend(&mut self.rows[row], extent.low.1 / BLOCK..extent.high.1 / BLOCK + 1);
                 let (source, patch) =
                     Patch::new(taps, &extent, original).unwrap_or((NO_PATCH, Patch::UNSEEN));
                 (window, source, patch)
@@ -116,6 +133,22 @@ impl TileMap {
         self.sources.push(source);
         self.patches.push(patch);
     }
+
+    /// The smallest rectangle of whole rows and columns of tiles that holds all that are taken from some of `blocks`.
+    pub(super) fn reached_from(&self, blocks: &BlockRect) -> TileRect {
+        let reached = |ranges: &[Range<usize>], blocks: &Range<usize>| {
+            let meets = |range: &Range<usize>| range.start < blocks.end && blocks.start < range.end;
+            let first = ranges.iter().position(meets).unwrap_or(0);
+            first..ranges.iter().rposition(meets).map_or(first, |last| last + 1)
+        };
+        TileRect { columns: reached(&self.columns, &blocks.columns), rows: reached(&self.rows, &blocks.rows) }
+    }
+}
+
+/// Extends `range` to hold `other` too.
+fn extend(range: &mut Range<usize>, other: Range<usize>) {
+    let start = if range.end == 0 { other.start } else { range.start.min(other.start) };
+    *range = start..range.end.max(other.end);
 }
 
 /// The pixels of a tile, row-major.

@@ -1,11 +1,14 @@
-//! A pinhole's mask by tiles of 8 x 8 pixels: uniform ones share two tiles of bytes, the others have their own.
+//! A pinhole's mask by tiles of 8 x 8 pixels: uniform ones have a class and bits, the others bytes too.
+//!
+//! Only the tiles that the subject can reach are drawn. All others are background, and keep whatever an earlier mask
+//! left in their places.
 
 // A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
 #![allow(clippy::needless_range_loop)]
 
 use super::Undistortion;
 use super::source_blocks::{BACKGROUND, FOREGROUND, MIXED, SourceBlocks};
-use super::tile_map::{NO_PATCH, PIXELS, SIDE, pixels_of};
+use super::tile_map::{NO_PATCH, PIXELS, SIDE, TileRect, pixels_of};
 use crate::silhouette::Rect;
 use crate::silhouette::region::top_bits;
 use crate::vectorised::vectorised;
@@ -20,9 +23,6 @@ type TileBits = u64;
 /// The bits of a tile's leftmost column.
 const LEFTMOST: TileBits = 0x0101_0101_0101_0101;
 
-/// The tiles that are all background and all subject.
-static UNIFORM: [Tile; 2] = [[0; PIXELS], [255; PIXELS]];
-
 /// Classes looked at together.
 const CHUNK: usize = 8;
 
@@ -34,14 +34,16 @@ pub(crate) struct TileMask {
     height: usize,
     /// Tiles side by side.
     pub(super) across: usize,
+    /// The tiles that are drawn.
+    pub(super) drawn: TileRect,
     /// The class of each tile.
     classes: Vec<u8>,
     /// The subject pixels of each tile, those beyond the image too.
     pub(super) subject: Vec<TileBits>,
     /// The tiles that are not uniform, in ascending order, and scratch behind them.
     mixed: Vec<u32>,
-    /// For each tile that is not uniform the place of its bytes.
-    places: Vec<u32>,
+    /// How many there are.
+    mixed_count: usize,
     /// The bytes of the tiles that are not uniform, in the order of that list.
     bytes: Vec<Tile>,
     /// For each column of tiles the subject pixels of all its tiles together.
@@ -60,33 +62,63 @@ impl TileMask {
         let size = lens.pinhole.size();
         (self.width, self.height, self.across) = (size.0 as usize, size.1 as usize, map.across);
 
-        // A tile of which a part is unseen is uniform only if the rest is as the unseen part.
-        let blocks = &self.blocks;
-        self.classes.clear();
-        self.classes.extend(map.windows.iter().map(|&window| blocks.class(window)));
-        map.partly_seen.iter().for_each(|&tile| self.classes[tile as usize] |= unseen);
+        // Where the unseen part is subject, tiles far from the mask's subject may hold some.
+        let all = TileRect { columns: 0..map.across, rows: 0..map.windows.len() / map.across };
+        self.drawn = match unseen {
+            BACKGROUND => map.reached_from(&self.blocks.find_occupied(&map.blocks)),
+            _ => all,
+        };
+        let count = map.windows.len();
+        self.classes.resize(count, 0);
+        self.subject.resize(count, 0);
+        self.mixed.resize(count, 0);
 
         // Uniform tiles are filled at once; the others are listed, so that interpolating them has no branch.
-        let count = self.classes.len();
-        self.subject.resize(count, 0);
-        self.places.resize(count, 0);
-        self.mixed.resize(count, 0);
-        fill_uniform(&self.classes, &mut self.subject);
-        let mixed = list_mixed(&self.classes, &mut self.mixed);
+        self.classify(lens, unseen);
+        self.mixed_count = 0;
+        for row in self.drawn.rows.clone() {
+            let tiles =
+                row * self.across + self.drawn.columns.start..row * self.across + self.drawn.columns.end;
+            let classes = &self.classes[tiles.clone()];
+            fill_uniform(classes, &mut self.subject[tiles.clone()]);
+            self.mixed_count += list_mixed(classes, tiles.start as u32, &mut self.mixed[self.mixed_count..]);
+        }
 
-        self.bytes.resize(self.bytes.len().max(mixed), UNIFORM[0]);
-        self.has_coverage = interpolate_mixed(lens, mask, unseen_value, mixed, self);
+        self.bytes.resize(self.bytes.len().max(self.mixed_count), [0; PIXELS]);
+        self.has_coverage = interpolate_mixed(lens, mask, unseen_value, self);
         false
     }
 
-    /// The bytes of a tile.
-    #[inline(always)]
-    pub(super) fn tile(&self, tile: usize) -> &Tile {
-        match self.classes[tile] {
-            BACKGROUND => &UNIFORM[0],
-            FOREGROUND => &UNIFORM[1],
-            _ => &self.bytes[self.places[tile] as usize],
+    /// Finds the class of each tile that is drawn; what the lens does not see has the class `unseen`.
+    fn classify(&mut self, lens: &Undistortion, unseen: u8) {
+        let (map, blocks, drawn) = (&lens.tiles, &self.blocks, &self.drawn);
+        for row in drawn.rows.clone() {
+            let tiles = row * map.across + drawn.columns.start..row * map.across + drawn.columns.end;
+            let windows = &map.windows[tiles.clone()];
+            self.classes[tiles]
+                .iter_mut()
+                .zip(windows)
+                .for_each(|(class, &window)| *class = blocks.class(window));
         }
+
+        // A tile of which a part is unseen is uniform only if the rest is as the unseen part.
+        for &(column, row) in &map.partly_seen {
+            let (column, row) = (column as usize, row as usize);
+            if drawn.columns.contains(&column) && drawn.rows.contains(&row) {
+                self.classes[row * map.across + column] |= unseen;
+            }
+        }
+    }
+
+    /// The tiles that are not uniform, in ascending order, and the bytes of each.
+    pub(super) fn mixed(&self) -> impl Iterator<Item = (usize, &Tile)> {
+        self.mixed[..self.mixed_count].iter().map(|&tile| tile as usize).zip(&self.bytes)
+    }
+
+    /// The class of each tile that is drawn in a row of tiles, from the leftmost one on.
+    #[inline(always)]
+    pub(super) fn classes_in_row(&self, row: usize) -> &[u8] {
+        &self.classes[row * self.across..][self.drawn.columns.clone()]
     }
 
     /// The image's pixels.
@@ -101,10 +133,18 @@ impl TileMask {
 
     /// The smallest rectangle around the subject.
     pub(in crate::silhouette) fn find_rect(&mut self) -> Rect {
+        let TileRect { columns, rows } = self.drawn.clone();
+        if columns.is_empty() || rows.is_empty() {
+            return Rect::EMPTY;
+        }
         self.columns.clear();
-        self.columns.resize(self.across, 0);
-        let (first_row, last_row) =
-            take_extremes(&self.subject, (self.width, self.height), &mut self.columns);
+        self.columns.resize(columns.len(), 0);
+
+        // The tiles drawn, and how far the image reaches, from the upper left one of them on.
+        let (x0, y0) = (SIDE * columns.start, SIDE * rows.start);
+        let size = (self.width.min(SIDE * columns.end) - x0, self.height.min(SIDE * rows.end) - y0);
+        let subject = &self.subject[rows.start * self.across + columns.start..];
+        let (first_row, last_row) = take_extremes(subject, self.across, size, &mut self.columns);
 
         // The outermost columns of tiles that hold subject, and in each the outermost column of pixels.
         let column = |bits: &TileBits| (0..SIDE).fold(0, |any, row| any | (bits >> (SIDE * row)) as u8);
@@ -116,10 +156,10 @@ impl TileMask {
         let first = column(&self.columns[left]).trailing_zeros();
         let last = u8::BITS - column(&self.columns[right]).leading_zeros();
         Rect {
-            x0: (SIDE * left) as i32 + first as i32,
-            y0: first_row as i32,
-            x1: (SIDE * right) as i32 + last as i32,
-            y1: last_row as i32 + 1,
+            x0: (x0 + SIDE * left) as i32 + first as i32,
+            y0: (y0 + first_row) as i32,
+            x1: (x0 + SIDE * right) as i32 + last as i32,
+            y1: (y0 + last_row) as i32 + 1,
         }
     }
 }
@@ -133,8 +173,8 @@ vectorised! {
     }
 }
 
-/// Lists the tiles that are not uniform, and counts them.
-fn list_mixed(classes: &[u8], mixed: &mut [u32]) -> usize {
+/// Lists the tiles that are not uniform, of which the one of the first class is `start`, and counts them.
+fn list_mixed(classes: &[u8], start: u32, mixed: &mut [u32]) -> usize {
     let mut count = 0;
     let mut list = |classes: &[u8], first: u32| {
         // Each tile is written, and the next one in its place if it is uniform: no branch that is hard to predict.
@@ -144,28 +184,22 @@ fn list_mixed(classes: &[u8], mixed: &mut [u32]) -> usize {
         }
     };
     let (chunks, rest) = classes.as_chunks::<CHUNK>();
-    for (chunk, first) in chunks.iter().zip((0..).step_by(CHUNK)) {
+    for (chunk, first) in chunks.iter().zip((start..).step_by(CHUNK)) {
         let classes = u64::from_le_bytes(*chunk);
         if classes & (classes >> 1) & LEFTMOST != 0 {
             list(chunk, first);
         }
     }
-    list(rest, (classes.len() - rest.len()) as u32);
+    list(rest, start + (classes.len() - rest.len()) as u32);
     count
 }
 
 vectorised! {
-    /// Interpolates the `count` tiles that are not uniform; returns whether any has coverage.
-    fn interpolate_mixed(
-        lens: &Undistortion,
-        mask: &[u8],
-        unseen_value: u8,
-        count: usize,
-        drawn: &mut TileMask,
-    ) -> bool {
+    /// Interpolates the tiles that are not uniform; returns whether any has coverage.
+    fn interpolate_mixed(lens: &Undistortion, mask: &[u8], unseen_value: u8, drawn: &mut TileMask) -> bool {
         let (map, width) = (&lens.tiles, lens.original_size.0 as usize);
         let mut coverage = 0;
-        for (place, (&tile, bytes)) in drawn.mixed[..count].iter().zip(&mut drawn.bytes).enumerate() {
+        for (&tile, bytes) in drawn.mixed[..drawn.mixed_count].iter().zip(&mut drawn.bytes) {
             let k = tile as usize;
             *bytes = match map.sources[k] {
                 NO_PATCH => interpolate_each(lens, mask, unseen_value, k),
@@ -175,7 +209,6 @@ vectorised! {
             // One more makes 255 and 0 the only bytes without a bit above the lowest.
             coverage |= bytes.iter().fold(0, |coverage, byte| coverage | byte.wrapping_add(1) >> 1);
             drawn.subject[k] = subject_of(bytes);
-            drawn.places[k] = place as u32;
         }
         coverage != 0
     }
@@ -202,13 +235,18 @@ fn subject_of(bytes: &Tile) -> TileBits {
 }
 
 vectorised! {
-    /// Unites the tiles of each column in `columns`, as far as they lie in the image of this `size`; returns the first
-    /// and the last row of pixels with subject, zero where none has any.
-    fn take_extremes(subject: &[TileBits], size: (usize, usize), columns: &mut [TileBits]) -> (usize, usize) {
+    /// Unites the tiles of each column in `columns`, as far as they lie in the first `size` pixels; returns the first
+    /// and the last row of pixels with subject, zero where none has any. `across` tiles on lies the next row's.
+    fn take_extremes(
+        subject: &[TileBits],
+        across: usize,
+        size: (usize, usize),
+        columns: &mut [TileBits],
+    ) -> (usize, usize) {
         let last_column = columns.len() - 1;
         let in_last_column = LEFTMOST * (0xff >> (SIDE * columns.len() - size.0));
         let (mut first_row, mut last_row) = (None, 0);
-        for (row, tiles) in subject.chunks_exact(columns.len()).enumerate() {
+        for (row, tiles) in subject.chunks(across).take(size.1.div_ceil(SIDE)).enumerate() {
             let beyond = (SIDE * (row + 1)).saturating_sub(size.1);
             let in_image = TileBits::MAX >> (SIDE * beyond);
             let mut any = 0;

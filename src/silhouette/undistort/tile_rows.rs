@@ -10,18 +10,21 @@
 // A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
 #![allow(clippy::needless_range_loop)]
 
+use super::source_blocks::FOREGROUND;
 use super::tile_map::SIDE;
 use super::tile_mask::TileMask;
 use crate::silhouette::Rect;
 use crate::silhouette::region::{MARGIN, WORD, Word};
 use crate::vectorised::vectorised;
-use std::ops::Range;
 
 /// Bytes of eight pixels before a row of tiles, as far as a region reaches beyond the image.
 const BEFORE: usize = MARGIN as usize / SIDE;
 
-/// Bytes of eight pixels behind a row of tiles: the margin, what the region's width is rounded up by, and two words.
-const BEHIND: usize = BEFORE + 1 + 2 * WORD / SIDE;
+/// Bytes of eight pixels behind a row of tiles: the margin, what the region's width is rounded up by, and a block.
+const BEHIND: usize = BEFORE + 1 + BLOCK / SIDE;
+
+/// Bytes written at once, those of two words of bits.
+const BLOCK: usize = 2 * WORD;
 
 impl TileMask {
     /// Writes the subject bits of `rect`, and 0 behind its rows; `row` is scratch.
@@ -37,30 +40,34 @@ impl TileMask {
         write_bits(self, rect, beyond, row, subject);
     }
 
-    /// Writes the bytes of `rect`; where there are no tiles they are `beyond`.
-    pub(in crate::silhouette) fn write_bytes(&self, rect: &Rect, beyond: u8, bytes: &mut [u8]) {
-        let down = self.subject.len() / self.across;
-        let tiles = Rect::of_image((SIDE * self.across) as u32, (SIDE * down) as u32);
-        if rect.intersection(&tiles) != *rect {
-            bytes.fill(beyond);
-        }
-        let columns = tile_range(rect.x0, rect.x1, self.across);
-        for row in tile_range(rect.y0, rect.y1, down) {
-            // The rows of pixels of this row of tiles that lie in the rectangle.
+    /// Writes the bytes of `rect`; where there are no tiles they are `beyond`. `row` is scratch.
+    pub(in crate::silhouette) fn write_bytes(
+        &self,
+        rect: &Rect,
+        beyond: u8,
+        row: &mut Vec<u8>,
+        bytes: &mut [u8],
+    ) {
+        row.clear();
+        row.resize(SIDE * (BEFORE + self.across + BEHIND), beyond);
+        write_uniform(self, rect, beyond, row, bytes);
+
+        // The tiles that are not uniform, whose list ascends.
+        let (mut row, width) = (self.drawn.rows.start, rect.width());
+        for (tile, rows) in self.mixed() {
+            while tile >= (row + 1) * self.across {
+                row += 1;
+            }
+            // The rows of pixels of this tile that lie in the rectangle.
             let top = (SIDE * row) as i32 - rect.y0;
-            let rows = (-top).max(0) as usize..(rect.height() as i32 - top).min(SIDE as i32) as usize;
-            let first = (top + rows.start as i32) as usize * rect.width();
-            for column in columns.clone() {
-                let tile = &self.tile(row * self.across + column).as_chunks().0[rows.clone()];
-                copy_rows(tile, (SIDE * column) as i32 - rect.x0, rect.width(), &mut bytes[first..]);
+            let (first, end) = ((-top).max(0), (rect.height() as i32 - top).min(SIDE as i32));
+            let left = (SIDE * (tile - row * self.across)) as i32 - rect.x0;
+            if first < end && left > -(SIDE as i32) && left < width as i32 {
+                let rows = &rows.as_chunks().0[first as usize..end as usize];
+                copy_rows(rows, left, width, &mut bytes[(top + first) as usize * width..]);
             }
         }
     }
-}
-
-/// The tiles that the pixels `low..high` touch of `count` side by side.
-fn tile_range(low: i32, high: i32, count: usize) -> Range<usize> {
-    low.max(0) as usize / SIDE..(high.max(0) as usize).div_ceil(SIDE).min(count)
 }
 
 /// Copies a tile's rows to column `left` of `bytes`, which are `width` wide; what does not fit is cut off.
@@ -81,19 +88,54 @@ fn copy_rows(rows: &[[u8; SIDE]], left: i32, width: usize, bytes: &mut [u8]) {
 }
 
 vectorised! {
-    /// Writes the bits of `rect`. `row` is `beyond` but for the tiles' part, which is scratch.
+    /// Writes the bytes of `rect` as if all tiles were uniform. `row` is `beyond` but for the drawn tiles' part, which is
+    /// scratch.
+    fn write_uniform(mask: &TileMask, rect: &Rect, beyond: u8, row: &mut [u8], bytes: &mut [u8]) {
+        let (width, drawn) = (rect.width(), &mask.drawn);
+        let start = (rect.x0 + MARGIN) as usize;
+        let mut tiles_in_row = None;
+        for (y, at) in (rect.y0..rect.y1).zip((0..).step_by(width)) {
+            let tiles = usize::try_from(y).ok().map(|y| y / SIDE).filter(|y| drawn.rows.contains(y));
+            if tiles_in_row != Some(tiles) {
+                tiles_in_row = Some(tiles);
+                let inner = &mut row.as_chunks_mut::<SIDE>().0[BEFORE..][drawn.columns.clone()];
+                match tiles {
+                    Some(tiles) => {
+                        let classes = &mask.classes_in_row(tiles)[..inner.len()];
+                        for k in 0..inner.len() {
+                            inner[k] = [u8::from(classes[k] == FOREGROUND).wrapping_neg(); SIDE];
+                        }
+                    }
+                    None => inner.fill([beyond; SIDE]),
+                }
+            }
+
+            // What the last block writes beyond the row is the next row's, which comes later.
+            for (block, at) in row[start..].as_chunks::<BLOCK>().0.iter().zip((at..at + width).step_by(BLOCK)) {
+                match bytes[at..].first_chunk_mut() {
+                    Some(bytes) => *bytes = *block,
+                    None => bytes[at..].iter_mut().zip(block).for_each(|(byte, value)| *byte = *value),
+                }
+            }
+        }
+    }
+}
+
+vectorised! {
+    /// Writes the bits of `rect`. `row` is `beyond` but for the drawn tiles' part, which is scratch.
     fn write_bits(mask: &TileMask, rect: &Rect, beyond: u8, row: &mut [u8], subject: &mut [Word]) {
-        let (width, words, down) = (rect.width(), rect.width().div_ceil(WORD), mask.subject.len() / mask.across);
+        let (width, words, drawn) = (rect.width(), rect.width().div_ceil(WORD), &mask.drawn);
         let first = (rect.x0 + MARGIN) as usize;
         let (start, shift) = (first / SIDE, first % SIDE);
         let within = Word::MAX >> (words * WORD - width);
         for (y, bits) in (rect.y0..rect.y1).zip(subject.chunks_exact_mut(words)) {
-            let tiles = usize::try_from(y).ok().filter(|y| *y < SIDE * down).map(|y| {
-                (&mask.subject[y / SIDE * mask.across..][..mask.across], SIDE * (y % SIDE))
+            let tiles = usize::try_from(y).ok().filter(|y| drawn.rows.contains(&(y / SIDE))).map(|y| {
+                (&mask.subject[y / SIDE * mask.across..][drawn.columns.clone()], SIDE * (y % SIDE))
             });
-            let inner = &mut row[BEFORE..][..mask.across];
+            let inner = &mut row[BEFORE..][drawn.columns.clone()];
             match tiles {
                 Some((tiles, down)) => {
+                    let tiles = &tiles[..inner.len()];
                     for k in 0..inner.len() {
                         inner[k] = (tiles[k] >> down) as u8;
                     }

@@ -13,6 +13,7 @@ use crate::silhouette::Rect;
 use crate::silhouette::region::top_bits;
 use crate::vectorised::vectorised;
 use image::GrayImage;
+use std::ops::Range;
 
 /// The bytes of a tile, row-major.
 pub(super) type Tile = [u8; PIXELS];
@@ -77,8 +78,7 @@ impl TileMask {
         self.classify(lens, unseen);
         self.mixed_count = 0;
         for row in self.drawn.rows.clone() {
-            let tiles =
-                row * self.across + self.drawn.columns.start..row * self.across + self.drawn.columns.end;
+            let tiles = self.tiles_in_row(row);
             let classes = &self.classes[tiles.clone()];
             fill_uniform(classes, &mut self.subject[tiles.clone()]);
             self.mixed_count += list_mixed(classes, tiles.start as u32, &mut self.mixed[self.mixed_count..]);
@@ -91,20 +91,19 @@ impl TileMask {
 
     /// Finds the class of each tile that is drawn; what the lens does not see has the class `unseen`.
     fn classify(&mut self, lens: &Undistortion, unseen: u8) {
-        let (map, blocks, drawn) = (&lens.tiles, &self.blocks, &self.drawn);
-        for row in drawn.rows.clone() {
-            let tiles = row * map.across + drawn.columns.start..row * map.across + drawn.columns.end;
-            let windows = &map.windows[tiles.clone()];
-            self.classes[tiles]
-                .iter_mut()
-                .zip(windows)
-                .for_each(|(class, &window)| *class = blocks.class(window));
+        let (map, blocks) = (&lens.tiles, &self.blocks);
+        for row in self.drawn.rows.clone() {
+            let tiles = self.tiles_in_row(row);
+            let windows = map.windows[tiles.clone()].iter();
+            for (class, &window) in self.classes[tiles].iter_mut().zip(windows) {
+                *class = blocks.class(window);
+            }
         }
 
         // A tile of which a part is unseen is uniform only if the rest is as the unseen part.
         for &(column, row) in &map.partly_seen {
             let (column, row) = (column as usize, row as usize);
-            if drawn.columns.contains(&column) && drawn.rows.contains(&row) {
+            if self.drawn.columns.contains(&column) && self.drawn.rows.contains(&row) {
                 self.classes[row * map.across + column] |= unseen;
             }
         }
@@ -118,7 +117,14 @@ impl TileMask {
     /// The class of each tile that is drawn in a row of tiles, from the leftmost one on.
     #[inline(always)]
     pub(super) fn classes_in_row(&self, row: usize) -> &[u8] {
-        &self.classes[row * self.across..][self.drawn.columns.clone()]
+        &self.classes[self.tiles_in_row(row)]
+    }
+
+    /// The tiles that are drawn in a row of tiles.
+    #[inline(always)]
+    fn tiles_in_row(&self, row: usize) -> Range<usize> {
+        let first = row * self.across;
+        first + self.drawn.columns.start..first + self.drawn.columns.end
     }
 
     /// The image's pixels.

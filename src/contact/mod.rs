@@ -1,8 +1,8 @@
 //! Contacts between a hull and rigid bodies: pure geometry, in the hull's frame.
 //!
 //! ```text
-//!       +-----------+   body             each colliding sample has a way out of the hull, w
-//!       |           |                    samples with like ways out form a cluster, V its mean
+//!       +-----------+   body             each colliding sample has an exit vector, w
+//!       |           |                    samples with like exit vectors form a cluster, V its mean
 //!    ---*--*--*--*--*---  hull           each sample's depth is its own exit along V
 //!          ^  V  ^                       a few samples a cluster are kept: deepest, then farthest apart
 //! ```

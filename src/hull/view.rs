@@ -131,7 +131,8 @@ impl View {
         self.field_of_view.as_deref()
     }
 
-    /// The same where what the lens did not see is not background: with an open border. Else the mask says all.
+    /// The field of view, where what the lens did not see is not background: with an open border. Else the mask says
+    /// all.
     pub(super) fn blind_spots(&self) -> Option<&Silhouette> {
         self.field_of_view().filter(|_| self.silhouette.border() == Border::Open)
     }

@@ -241,16 +241,20 @@ impl ViewKernel<'_> {
     /// that mean is too short.
     #[inline(always)]
     fn paper_lines(&self, pixels: &[(i32, i32)]) -> (ImageLines, u32) {
-        const HALF: i32 = 2;
         let tables = self.view.silhouette().tables();
         let bits = Bits::new(tables.subject, tables.words);
+        let (mut column, mut row) = ([0; LANES], [0; LANES]);
+        for k in 0..LANES {
+            (column[k], row[k]) = pixels[k.min(pixels.len() - 1)];
+        }
+
         let (mut lines, mut short) = (ImageLines::default(), [0; LANES]);
         for k in 0..LANES {
-            let (i, j) = pixels[k.min(pixels.len() - 1)];
             let (mut x, mut y, mut count) = (0, 0, 0);
-            for dy in -HALF..=HALF {
-                let row = !bits.from(i - self.corner.0 - HALF, j - self.corner.1 + dy);
-                let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|bit| (row >> bit & 1) as i32);
+            // An array, since a range is not unrolled.
+            for dy in [-2, -1, 0, 1, 2] {
+                let bits = !bits.from(column[k] - self.corner.0 - 2, row[k] - self.corner.1 + dy);
+                let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|bit| (bits >> bit & 1) as i32);
                 let background = a + b + c + d + e;
                 x += 2 * (e - a) + d - b;
                 y += dy * background;
@@ -259,7 +263,7 @@ impl ViewKernel<'_> {
             let (mean_u, mean_v) = (f64::from(x) / f64::from(count), f64::from(y) / f64::from(count));
             let length = (mean_u * mean_u + mean_v * mean_v).sqrt();
             short[k] = u32::from(length < SHORTEST_MEAN);
-            (lines.u[k], lines.v[k]) = (f64::from(i) + 0.5, f64::from(j) + 0.5);
+            (lines.u[k], lines.v[k]) = (f64::from(column[k]) + 0.5, f64::from(row[k]) + 0.5);
             (lines.normal_u[k], lines.normal_v[k]) = (mean_u / length, mean_v / length);
         }
         (lines, lane_mask(&short))

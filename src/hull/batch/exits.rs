@@ -68,7 +68,9 @@ impl Exits {
         self.previous.clear();
         self.previous.extend_from_slice(exits);
         self.deciders.clear();
-        self.deciders.extend(self.blocks.iter().flat_map(|block| block.first));
+        for block in &self.blocks {
+            self.deciders.extend_from_slice(&block.first);
+        }
         for (place, kernel) in kernels.iter().enumerate() {
             walk_others(kernel, self, place, exits);
             note_deciders(place as u32, exits, &mut self.previous, &mut self.deciders);

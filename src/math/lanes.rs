@@ -13,11 +13,7 @@ pub(crate) fn select<T>(condition: bool, yes: T, no: T) -> T {
 /// The bits of lanes that hold zero or one.
 #[inline(always)]
 pub(crate) fn lane_mask<const N: usize>(lanes: &[u32; N]) -> u32 {
-    let mut mask = 0;
-    for (k, lane) in lanes.iter().enumerate() {
-        mask |= lane << k;
-    }
-    mask
+    lanes.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
 }
 
 /// The places of the bits set, ascending.

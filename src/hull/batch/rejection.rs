@@ -50,7 +50,10 @@ impl ViewKernel<'_> {
         let (mut column, mut row, mut may_be) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
         let (mut in_reach, mut at) = ([0; LANES], [[0.0; LANES]; 2]);
         for k in 0..LANES {
-            let [pu, pv, pd] = self.p.each_ref().map(|p| p[0] * x[k] + p[1] * y[k] + p[2] * z[k] + p[3]);
+            let [pu, pv, pd] = &self.p;
+            let pu = pu[0] * x[k] + pu[1] * y[k] + pu[2] * z[k] + pu[3];
+            let pv = pv[0] * x[k] + pv[1] * y[k] + pv[2] * z[k] + pv[3];
+            let pd = pd[0] * x[k] + pd[1] * y[k] + pd[2] * z[k] + pd[3];
             let (u, v) = (pu / pd, pv / pd);
             let within = (u >= RIM) & (u < self.size[0] - RIM) & (v >= RIM) & (v < self.size[1] - RIM);
             let within = within & (pd > MIN_DEPTH);

@@ -11,7 +11,7 @@
 
 use super::super::{Hull, View};
 use super::filter::MaskDilation;
-use crate::math::lanes::{floor_clamped, lane_mask};
+use crate::math::lanes::{floor_clamped, lane_mask, select};
 use crate::math::point_cloud::{Block, LANES, Points};
 use crate::silhouette::{Bits, Distances};
 use crate::silhouette::{Lookup, TableSlices};
@@ -157,8 +157,9 @@ impl<'a> BodyView<'a> {
     /// the camera.
     #[inline(always)]
     pub(super) fn project(&self, points: &Block, k: usize) -> [f32; 3] {
-        let [u, v, depth] = self.p.each_ref().map(|row| affine(row, points, k));
-        let per_depth = if depth > NEAREST { 1.0 / depth } else { 0.0 };
+        let [u, v, depth] = &self.p;
+        let (u, v, depth) = (affine(u, points, k), affine(v, points, k), affine(depth, points, k));
+        let per_depth = select(depth > NEAREST, 1.0 / depth, 0.0);
         [u * per_depth, v * per_depth, depth]
     }
 
@@ -181,8 +182,8 @@ impl<'a> BodyView<'a> {
         Distances::new(self.tables.distance_words, self.tables.width)
     }
 
-    /// Whether anything that lies within `radius` of a point may be inside by this view, its mask dilated by so many
-    /// pixels, and whether all of it surely appears in the silhouette; where the view may abstain if `may_abstain`.
+    /// Whether anything that lies within `radius` of a point may appear in the silhouette, dilated by so many pixels, and
+    /// whether all of it surely does.
     #[inline(always)]
     pub(super) fn sphere(
         &self,
@@ -190,7 +191,6 @@ impl<'a> BodyView<'a> {
         [x, y, z]: [f32; 3],
         radius: f32,
         dilation_px: f32,
-        may_abstain: bool,
     ) -> (bool, bool) {
         let at = |row: &[f32; 4]| row[0].mul_add(x, row[1].mul_add(y, row[2].mul_add(z, row[3])));
         let depth = at(&self.p[2]);
@@ -206,14 +206,18 @@ impl<'a> BodyView<'a> {
         let touches = !is_ahead | tiles.any(from, to);
         // Background lies as many pixels away as the distance says, or farther.
         let clear = distances.at(floor_clamped(u, right), floor_clamped(v, below)) as f32 - 1.0;
-        let is_inside = is_ahead & (reach(0) <= clear) & (reach(1) <= clear);
-        match &self.sight {
-            None => (touches, is_inside),
-            Some(sight) => {
-                let is_seen = is_ahead & sight.holds([u, v], [reach(0), reach(1)]);
-                (touches | (may_abstain & !is_seen), is_inside & is_seen & !sight.has_blind_spots())
-            }
-        }
+        (touches, is_ahead & (reach(0) <= clear) & (reach(1) <= clear))
+    }
+
+    /// Whether the image surely holds all that lies within `radius` of a point, by a view that may not see it.
+    #[inline(always)]
+    pub(super) fn sees_sphere(&self, sight: &Sight, [x, y, z]: [f32; 3], radius: f32) -> bool {
+        let at = |row: &[f32; 4]| row[0].mul_add(x, row[1].mul_add(y, row[2].mul_add(z, row[3])));
+        let depth = at(&self.p[2]);
+        let nearest = depth - radius * self.depth_slope;
+        let (per_depth, most) = (1.0 / depth, radius * 1.001 / nearest);
+        let reach = [self.slope[0] * most + ROUNDING_PX, self.slope[1] * most + ROUNDING_PX];
+        (nearest > NEAREST) & sight.holds([at(&self.p[0]) * per_depth, at(&self.p[1]) * per_depth], reach)
     }
 }
 
@@ -251,7 +255,7 @@ impl<'a> Sight<'a> {
         (lane_mask(&surely), lane_mask(&maybe))
     }
 
-    fn has_blind_spots(&self) -> bool {
+    pub(super) fn has_blind_spots(&self) -> bool {
         self.view.blind_spots().is_some()
     }
 

@@ -1,8 +1,8 @@
 //! Which of many points are inside, as many at a time as a vector register holds.
 
 use super::super::Unseen;
-use super::body_view::{BodyPlacement, BodyView, Volume};
-use crate::math::lanes::{floor_clamped, lane_mask, set_bits};
+use super::body_view::{BodyPlacement, BodyView, NEAREST, Volume};
+use crate::math::lanes::{floor_clamped, lane_mask, select, set_bits};
 use crate::math::point_cloud::{BLOCKS_PER_GROUP, Block, BoundingSpheres, LANES, Points};
 use crate::vectorised::vectorised;
 
@@ -55,12 +55,12 @@ impl MaskDilation {
 vectorised! {
     /// Whether the sphere around a body's points may be inside by every view.
     pub(super) fn may_be_inside(views: &[BodyView], placement: &BodyPlacement, filter: &Filter) -> bool {
-        let may_abstain = filter.unseen != Unseen::Outside;
         let mut may_be = true;
         for view in views {
             let tables = (&view.tables.tiles.lookup(), &view.distances());
-            let (middle, radius, dilation) = (placement.middle(), placement.radius, filter.dilation.pixels());
-            may_be = may_be && view.sphere(tables, middle, radius, dilation, may_abstain).0;
+            let (middle, radius) = (placement.middle(), placement.radius);
+            let (touches, _) = view.sphere(tables, middle, radius, filter.dilation.pixels());
+            may_be = may_be && (touches || filter.may_abstain_on(view, middle, radius));
         }
         may_be
     }
@@ -146,6 +146,15 @@ impl Filter<'_> {
         inside & lane_mask(&enough)
     }
 
+    /// Whether a view may abstain on some of what lies within `radius` of a point.
+    #[inline(always)]
+    fn may_abstain_on(&self, view: &BodyView, centre: [f32; 3], radius: f32) -> bool {
+        match &view.sight {
+            Some(sight) => self.unseen != Unseen::Outside && !view.sees_sphere(sight, centre, radius),
+            None => false,
+        }
+    }
+
     /// What a view says of a block of points.
     #[inline(always)]
     fn verdict(&self, view: &BodyView, block: &Block) -> ViewVerdict {
@@ -182,15 +191,25 @@ fn round(first: usize, count: usize) -> impl Iterator<Item = usize> {
 fn classify_spheres(view: &BodyView, spheres: &BoundingSpheres, filter: &Filter) -> (u32, u32) {
     let tiles = view.tables.tiles.lookup();
     let distances = view.distances();
-    let (dilation, may_abstain) = (filter.dilation.pixels(), filter.unseen != Unseen::Outside);
-    let (mut touched, mut inside) = ([0; BLOCKS_PER_GROUP], [0; BLOCKS_PER_GROUP]);
+    let (dilation, mut touched, mut inside) =
+        (filter.dilation.pixels(), [0; BLOCKS_PER_GROUP], [0; BLOCKS_PER_GROUP]);
     for k in 0..BLOCKS_PER_GROUP {
         let centre = [spheres.x[k], spheres.y[k], spheres.z[k]];
-        let tables = (&tiles, &distances);
-        let (touches, is_inside) = view.sphere(tables, centre, spheres.radius[k], dilation, may_abstain);
+        let (touches, is_inside) = view.sphere((&tiles, &distances), centre, spheres.radius[k], dilation);
         (touched[k], inside[k]) = (u32::from(touches), u32::from(is_inside));
     }
-    (lane_mask(&touched), lane_mask(&inside))
+    let (touched, inside) = (lane_mask(&touched), lane_mask(&inside));
+    let Some(sight) = &view.sight else { return (touched, inside) };
+
+    // What the view may not see it neither rejects nor surely sees.
+    let mut seen = [0; BLOCKS_PER_GROUP];
+    for k in 0..BLOCKS_PER_GROUP {
+        let centre = [spheres.x[k], spheres.y[k], spheres.z[k]];
+        seen[k] = u32::from(view.sees_sphere(sight, centre, spheres.radius[k]));
+    }
+    let seen = lane_mask(&seen);
+    let abstained = if filter.unseen == Unseen::Outside { 0 } else { !seen };
+    (touched | abstained, if sight.has_blind_spots() { 0 } else { inside & seen })
 }
 
 /// Which points of a block appear in the silhouette, a bit each.
@@ -198,12 +217,16 @@ fn classify_spheres(view: &BodyView, spheres: &BoundingSpheres, filter: &Filter)
 /// One loop over all that happens to a point, so that the compiler turns it into vector instructions as a whole.
 #[inline(always)]
 fn subject(view: &BodyView, block: &Block, dilation: MaskDilation) -> u32 {
-    let bits = view.bits(dilation);
+    let (bits, [pu, pv, pd]) = (view.bits(dilation), &view.p);
     let [right, below] = view.last_pixel();
     let mut hit = [0; LANES];
     for k in 0..LANES {
-        let [u, v, _] = view.project(block, k);
-        hit[k] = bits.at(floor_clamped(u, right), floor_clamped(v, below));
+        let (x, y, z) = (block.x[k], block.y[k], block.z[k]);
+        let depth = pd[0].mul_add(x, pd[1].mul_add(y, pd[2].mul_add(z, pd[3])));
+        let u = pu[0].mul_add(x, pu[1].mul_add(y, pu[2].mul_add(z, pu[3])));
+        let v = pv[0].mul_add(x, pv[1].mul_add(y, pv[2].mul_add(z, pv[3])));
+        let per_depth = select(depth > NEAREST, 1.0 / depth, 0.0);
+        hit[k] = bits.at(floor_clamped(u * per_depth, right), floor_clamped(v * per_depth, below));
     }
     lane_mask(&hit)
 }

@@ -29,14 +29,14 @@ use share_out::share_out;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Mode {
-    /// Samples with like ways out form clusters, guided by the body's own normals: neither tips, flings nor rolls
-    /// away.
+    /// Samples with like exit directions form clusters, guided by the body's own normals: bodies neither tip, nor are
+    /// flung, nor roll away.
     #[default]
     Clustered,
     /// The paper's section 5 to the letter: one direction for the body from the paper's normals, each colliding
     /// sample a contact with its own exit as depth, however deep.
     Paper,
-    /// Each colliding sample along its own way out.
+    /// Each colliding sample along its own exit direction.
     Point,
     /// The deepest sample alone, as Lok et al. have it; there to be compared with.
     Single,

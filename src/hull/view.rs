@@ -57,9 +57,13 @@ impl Footprint {
     #[inline(always)]
     pub(super) fn at_each<const N: usize>(&self, depths: &[f64; N], footprints: &mut [f64; N]) {
         if self.is_right {
-            (0..N).for_each(|k| footprints[k] = depths[k] / self.fx);
+            for (footprint, depth) in footprints.iter_mut().zip(depths) {
+                *footprint = depth / self.fx;
+            }
         } else {
-            (0..N).for_each(|k| footprints[k] = self.at(depths[k]));
+            for (footprint, depth) in footprints.iter_mut().zip(depths) {
+                *footprint = self.at(*depth);
+            }
         }
     }
 

@@ -112,8 +112,8 @@ impl EdgeTable {
             return None;
         }
         let block = place / BLOCK;
-        let before: u32 = edges[block * BLOCK..place].iter().map(|word| word.count_ones()).sum();
-        Some(self.before[block] + before + (word & ((1 << bit) - 1)).count_ones())
+        let before = self.before[block] + count_ones(&edges[block * BLOCK..place]);
+        Some(before + (word & ((1 << bit) - 1)).count_ones())
     }
 
     /// Bytes of memory behind the table.
@@ -129,10 +129,20 @@ vectorised! {
         let mut count = 0;
         for (words, before) in bits.chunks(BLOCK).zip(before) {
             *before = count;
-            count += words.iter().map(|word| word.count_ones()).sum::<u32>();
+            count += count_ones(words);
         }
         count as usize
     }
+}
+
+/// How many bits of some words are set.
+#[inline(always)]
+fn count_ones(words: &[Word]) -> u32 {
+    let mut count = 0;
+    for word in words {
+        count += word.count_ones();
+    }
+    count
 }
 
 impl Silhouette {

@@ -11,7 +11,7 @@ use super::{ExitRay, Wide};
 use crate::math::lanes::{floor, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
 use crate::silhouette::Bits;
-use crate::silhouette::{self, Edge, EdgePixel, SHORTEST_MEAN};
+use crate::silhouette::{self, Edge, EdgePixel, SHORTEST_MEAN, Silhouette};
 use crate::vectorised::vectorised;
 use nalgebra::{Point2, Vector3};
 
@@ -113,9 +113,7 @@ impl EdgeQueries {
                     find_paper_directions(kernel, queries, found, rays);
                     queries.clear();
                 } else {
-                    nearest.clear();
-                    nearest.extend(found.iter().map(|&at| silhouette.edge_pixel(at)));
-                    new_edges.extend(nearest.iter().filter(|pixel| silhouette.claim_edge(pixel)));
+                    find_edge_pixels(silhouette, found, nearest, new_edges);
                 }
             }
 
@@ -163,7 +161,28 @@ vectorised! {
                 (first[k], half[k]) = (query.first, query.half);
             }
             let nearest = nearest(&tables, &middle, &first, &half);
-            found.extend((0..queries.len()).map(|k| (nearest.column[k] + x, nearest.row[k] + y)));
+            for k in 0..queries.len() {
+                found.push((nearest.column[k] + x, nearest.row[k] + y));
+            }
+        }
+    }
+}
+
+vectorised! {
+    /// Writes the pixels `found` to `nearest` as edge pixels, and adds those to `new_edges` whose edges are not known yet.
+    fn find_edge_pixels(
+        silhouette: &Silhouette,
+        found: &[(i32, i32)],
+        nearest: &mut Vec<EdgePixel>,
+        new_edges: &mut Vec<EdgePixel>,
+    ) {
+        nearest.clear();
+        for &at in found {
+            let pixel = silhouette.edge_pixel(at);
+            nearest.push(pixel);
+            if silhouette.claim_edge(&pixel) {
+                new_edges.push(pixel);
+            }
         }
     }
 }

@@ -126,9 +126,7 @@ impl ImageLines {
     /// around the start, and so does all between, since a line's image is straight.
     #[inline(always)]
     pub(super) fn stay_inside(&self, kernel: &ViewKernel) -> u32 {
-        // Beyond the pixels' centres there may be an edge by coverage; the rest is far more than rounding.
-        let rim = if kernel.by_coverage { 1.0 + 1e-6 } else { 0.5 + 1e-6 };
-        let (mut stays, [x, y, z], [dx, dy, dz]) = ([0; LANES], &self.start, &self.ahead);
+        let (rim, mut stays, [x, y, z], [dx, dy, dz]) = (kernel.rim(), [0; LANES], &self.start, &self.ahead);
         for k in 0..LANES {
             let (reach, t) = (self.distance[k] - rim, self.t_max[k]);
             let (end_x, end_y, end_z) = (x[k] + dx[k] * t, y[k] + dy[k] * t, z[k] + dz[k] * t);
@@ -144,30 +142,36 @@ impl ImageLines {
     /// and ends meet: an image that is straight lies in the one until it is in the other.
     #[inline(always)]
     pub(super) fn end_inside(&self, kernel: &ViewKernel) -> u32 {
-        // From a point to the side of its pixel's square it may be a pixel less than the distance; half a pixel more for
-        // an edge by coverage, and what is far more than rounding.
-        let rim = 1.0 + kernel.shift + 1e-6;
+        let rim = kernel.rim();
         let (mut column, mut row, mut end_distance) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        let (mut longest, mut in_rect) = ([0.0; LANES], [0; LANES]);
+        let (mut longest, mut offsets, mut in_rect) = ([0.0; LANES], [[0.0; LANES]; 2], [0; LANES]);
         for k in 0..LANES {
             let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
             let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
             let t = self.t_max[k];
             let (x, y, z) = (x0 + x1 * t, y0 + y1 * t, z0 + z1 * t);
-            let (u, v) = (x / z, y / z);
-            let in_columns = (u >= kernel.low[0]) & (u < kernel.high[0]);
-            let in_rows = (v >= kernel.low[1]) & (v < kernel.high[1]);
+            let (u0, v0, u1, v1) = (x0 / z0, y0 / z0, x / z, y / z);
+            let in_columns = (u1 >= kernel.low[0]) & (u1 < kernel.high[0]);
+            let in_rows = (v1 >= kernel.low[1]) & (v1 < kernel.high[1]);
             let is_in_rect = in_columns & in_rows & (z > MIN_DEPTH);
             in_rect[k] = u32::from(is_in_rect);
             (column[k], row[k]) =
-                (floor(select(is_in_rect, u, kernel.low[0])), floor(select(is_in_rect, v, kernel.low[1])));
-            let (du, dv) = ((u - x0 / z0).abs(), (v - y0 / z0).abs());
-            longest[k] = select(du > dv, du, dv);
+                (floor(select(is_in_rect, u1, kernel.low[0])), floor(select(is_in_rect, v1, kernel.low[1])));
+
+            // How far the start lies ahead of its pixel's centre, and the end behind its own, along either axis.
+            let along = |by: f64, offset: f64| select(by > 0.0, offset, -offset);
+            let (du, dv) = (u1 - u0, v1 - v0);
+            let (start_u, start_v) = (u0 - 0.5 - self.column[k], v0 - 0.5 - self.row[k]);
+            let (end_u, end_v) = (column[k] + 0.5 - u1, row[k] + 0.5 - v1);
+            offsets[0][k] = larger(along(du, start_u), along(dv, start_v));
+            offsets[1][k] = larger(along(du, end_u), along(dv, end_v));
+            longest[k] = larger(du.abs(), dv.abs());
         }
         kernel.find_distances(&column, &row, 0.0, &mut end_distance);
         let mut stays = [0; LANES];
         for k in 0..LANES {
-            let (from_start, from_end) = (self.distance[k] - rim, end_distance[k] - rim);
+            let from_start = self.distance[k] - rim - offsets[0][k];
+            let from_end = end_distance[k] - rim - offsets[1][k];
             let meet = longest[k] <= from_start + from_end;
             stays[k] = in_rect[k] & u32::from((from_start >= 0.0) & (from_end >= 0.0) & meet);
         }
@@ -184,4 +188,18 @@ impl ImageLines {
         (self.point[k], self.t[k], self.t_max[k]) = (other.point[j], other.t[j], other.t_max[j]);
         (self.column[k], self.row[k], self.distance[k]) = (other.column[j], other.row[j], other.distance[j]);
     }
+}
+
+impl ViewKernel<'_> {
+    /// By how much the square of subject around a pixel's centre is smaller than its distance to the background.
+    #[inline(always)]
+    fn rim(&self) -> f64 {
+        // Beyond the pixels' centres there may be an edge by coverage; the rest is far more than rounding.
+        0.5 + self.shift + 1e-6
+    }
+}
+
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    select(a > b, a, b)
 }

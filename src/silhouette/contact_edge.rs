@@ -215,17 +215,24 @@ impl Silhouette {
         background
     }
 
-    /// The bytes of windows around pixels.
+    /// The bytes of windows around pixels, of a mask with coverage.
     fn bytes_around(&self, pixels: &[(i32, i32); ABREAST]) -> Bytes {
-        let mut bytes = [[[0; ABREAST]; 2]; SIDE];
+        let (rect, mut bytes) = (self.region.rect(), [[[0; ABREAST]; 2]; SIDE]);
         for (k, &(i, j)) in pixels.iter().enumerate() {
-            for (y, row) in (j - WINDOW..).zip(&mut bytes) {
-                let values: [u8; SIDE] = self
-                    .region
-                    .row(i - WINDOW, y)
-                    .unwrap_or_else(|| std::array::from_fn(|x| self.value(i - WINDOW + x as i32, y)));
-                let eight = |start: usize| u64::from_le_bytes(std::array::from_fn(|x| values[start + x]));
-                (row[0][k], row[1][k]) = (eight(0), eight(LAST_EIGHT));
+            let (left, above) = (i - WINDOW, j - WINDOW);
+            if rect.contains(left, above) && rect.contains(i + WINDOW, j + WINDOW) {
+                let rows = self.region.bytes()[rect.index(left, above)..].chunks(rect.width());
+                for (values, row) in rows.zip(&mut bytes) {
+                    let (first, last) = (values.first_chunk(), values[..SIDE].last_chunk());
+                    row[0][k] = first.map_or(0, |eight| u64::from_le_bytes(*eight));
+                    row[1][k] = last.map_or(0, |eight| u64::from_le_bytes(*eight));
+                }
+            } else {
+                for (y, row) in (above..).zip(&mut bytes) {
+                    let eight = |x: i32| std::array::from_fn(|n| self.value(left + x + n as i32, y));
+                    row[0][k] = u64::from_le_bytes(eight(0));
+                    row[1][k] = u64::from_le_bytes(eight(LAST_EIGHT as i32));
+                }
             }
         }
         bytes

@@ -208,20 +208,18 @@ impl Patch {
             row.copy_from_slice(&mask[start..start + PATCH_WIDTH]);
         }
 
-        // Two pixels side by side are one load.
-        let pair = |place: usize| u16::from_le_bytes([patch[place], patch[place + 1]]);
-        let (mut upper, mut lower) = ([0; PIXELS], [0; PIXELS]);
-        for k in 0..PIXELS {
-            let place = usize::from(self.places[k]);
-            (upper[k], lower[k]) = (pair(place), pair(place + PATCH_WIDTH));
-        }
-
-        // All lanes at once: first along the rows, then between them.
+        // Two pixels side by side are in one load, of four bytes, which vector instructions gather.
+        let load = |place: usize| {
+            u32::from_le_bytes([patch[place], patch[place + 1], patch[place + 2], patch[place + 3]])
+        };
         let mut bytes = [0; PIXELS];
         for k in 0..PIXELS {
-            let (right, below) = (u32::from(self.right[k]), u32::from(self.below[k]));
-            let mix = |pair: u16| u32::from(pair & 0xff) * (FULL - right) + u32::from(pair >> 8) * right;
-            let sum = mix(upper[k]) * (FULL - below) + mix(lower[k]) * below;
+            let (place, right, below) =
+                (usize::from(self.places[k]), u32::from(self.right[k]), u32::from(self.below[k]));
+            // First along the rows, then between them. A difference below zero wraps, and so does what is added to it.
+            let mix = |pair: u32| (pair & 0xff) * (FULL - right) + (pair >> 8 & 0xff) * right;
+            let (upper, lower) = (mix(load(place)), mix(load(place + PATCH_WIDTH)));
+            let sum = (upper * FULL).wrapping_add(lower.wrapping_sub(upper).wrapping_mul(below));
             bytes[k] = ((sum + FULL * FULL / 2) / (FULL * FULL)) as u8;
         }
         bytes

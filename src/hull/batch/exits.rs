@@ -9,7 +9,7 @@
 use super::super::sweep::Sweep;
 use super::super::{EdgeModel, Hull};
 use super::image_lines::ImageLines;
-use super::line_walk::RayQueue;
+use super::line_walk::{NearestExits, RayQueue};
 use super::projection::ViewKernel;
 use super::{ExitRay, Wide};
 use crate::math::lanes::{lane_mask, select};
@@ -24,8 +24,7 @@ pub(super) struct Exits {
     first: Vec<Vec<u32>>,
     /// Up to where the views that see a point surely go on to see it, and the others not to.
     sight_ends: Vec<f64>,
-    /// The exits before the view that walked last, and the places of the views that have lowered them.
-    previous: Vec<f64>,
+    /// The places of the views that give the exits so far.
     deciders: Vec<u32>,
     lines: ImageLines,
     queue: RayQueue,
@@ -62,24 +61,25 @@ impl Exits {
             lower_to_bounds(hull, block, exits);
         }
 
-        for (place, kernel) in kernels.iter().enumerate() {
-            walk_first(kernel, self, place, exits);
-        }
-        self.previous.clear();
-        self.previous.extend_from_slice(exits);
-        self.deciders.clear();
+        self.queue.restart();
+        let mut deciders = std::mem::take(&mut self.deciders);
+        deciders.clear();
         for block in &self.blocks {
-            self.deciders.extend_from_slice(&block.first);
+            deciders.extend_from_slice(&block.first);
         }
-        for (place, kernel) in kernels.iter().enumerate() {
-            walk_others(kernel, self, place, exits);
-            note_deciders(place as u32, exits, &mut self.previous, &mut self.deciders);
+        let mut nearest = NearestExits { exits, deciders: &mut deciders };
+        for place in 0..kernels.len() {
+            walk_first(kernels, place, self, &mut nearest);
         }
+        self.queue.drain(kernels, &mut nearest);
+        for place in 0..kernels.len() {
+            walk_others(kernels, place, self, &mut nearest);
+        }
+        self.queue.drain(kernels, &mut nearest);
 
         exits.truncate(rays.len());
-        rays.iter_mut()
-            .zip(&self.deciders)
-            .for_each(|(ray, &place)| ray.view = kernels[place as usize].index);
+        rays.iter_mut().zip(&deciders).for_each(|(ray, &place)| ray.view = kernels[place as usize].index);
+        self.deciders = deciders;
         if let Some(first) = kernels.first() {
             self.weigh_views(hull, rays, first.edge, t_max, exits);
         }
@@ -121,7 +121,7 @@ impl Exits {
 
 vectorised! {
     /// Walks the points through the view at `place` that is likely to decide them.
-    fn walk_first(kernel: &ViewKernel, memory: &mut Exits, place: usize, exits: &mut [f64]) {
+    fn walk_first(kernels: &[ViewKernel], place: usize, memory: &mut Exits, nearest: &mut NearestExits) {
         let Exits { blocks, first, lines, queue, sight_ends, .. } = memory;
         for points in first[place].chunks(LANES) {
             let mut block = RayBlock::empty(points.len());
@@ -132,24 +132,24 @@ vectorised! {
                     block.point[axis][k] = from.point[axis][lane];
                     block.direction[axis][k] = from.direction[axis][lane];
                 }
-                (lines.point[k], lines.t_max[k]) = (point as u32, exits[point]);
+                (lines.point[k], lines.t_max[k]) = (point as u32, nearest.exits[point]);
             }
-            let visible = lines.project(kernel, &block, sight_ends);
-            queue.push(kernel, lines, visible & (u32::MAX >> (LANES - points.len())), exits);
+            let which = lines.project(&kernels[place], &block, sight_ends) & (u32::MAX >> (LANES - points.len()));
+            queue.push(kernels, place, lines, which, nearest);
         }
-        queue.drain(kernel, exits);
     }
 }
 
 vectorised! {
     /// Walks all other points through it, unless it surely sees them inside up to their exits so far.
-    fn walk_others(kernel: &ViewKernel, memory: &mut Exits, place: usize, exits: &mut [f64]) {
+    fn walk_others(kernels: &[ViewKernel], place: usize, memory: &mut Exits, nearest: &mut NearestExits) {
         let Exits { blocks, lines, queue, sight_ends, .. } = memory;
         for (k, block) in blocks.iter().enumerate() {
             let base = k * LANES;
             for lane in 0..LANES {
-                (lines.point[lane], lines.t_max[lane]) = ((base + lane) as u32, exits[base + lane]);
+                (lines.point[lane], lines.t_max[lane]) = ((base + lane) as u32, nearest.exits[base + lane]);
             }
+            let kernel = &kernels[place];
             let visible = lines.project(kernel, block, sight_ends);
             let mut others = [0; LANES];
             for lane in 0..LANES {
@@ -160,18 +160,7 @@ vectorised! {
             if unresolved != 0 {
                 unresolved &= !lines.end_inside(kernel);
             }
-            queue.push(kernel, lines, unresolved, exits);
-        }
-        queue.drain(kernel, exits);
-    }
-}
-
-vectorised! {
-    /// Notes the view at `place` as that which decides the exits that it has lowered.
-    fn note_deciders(place: u32, exits: &[f64], previous: &mut [f64], deciders: &mut [u32]) {
-        for ((exit, previous), decider) in exits.iter().zip(previous).zip(deciders) {
-            *decider = select(*exit < *previous, place, *decider);
-            *previous = *exit;
+            queue.push(kernels, place, lines, unresolved, nearest);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Walks of many points through one silhouette side by side, each along its own line.
+//! Walks of many points side by side, each along its own line through one view's silhouette.
 //!
 //! A step is that of [`March`]: from the cell entered to the side of the largest square of subject cells around it. A
 //! walk ends in background, where an edge crosses its cell, or at its limit; where something rare comes up, [`March`]
@@ -10,7 +10,7 @@ use super::Wide;
 use super::image_lines::ImageLines;
 use super::projection::ViewKernel;
 use crate::camera::MIN_DEPTH;
-use crate::math::lanes::{floor, lane_mask, select, set_bits};
+use crate::math::lanes::{floor, index, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
 use crate::silhouette::HALF_COVERAGE;
 use crate::vectorised::vectorised;
@@ -23,7 +23,7 @@ const FIRST_ROUND_STEPS: usize = 2;
 const ROUND_STEPS: usize = 2;
 
 /// So few rays are sooner walked one by one.
-const FEW: usize = 8;
+const FEW: usize = 4;
 
 /// The first crossing of one half in a cell that an edge crosses.
 enum Crossing {
@@ -35,34 +35,65 @@ enum Crossing {
     Unknown,
 }
 
-/// Rays of one view on their way.
+/// Rays on their way, each in one view.
 #[derive(Debug, Default)]
 pub(super) struct RayQueue {
-    fresh: ImageLines,
+    fresh: Walks,
     count: usize,
-    active: ImageLines,
+    active: Walks,
     /// The lanes of `active` that hold a ray.
     used: u32,
 }
 
+/// Lines on their way through cells, each in a view of its own.
+#[derive(Debug, Clone, Copy, Default)]
+struct Walks {
+    lines: ImageLines,
+    /// The places of their views among the kernels, and what of these every step needs.
+    place: [u32; LANES],
+    shift: Wide,
+    stride: Wide,
+    origin: Wide,
+}
+
+/// The nearest exits so far, in metres, and the places of the views that gave them among the kernels.
+#[derive(Debug)]
+pub(super) struct NearestExits<'a> {
+    pub(super) exits: &'a mut [f64],
+    pub(super) deciders: &'a mut [u32],
+}
+
 impl RayQueue {
-    /// Adds the lines `which`, and walks as soon as there are enough; `exits` come down to where they leave.
+    /// Begins with kernels of their own; no ray is left of those before.
+    pub(super) fn restart(&mut self) {
+        // Lanes without a ray take part in every step, too.
+        (self.fresh.place, self.active.place) = ([0; LANES], [0; LANES]);
+    }
+
+    /// Adds the lines `which` in the view at `place`, and walks as soon as there are enough; `nearest` come down to where
+    /// they leave.
     #[inline(always)]
-    pub(super) fn push(&mut self, kernel: &ViewKernel, lines: &ImageLines, which: u32, exits: &mut [f64]) {
+    pub(super) fn push(
+        &mut self,
+        kernels: &[ViewKernel],
+        place: usize,
+        lines: &ImageLines,
+        which: u32,
+        nearest: &mut NearestExits,
+    ) {
         for k in set_bits(which) {
-            self.fresh.take(self.count, lines, k);
+            self.fresh.set(self.count, &kernels[place], place, lines, k);
             self.count += 1;
             if self.count == LANES {
-                walk(self, kernel, false, exits);
+                walk(self, kernels, false, nearest);
             }
         }
     }
 
     /// Walks all that are left to their ends.
-    #[inline(always)]
-    pub(super) fn drain(&mut self, kernel: &ViewKernel, exits: &mut [f64]) {
+    pub(super) fn drain(&mut self, kernels: &[ViewKernel], nearest: &mut NearestExits) {
         if self.count > 0 || self.used != 0 {
-            walk(self, kernel, true, exits);
+            walk(self, kernels, true, nearest);
         }
     }
 }
@@ -70,20 +101,21 @@ impl RayQueue {
 vectorised! {
     /// Walks the fresh lines a few steps, and the active ones until there is room for those that are left, or, where
     /// no others will come, to their ends.
-    fn walk(queue: &mut RayQueue, kernel: &ViewKernel, are_last: bool, exits: &mut [f64]) {
+    fn walk(queue: &mut RayQueue, kernels: &[ViewKernel], are_last: bool, nearest: &mut NearestExits) {
         let RayQueue { fresh, count, active, used } = queue;
+        let by_coverage = kernels.iter().any(|kernel| kernel.by_coverage);
         let mut filled = u32::MAX.checked_shr((LANES - *count) as u32).unwrap_or(0);
-        if kernel.by_coverage {
-            fresh.enter_first_cell(kernel);
+        if by_coverage {
+            fresh.enter_first_cell(kernels);
         }
         if *count <= FEW {
-            fresh.finish(filled, kernel, exits);
+            fresh.finish(filled, kernels, nearest);
             filled = 0;
         }
         *count = 0;
         let mut left = filled;
         if left != 0 {
-            left &= !fresh.walk_round(FIRST_ROUND_STEPS, filled, kernel, exits);
+            left &= !fresh.walk_round(FIRST_ROUND_STEPS, filled, kernels, nearest);
         }
 
         loop {
@@ -95,38 +127,71 @@ vectorised! {
             if left == 0 && (!are_last || used.count_ones() <= FEW as u32) {
                 break;
             }
-            let steps = if kernel.by_coverage { 1 } else { ROUND_STEPS };
-            *used &= !active.walk_round(steps, *used, kernel, exits);
+            let steps = if by_coverage { 1 } else { ROUND_STEPS };
+            *used &= !active.walk_round(steps, *used, kernels, nearest);
         }
         if are_last {
-            active.finish(*used, kernel, exits);
+            active.finish(*used, kernels, nearest);
             *used = 0;
         }
     }
 }
 
-impl ImageLines {
-    /// From the pixel in which each line starts into its first cell.
+impl Walks {
+    /// Walk k begins with line j of some lines in the view at `place`.
     #[inline(always)]
-    fn enter_first_cell(&mut self, kernel: &ViewKernel) {
-        for k in 0..LANES {
-            // The cell begins at a pixel's centre: at that of the point's pixel, or of the one before.
-            let cell = |x: f64, pixel: f64| select(x - kernel.shift < pixel, pixel - 1.0, pixel);
-            let [x, y, depth] = [self.start[0][k], self.start[1][k], self.start[2][k]];
-            (self.column[k], self.row[k]) = (cell(x / depth, self.column[k]), cell(y / depth, self.row[k]));
-        }
-        kernel.find_cell_distances(&self.column, &self.row, &mut self.distance);
+    fn set(&mut self, k: usize, kernel: &ViewKernel, place: usize, lines: &ImageLines, j: usize) {
+        self.lines.take(k, lines, j);
+        self.place[k] = place as u32;
+        (self.shift[k], self.stride[k], self.origin[k]) = (kernel.shift, kernel.stride, kernel.origin);
     }
 
-    /// Some steps of the lines `which`, and the crossings of edges in their cells; which of them have ended. `exits` come
-    /// down to where they leave.
+    /// Walk k goes on as walk j of `other`.
     #[inline(always)]
-    fn walk_round(&mut self, steps: usize, which: u32, kernel: &ViewKernel, exits: &mut [f64]) -> u32 {
-        let mut ended = self.step(steps, kernel) & which;
-        if kernel.by_coverage {
-            ended &= !self.cross_edges(ended, kernel);
+    fn take(&mut self, k: usize, other: &Self, j: usize) {
+        self.lines.take(k, &other.lines, j);
+        self.place[k] = other.place[j];
+        (self.shift[k], self.stride[k], self.origin[k]) = (other.shift[j], other.stride[j], other.origin[j]);
+    }
+
+    /// From the pixel in which each line starts into its first cell.
+    #[inline(always)]
+    fn enter_first_cell(&mut self, kernels: &[ViewKernel]) {
+        let ImageLines { start: [x, y, depth], column, row, .. } = &mut self.lines;
+        for k in 0..LANES {
+            // The cell begins at a pixel's centre: at that of the point's pixel, or of the one before.
+            let cell = |x: f64, pixel: f64| select(x - self.shift[k] < pixel, pixel - 1.0, pixel);
+            (column[k], row[k]) = (cell(x[k] / depth[k], column[k]), cell(y[k] / depth[k], row[k]));
         }
-        self.write_exits(ended, kernel, exits);
+        self.find_distances(kernels);
+    }
+
+    /// The half-widths and a half of the largest squares around cells on which the views see subject alone; 0 where
+    /// there is none.
+    #[inline(always)]
+    fn find_distances(&mut self, kernels: &[ViewKernel]) {
+        let (ImageLines { column, row, distance, .. }, mut places) = (&mut self.lines, [0; LANES]);
+        for k in 0..LANES {
+            places[k] = index(row[k] * self.stride[k] + column[k] + self.origin[k]);
+        }
+        for k in 0..LANES {
+            distance[k] = kernels[self.place[k] as usize].cell_distance_at(places[k]);
+        }
+    }
+
+    /// Some steps of the lines `which`, and the crossings of edges in their cells; which of them have ended. `nearest`
+    /// come down to where they leave.
+    #[inline(always)]
+    fn walk_round(
+        &mut self,
+        steps: usize,
+        which: u32,
+        kernels: &[ViewKernel],
+        nearest: &mut NearestExits,
+    ) -> u32 {
+        let mut ended = self.step(steps, kernels) & which;
+        ended &= !self.cross_edges(ended, kernels);
+        self.write_exits(ended, kernels, nearest);
         ended
     }
 
@@ -135,23 +200,99 @@ impl ImageLines {
     ///
     /// No bounds test: the margin around the silhouette's rectangle is background, where a line ends.
     #[inline(always)]
-    fn step(&mut self, steps: usize, kernel: &ViewKernel) -> u32 {
+    fn step(&mut self, steps: usize, kernels: &[ViewKernel]) -> u32 {
         let mut goes = [0; LANES];
         for _ in 0..steps {
             for k in 0..LANES {
-                goes[k] = u32::from(self.advance(k, kernel));
+                goes[k] = u32::from(self.lines.advance(k, self.shift[k]));
             }
-            kernel.find_cell_distances(&self.column, &self.row, &mut self.distance);
+            self.find_distances(kernels);
+            let ImageLines { distance, t, t_max, .. } = &self.lines;
             for k in 0..LANES {
-                goes[k] &= u32::from((self.distance[k] > 0.0) & (self.t[k] < self.t_max[k]));
+                goes[k] &= u32::from((distance[k] > 0.0) & (t[k] < t_max[k]));
             }
         }
         !lane_mask(&goes)
     }
 
+    /// Walks lines alone, one after the other, to their ends.
+    #[inline(always)]
+    fn finish(&mut self, lines: u32, kernels: &[ViewKernel], nearest: &mut NearestExits) {
+        for k in set_bits(lines) {
+            let kernel = &kernels[self.place[k] as usize];
+            loop {
+                while self.lines.advance(k, kernel.shift) {
+                    let (column, row) = (self.lines.column[k], self.lines.row[k]);
+                    self.lines.distance[k] =
+                        kernel.cell_distance_at(index(row * kernel.stride + column + kernel.origin));
+                }
+                if self.cross_edges(1 << k, kernels) == 0 {
+                    break;
+                }
+            }
+        }
+        self.write_exits(lines, kernels, nearest);
+    }
+
+    /// Looks for crossings of one half in the cells of the lines `ended` that an edge crosses: to where there is one the
+    /// line comes. Lines whose cells have none go on; these are returned.
+    #[inline(always)]
+    fn cross_edges(&mut self, ended: u32, kernels: &[ViewKernel]) -> u32 {
+        let (lines, mut go_on) = (&mut self.lines, 0);
+        for k in set_bits(ended) {
+            let kernel = &kernels[self.place[k] as usize];
+            if !kernel.by_coverage || lines.distance[k] > 0.0 || lines.t[k] >= lines.t_max[k] {
+                continue;
+            }
+            let crossing = if kernel.is_on_rim(lines.column[k], lines.row[k]) {
+                Crossing::Unknown
+            } else {
+                lines.crossing(k, &kernel.cell_corners(lines.column[k], lines.row[k]), kernel.shift)
+            };
+            match crossing {
+                Crossing::At(t) => lines.t[k] = t,
+                // A line that is in subject as it ends goes on alone.
+                Crossing::Unknown => lines.distance[k] = 1.0,
+                Crossing::None => {
+                    lines.distance[k] = 1.0;
+                    go_on |= 1 << k;
+                }
+            }
+        }
+        go_on
+    }
+
+    /// Lowers the exits of the points whose lines have ended before their limits.
+    #[inline(always)]
+    fn write_exits(&self, ended: u32, kernels: &[ViewKernel], nearest: &mut NearestExits) {
+        let lines = &self.lines;
+        for k in set_bits(ended) {
+            if lines.t[k] >= lines.t_max[k] {
+                continue;
+            }
+            let mut exit = lines.t[k];
+            if lines.distance[k] > 0.0 {
+                exit = lines.exit_alone(k, &kernels[self.place[k] as usize]);
+            }
+            nearest.lower(lines.point[k] as usize, exit, self.place[k]);
+        }
+    }
+}
+
+impl NearestExits<'_> {
+    /// Lowers the exit of a point to that in the view at `place`.
+    #[inline(always)]
+    fn lower(&mut self, point: usize, exit: f64, place: u32) {
+        if exit < self.exits[point] {
+            (self.exits[point], self.deciders[point]) = (exit, place);
+        }
+    }
+}
+
+impl ImageLines {
     /// Brings line k to the side of the square of subject cells around it, into the next cell; whether it could.
     #[inline(always)]
-    fn advance(&mut self, k: usize, kernel: &ViewKernel) -> bool {
+    fn advance(&mut self, k: usize, shift: f64) -> bool {
         let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
         let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
         let half = self.distance[k] - 1.0;
@@ -159,7 +300,7 @@ impl ImageLines {
         let (right, below) = (self.column[k] + half + 1.0, self.row[k] + half + 1.0);
         let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
         let (column, row) = (select(rightwards, right, left), select(downwards, below, above));
-        let (u, v) = (column + kernel.shift, row + kernel.shift);
+        let (u, v) = (column + shift, row + shift);
         let by_column = ahead((u * z0 - x0) / (x1 - u * z1), z0, z1);
         let by_row = ahead((v * z0 - y0) / (y1 - v * z1), z0, z1);
         let first = by_column <= by_row;
@@ -170,7 +311,7 @@ impl ImageLines {
         let z = z0 + z1 * select(t < self.t_max[k], t, self.t_max[k]);
         let is_going = (self.distance[k] > 0.0) & (self.t[k] < self.t_max[k]) & (z > 2.0 * MIN_DEPTH);
         // The side fixes one coordinate; the other is where the line is.
-        let beside = select(first, y0 + y1 * t, x0 + x1 * t) / z - kernel.shift;
+        let beside = select(first, y0 + y1 * t, x0 + x1 * t) / z - shift;
         let cell = within(beside, select(first, above, left), select(first, below, right));
         let i = select(first, select(rightwards, column, column - 1.0), cell);
         let j = select(first, cell, select(downwards, row, row - 1.0));
@@ -180,55 +321,12 @@ impl ImageLines {
         is_going
     }
 
-    /// Walks lines alone, one after the other, to their ends.
-    #[inline(always)]
-    fn finish(&mut self, lines: u32, kernel: &ViewKernel, exits: &mut [f64]) {
-        for k in set_bits(lines) {
-            loop {
-                while self.advance(k, kernel) {
-                    self.distance[k] = kernel.cell_distance(self.column[k], self.row[k]);
-                }
-                if !kernel.by_coverage || self.cross_edges(1 << k, kernel) == 0 {
-                    break;
-                }
-            }
-        }
-        self.write_exits(lines, kernel, exits);
-    }
-
-    /// Looks for crossings of one half in the cells of the lines `ended` that an edge crosses: to where there is one the
-    /// line comes. Lines whose cells have none go on; these are returned.
-    #[inline(always)]
-    fn cross_edges(&mut self, ended: u32, kernel: &ViewKernel) -> u32 {
-        let mut go_on = 0;
-        for k in set_bits(ended) {
-            if self.distance[k] > 0.0 || self.t[k] >= self.t_max[k] {
-                continue;
-            }
-            let crossing = if kernel.is_on_rim(self.column[k], self.row[k]) {
-                Crossing::Unknown
-            } else {
-                self.crossing(k, &kernel.cell_corners(self.column[k], self.row[k]), kernel)
-            };
-            match crossing {
-                Crossing::At(t) => self.t[k] = t,
-                // A line that is in subject as it ends goes on alone.
-                Crossing::Unknown => self.distance[k] = 1.0,
-                Crossing::None => {
-                    self.distance[k] = 1.0;
-                    go_on |= 1 << k;
-                }
-            }
-        }
-        go_on
-    }
-
     /// Where line k first crosses one half in its bilinear cell with the values `corners`: [`March`]'s quadratics.
     #[inline(always)]
-    fn crossing(&self, k: usize, corners: &[f64; 4], kernel: &ViewKernel) -> Crossing {
+    fn crossing(&self, k: usize, corners: &[f64; 4], shift: f64) -> Crossing {
         let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
         let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
-        let (i, j, t0, shift) = (self.column[k], self.row[k], self.t[k], kernel.shift);
+        let (i, j, t0) = (self.column[k], self.row[k], self.t[k]);
         let by_column = |u: f64| (u * z0 - x0) / (x1 - u * z1);
         let by_row = |v: f64| (v * z0 - y0) / (y1 - v * z1);
 
@@ -270,28 +368,13 @@ impl ImageLines {
         Crossing::At(select(t < t0, t0, select(t > t1, t1, t)))
     }
 
-    /// Lowers the exits of the points whose lines have ended before their limits.
-    #[inline(always)]
-    fn write_exits(&self, ended: u32, kernel: &ViewKernel, exits: &mut [f64]) {
-        for k in set_bits(ended) {
-            if self.t[k] >= self.t_max[k] {
-                continue;
-            } else if self.distance[k] > 0.0 {
-                self.go_on_alone(k, kernel, exits);
-            } else {
-                let exit = &mut exits[self.point[k] as usize];
-                *exit = select(self.t[k] < *exit, self.t[k], *exit);
-            }
-        }
-    }
-
-    /// Walks a line on from where it stands.
-    fn go_on_alone(&self, k: usize, kernel: &ViewKernel, exits: &mut [f64]) {
+    /// Where line k leaves, walked on alone from where it stands; infinite if not before its limit.
+    fn exit_alone(&self, k: usize, kernel: &ViewKernel) -> f64 {
         let (t, t_max) = (self.t[k], self.t_max[k]);
         let cell = (self.column[k] as i32, self.row[k] as i32);
         let mut march = March::from_cell(kernel.view, self.line(k), cell, t, kernel.edge);
-        let (left, exit) = (march.exit_by(t, t_max), &mut exits[self.point[k] as usize]);
-        *exit = select(left < t_max && left < *exit, left, *exit);
+        let exit = march.exit_by(t, t_max);
+        if exit < t_max { exit } else { f64::INFINITY }
     }
 
     fn line(&self, k: usize) -> ImageLine {

@@ -7,7 +7,7 @@ use crate::camera::MIN_DEPTH;
 use crate::math::lanes::{floor, index, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
 use crate::silhouette::Distances;
-use crate::silhouette::{HALF_COVERAGE, NO_EDGE, Silhouette};
+use crate::silhouette::{HALF_COVERAGE, NO_EDGE};
 use nalgebra::Point3;
 
 /// The distance of a pixel without any background, and of a point that the view does not see: it decides no search.
@@ -28,10 +28,10 @@ pub(super) struct ViewKernel<'a> {
     pub(super) corner: (i32, i32),
     /// Chebyshev distances, a row's pixels, and the place that pixel (0, 0) would have.
     distances: Distances<'a>,
-    /// Distances of cells, where these are the squares between four pixel centres.
+    /// Distances of cells.
     cell_distances: Distances<'a>,
     pub(super) stride: f64,
-    origin: f64,
+    pub(super) origin: f64,
     /// The mask's bytes at the places of the table, where there is coverage.
     coverage_bytes: &'a [u8],
     /// Whether its edge is taken inside pixels.
@@ -83,7 +83,10 @@ impl<'a> ViewKernel<'a> {
             high: [f64::from(rect.x1), f64::from(rect.y1)],
             corner: tables.corner,
             distances: Distances::new(tables.distance_words, tables.width),
-            cell_distances: Distances::new(tables.cell_distance_words, tables.width),
+            cell_distances: Distances::new(
+                if by_coverage { tables.cell_distance_words } else { tables.distance_words },
+                tables.width,
+            ),
             stride,
             origin: -(stride * f64::from(tables.corner.1) + f64::from(tables.corner.0)),
             coverage_bytes: tables.coverage,
@@ -101,32 +104,26 @@ impl<'a> ViewKernel<'a> {
     /// there is none. Cells are pixels, or the squares between the centres of four.
     #[inline(always)]
     pub(super) fn find_cell_distances(&self, column: &Wide, row: &Wide, distances: &mut Wide) {
-        if self.by_coverage {
-            let places = self.places(column, row, 0.0);
-            look_up(&self.cell_distances, &places, distances, |place| {
-                self.view.silhouette().cell_distance_at(place)
-            });
-        } else {
-            self.find_distances(column, row, 0.0, distances);
-        }
+        let places = self.places(column, row, 0.0);
+        look_up(&self.cell_distances, &places, distances, |place| self.long_cell_distance(place));
     }
 
-    /// The distance of one cell.
+    /// That of the cell at a place of the table.
     #[inline(always)]
-    pub(super) fn cell_distance(&self, column: f64, row: f64) -> f64 {
-        let place = index(row * self.stride + column + self.origin);
+    pub(super) fn cell_distance_at(&self, place: u32) -> f64 {
+        let narrow = self.cell_distances.at_place(place);
+        if narrow < u32::from(u8::MAX) { f64::from(narrow) } else { self.long_cell_distance(place) }
+    }
+
+    /// A distance of 255 or more, which a byte does not hold.
+    #[cold]
+    fn long_cell_distance(&self, place: u32) -> f64 {
         let silhouette = self.view.silhouette();
-        let (table, exact): (_, fn(&Silhouette, usize) -> u16) = if self.by_coverage {
-            (&self.cell_distances, Silhouette::cell_distance_at)
+        f64::from(if self.by_coverage {
+            silhouette.cell_distance_at(place as usize)
         } else {
-            (&self.distances, Silhouette::distance_at)
-        };
-        let narrow = table.at_place(place);
-        if narrow == u32::from(u8::MAX) {
-            f64::from(exact(silhouette, place as usize))
-        } else {
-            f64::from(narrow)
-        }
+            silhouette.distance_at(place as usize)
+        })
     }
 
     /// The bytes at the corners of a cell that is not on the rim: upper left, upper right, lower left, lower right.
@@ -154,7 +151,9 @@ impl<'a> ViewKernel<'a> {
     /// The distances of pixels at places of the table.
     #[inline(always)]
     fn look_up_pixels(&self, places: &[u32; LANES], distances: &mut Wide) {
-        look_up(&self.distances, places, distances, |place| self.view.silhouette().distance_at(place));
+        look_up(&self.distances, places, distances, |place| {
+            f64::from(self.view.silhouette().distance_at(place as usize))
+        });
     }
 
     /// The places in the table so far behind those of pixels.
@@ -249,7 +248,7 @@ impl<'a> ViewKernel<'a> {
 
 /// The distances at places of a table; `exact` gives those of 255 and more, which a byte does not hold.
 #[inline(always)]
-fn look_up(table: &Distances, places: &[u32; LANES], distances: &mut Wide, exact: impl Fn(usize) -> u16) {
+fn look_up(table: &Distances, places: &[u32; LANES], distances: &mut Wide, exact: impl Fn(u32) -> f64) {
     let mut narrow = [0; LANES];
     for k in 0..LANES {
         narrow[k] = table.at_place(places[k]);
@@ -259,7 +258,7 @@ fn look_up(table: &Distances, places: &[u32; LANES], distances: &mut Wide, exact
     }
     if narrow.iter().any(|&narrow| narrow == u32::from(u8::MAX)) {
         for k in (0..LANES).filter(|&k| narrow[k] == u32::from(u8::MAX)) {
-            distances[k] = f64::from(exact(places[k] as usize));
+            distances[k] = exact(places[k]);
         }
     }
 }

@@ -59,6 +59,8 @@ struct TouchingBody {
 /// Memory for the exits of samples.
 #[derive(Debug, Default)]
 struct Exits {
+    /// The places of the samples that are asked about.
+    asked: Vec<usize>,
     rays: Vec<ExitRay>,
     exits: Vec<f64>,
 }
@@ -145,11 +147,21 @@ impl ContactPipeline {
         }
     }
 
+    /// Finds how long the exits of all samples are, to `edge`.
+    fn find_all_depths(&mut self, hull: &Hull, edge: EdgeModel) {
+        let Self { penetrating, rays, exits, scratch, .. } = self;
+        // The rays still lie as the samples do; only the last ones may have been dropped since.
+        rays.truncate(penetrating.len());
+        hull.exits_within(rays, edge, f64::INFINITY, scratch, &mut exits.exits);
+        for (sample, exit) in penetrating.iter_mut().zip(&exits.exits) {
+            sample.depth = *exit;
+        }
+    }
+
     /// Puts the samples of each body together, to leave along the direction of the paper's V: the mean of their
     /// responses, or the response of the deepest where these cancel out.
     pub(super) fn group_by_mean_response(&mut self, hull: &Hull) {
-        let Self { penetrating, exits, scratch, .. } = self;
-        exits.find_depths(hull, penetrating, EdgeModel::Pixel, |_| true, scratch);
+        self.find_all_depths(hull, EdgeModel::Pixel);
         self.group_along(|penetrating, _| mean_direction(penetrating), |_| true);
     }
 
@@ -196,8 +208,8 @@ impl ContactPipeline {
 
     /// Lets each sample leave along its own direction.
     pub(super) fn leave_alone(&mut self, hull: &Hull, max_depth: f64) {
-        let Self { penetrating, exits, manifolds, scratch, .. } = self;
-        exits.find_depths(hull, penetrating, EdgeModel::Coverage, |_| true, scratch);
+        self.find_all_depths(hull, EdgeModel::Coverage);
+        let Self { penetrating, manifolds, .. } = self;
         manifolds.clear(EdgeModel::Coverage, max_depth);
         for touching in &mut self.bodies {
             let start = manifolds.len();
@@ -217,8 +229,8 @@ impl ContactPipeline {
 
     /// Keeps of each body the deepest sample alone, the first among equals.
     pub(super) fn leave_deepest_alone(&mut self, hull: &Hull, max_depth: f64) {
-        let Self { penetrating, exits, manifolds, scratch, .. } = self;
-        exits.find_depths(hull, penetrating, EdgeModel::Coverage, |_| true, scratch);
+        self.find_all_depths(hull, EdgeModel::Coverage);
+        let Self { penetrating, manifolds, .. } = self;
         manifolds.clear(EdgeModel::Coverage, max_depth);
         for touching in &mut self.bodies {
             let start = manifolds.len();
@@ -291,8 +303,8 @@ fn write_contacts(
 /// The direction of the mean of the samples' responses; that of the deepest where they cancel out.
 fn mean_direction(penetrating: &[PenetratingSample]) -> Vector3<f64> {
     let sum: Vector3<f64> = penetrating.iter().map(|sample| sample.direction * sample.depth).sum();
-    let deepest = deepest(penetrating).map_or_else(Vector3::z, |sample| sample.direction);
-    sum.try_normalize(0.0).unwrap_or(deepest)
+    let of_deepest = || deepest(penetrating).map_or_else(Vector3::z, |sample| sample.direction);
+    sum.try_normalize(0.0).unwrap_or_else(of_deepest)
 }
 
 /// The deepest sample, the first among equals.
@@ -310,12 +322,18 @@ impl Exits {
         wanted: impl Fn(&PenetratingSample) -> bool,
         scratch: &mut Scratch,
     ) {
-        let Self { rays, exits } = self;
+        let Self { asked, rays, exits } = self;
+        asked.clear();
         rays.clear();
-        rays.extend(samples.iter().filter(|sample| wanted(sample)).map(PenetratingSample::ray));
+        for (place, sample) in samples.iter().enumerate() {
+            if wanted(sample) {
+                asked.push(place);
+                rays.push(sample.ray());
+            }
+        }
         hull.exits_within(rays, edge, f64::INFINITY, scratch, exits);
-        for (sample, exit) in samples.iter_mut().filter(|sample| wanted(sample)).zip(exits) {
-            sample.depth = *exit;
+        for (&place, exit) in asked.iter().zip(exits) {
+            samples[place].depth = *exit;
         }
     }
 }

@@ -23,6 +23,9 @@ pub(super) struct ImageLines {
     pub(super) t: Wide,
     /// In metres: another view has given a nearer exit, or this view may lose sight of the line.
     pub(super) t_max: Wide,
+    /// Where each starts in the image; not taken over from others.
+    u: Wide,
+    v: Wide,
 }
 
 impl Default for ImageLines {
@@ -37,6 +40,8 @@ impl Default for ImageLines {
             distance: lane,
             t: lane,
             t_max: lane,
+            u: lane,
+            v: lane,
         }
     }
 }
@@ -55,7 +60,8 @@ impl ImageLines {
         }
         for k in 0..LANES {
             let [x, y, depth] = [self.start[0][k], self.start[1][k], self.start[2][k]];
-            (self.column[k], self.row[k], self.t[k]) = (floor(x / depth), floor(y / depth), 0.0);
+            (self.u[k], self.v[k]) = (x / depth, y / depth);
+            (self.column[k], self.row[k], self.t[k]) = (floor(self.u[k]), floor(self.v[k]), 0.0);
         }
         let visible = if kernel.is_closed { u32::MAX } else { self.limit_to_sight(kernel, sight_ends) };
         kernel.find_distances(&self.column, &self.row, 0.0, &mut self.distance);
@@ -150,7 +156,7 @@ impl ImageLines {
             let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
             let t = self.t_max[k];
             let (x, y, z) = (x0 + x1 * t, y0 + y1 * t, z0 + z1 * t);
-            let (u0, v0, u1, v1) = (x0 / z0, y0 / z0, x / z, y / z);
+            let (u0, v0, u1, v1) = (self.u[k], self.v[k], x / z, y / z);
             let in_columns = (u1 >= kernel.low[0]) & (u1 < kernel.high[0]);
             let in_rows = (v1 >= kernel.low[1]) & (v1 < kernel.high[1]);
             let is_in_rect = in_columns & in_rows & (z > MIN_DEPTH);

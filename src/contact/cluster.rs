@@ -31,10 +31,13 @@ impl Clusters {
     /// Finds the clusters of the supported samples, the one with the deepest sample first, joined by the unsupported
     /// ones that fit; none where no sample is supported. Asks no depth of unsupported ones.
     pub(super) fn find(&mut self, penetrating: &[PenetratingSample]) {
-        let is_supported = |place: &usize| is_supported(&penetrating[*place]);
         self.clusters.clear();
         self.supported.clear();
-        self.supported.extend((0..penetrating.len()).filter(is_supported));
+        for (place, sample) in penetrating.iter().enumerate() {
+            if is_supported(sample) {
+                self.supported.push(place);
+            }
+        }
         let depth = |place: usize| penetrating[place].depth;
         self.supported.sort_unstable_by(|&a, &b| depth(b).total_cmp(&depth(a)).then(a.cmp(&b)));
         self.of_sample.clear();

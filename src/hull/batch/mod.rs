@@ -80,7 +80,9 @@ impl Hull {
                     break;
                 }
                 let inside = find_inside(batch, chunk, rays);
-                places.extend(set_bits(inside).map(|k| first + k));
+                for k in set_bits(inside) {
+                    places.push(first + k);
+                }
             }
             batch.queries.find_directions(batch.kernels, edge, rays);
         });
@@ -147,7 +149,8 @@ fn provably_outside(view: &View, p: &Point3<f64>, edge: EdgeModel) -> bool {
     if !view.sees(i, j) || !within(x) || !within(y) {
         false
     } else if edge == EdgeModel::Coverage && silhouette.has_coverage() {
-        silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * RIM
+        // Between subject pixels alone coverage is one half at least.
+        silhouette.distance(i, j) <= 1 && silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * RIM
     } else {
         silhouette.distance(i, j) == 0
     }

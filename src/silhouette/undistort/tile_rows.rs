@@ -20,11 +20,8 @@ use crate::vectorised::vectorised;
 /// Bytes of eight pixels before a row of tiles, as far as a region reaches beyond the image.
 const BEFORE: usize = MARGIN as usize / SIDE;
 
-/// Bytes of eight pixels behind a row of tiles: the margin, what the region's width is rounded up by, and a block.
-const BEHIND: usize = BEFORE + 1 + BLOCK / SIDE;
-
-/// Bytes written at once, those of two words of bits.
-const BLOCK: usize = 2 * WORD;
+/// Bytes of eight pixels behind a row of tiles: the margin, what the region's width is rounded up by, and a word.
+const BEHIND: usize = BEFORE + 1 + 2 * WORD / SIDE;
 
 impl TileMask {
     /// Writes the subject bits of `rect`, and 0 behind its rows; `row` is scratch.
@@ -93,30 +90,28 @@ vectorised! {
     fn write_uniform(mask: &TileMask, rect: &Rect, beyond: u8, row: &mut [u8], bytes: &mut [u8]) {
         let (width, drawn) = (rect.width(), &mask.drawn);
         let start = (rect.x0 + MARGIN) as usize;
-        let mut tiles_in_row = None;
-        for (y, at) in (rect.y0..rect.y1).zip((0..).step_by(width)) {
-            let tiles = usize::try_from(y).ok().map(|y| y / SIDE).filter(|y| drawn.rows.contains(y));
-            if tiles_in_row != Some(tiles) {
-                tiles_in_row = Some(tiles);
-                let inner = &mut row.as_chunks_mut::<SIDE>().0[BEFORE..][drawn.columns.clone()];
-                match tiles {
-                    Some(tiles) => {
-                        let classes = &mask.classes_in_row(tiles)[..inner.len()];
-                        for k in 0..inner.len() {
-                            inner[k] = [u8::from(classes[k] == FOREGROUND).wrapping_neg(); SIDE];
-                        }
+        let mut y = rect.y0;
+        let mut rest = bytes;
+        while y < rect.y1 {
+            // All rows of pixels in a row of tiles are the same.
+            let tiles = y.div_euclid(SIDE as i32);
+            let end = (SIDE as i32 * (tiles + 1)).min(rect.y1);
+            let inner = &mut row.as_chunks_mut::<SIDE>().0[BEFORE..][drawn.columns.clone()];
+            match usize::try_from(tiles).ok().filter(|tiles| drawn.rows.contains(tiles)) {
+                Some(tiles) => {
+                    let classes = &mask.classes_in_row(tiles)[..inner.len()];
+                    for k in 0..inner.len() {
+                        inner[k] = [u8::from(classes[k] == FOREGROUND).wrapping_neg(); SIDE];
                     }
-                    None => inner.fill([beyond; SIDE]),
                 }
+                None => inner.fill([beyond; SIDE]),
             }
-
-            // What the last block writes beyond the row is the next row's, which comes later.
-            for (block, at) in row[start..].as_chunks::<BLOCK>().0.iter().zip((at..at + width).step_by(BLOCK)) {
-                match bytes[at..].first_chunk_mut() {
-                    Some(bytes) => *bytes = *block,
-                    None => bytes[at..].iter_mut().zip(block).for_each(|(byte, value)| *byte = *value),
-                }
+            let rows;
+            (rows, rest) = rest.split_at_mut((end - y) as usize * width);
+            for bytes in rows.chunks_exact_mut(width) {
+                bytes.copy_from_slice(&row[start..start + width]);
             }
+            y = end;
         }
     }
 }

@@ -83,8 +83,10 @@ impl ContactPipeline {
         let clouds = bodies.iter().map(|body| (body.samples.point_cloud(), body.hull_from_body));
         hull.candidates(clouds, &mut self.workspace, |place, found| {
             let Body { samples, hull_from_body, .. } = &bodies[place];
-            candidates.extend(found.iter().map(|index| (place, index)));
-            points.extend(found.iter().map(|index| hull_from_body * samples.points()[index].point));
+            for index in found.iter() {
+                candidates.push((place, index));
+                points.push(hull_from_body * samples.points()[index].point);
+            }
         });
         hull.exit_rays(points, edge, most, &mut self.scratch, inside, rays);
 

@@ -184,6 +184,12 @@ impl ImageLines {
         lane_mask(&stays)
     }
 
+    /// Where line k starts in the image.
+    #[inline(always)]
+    pub(super) fn position(&self, k: usize) -> (f64, f64) {
+        (self.u[k], self.v[k])
+    }
+
     /// Line k is line j of `other`.
     #[inline(always)]
     pub(super) fn take(&mut self, k: usize, other: &Self, j: usize) {

@@ -2,7 +2,7 @@
 //!
 //! A step is that of [`March`]: from the cell entered to the side of the largest square of subject cells around it. A
 //! walk ends in background, where an edge crosses its cell, or at its limit; where something rare comes up, [`March`]
-//! goes on with it. Most have ended after a few steps; the others go on with one another, each in a lane that is free.
+//! goes on with it. Most have ended after a few steps; others take their lanes.
 
 use super::super::image_line::ImageLine;
 use super::super::march::March;
@@ -16,10 +16,7 @@ use crate::silhouette::HALF_COVERAGE;
 use crate::vectorised::vectorised;
 use nalgebra::Vector3;
 
-/// Steps of fresh rays before the first test for ended ones: most are done after 2.
-const FIRST_ROUND_STEPS: usize = 2;
-
-/// Steps between later tests.
+/// Steps before a test for ended rays: most are done after 2.
 const ROUND_STEPS: usize = 2;
 
 /// So few rays are sooner walked one by one.
@@ -38,22 +35,14 @@ enum Crossing {
 /// Rays on their way, each in one view.
 #[derive(Debug, Default)]
 pub(super) struct RayQueue {
-    fresh: Walks,
-    count: usize,
-    active: Walks,
-    /// The lanes of `active` that hold a ray.
-    used: u32,
-}
-
-/// Lines on their way through cells, each in a view of its own.
-#[derive(Debug, Clone, Copy, Default)]
-struct Walks {
     lines: ImageLines,
     /// The places of their views among the kernels, and what of these every step needs.
     place: [u32; LANES],
     shift: Wide,
     stride: Wide,
     origin: Wide,
+    /// The lanes that hold a ray.
+    used: u32,
 }
 
 /// The nearest exits so far, in metres, and the places of the views that gave them among the kernels.
@@ -67,11 +56,11 @@ impl RayQueue {
     /// Begins with kernels of their own; no ray is left of those before.
     pub(super) fn restart(&mut self) {
         // Lanes without a ray take part in every step, too.
-        (self.fresh.place, self.active.place) = ([0; LANES], [0; LANES]);
+        self.place = [0; LANES];
     }
 
-    /// Adds the lines `which` in the view at `place`, and walks as soon as there are enough; `nearest` come down to where
-    /// they leave.
+    /// Adds the lines `which` in the view at `place`, and walks once all lanes are taken; `nearest` come down to where
+    /// rays leave.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
@@ -82,88 +71,55 @@ impl RayQueue {
         nearest: &mut NearestExits,
     ) {
         for k in set_bits(which) {
-            self.fresh.set(self.count, &kernels[place], place, lines, k);
-            self.count += 1;
-            if self.count == LANES {
-                walk(self, kernels, false, nearest);
+            self.set(self.used.trailing_ones() as usize, &kernels[place], place, lines, k);
+            if self.used == u32::MAX {
+                walk(self, kernels, LANES - 1, nearest);
             }
         }
     }
 
     /// Walks all that are left to their ends.
     pub(super) fn drain(&mut self, kernels: &[ViewKernel], nearest: &mut NearestExits) {
-        if self.count > 0 || self.used != 0 {
-            walk(self, kernels, true, nearest);
+        walk(self, kernels, FEW, nearest);
+        for k in set_bits(self.used) {
+            let exit = self.lines.exit_alone(k, &kernels[self.place[k] as usize]);
+            nearest.lower(self.lines.point[k] as usize, exit, self.place[k]);
         }
+        self.used = 0;
     }
 }
 
 vectorised! {
-    /// Walks the fresh lines a few steps, and the active ones until there is room for those that are left, or, where
-    /// no others will come, to their ends.
-    fn walk(queue: &mut RayQueue, kernels: &[ViewKernel], are_last: bool, nearest: &mut NearestExits) {
-        let RayQueue { fresh, count, active, used } = queue;
+    /// Walks until at most so many rays are left.
+    fn walk(queue: &mut RayQueue, kernels: &[ViewKernel], most: usize, nearest: &mut NearestExits) {
         let by_coverage = kernels.iter().any(|kernel| kernel.by_coverage);
-        let mut filled = u32::MAX.checked_shr((LANES - *count) as u32).unwrap_or(0);
-        if by_coverage {
-            fresh.enter_first_cell(kernels);
-        }
-        if *count <= FEW {
-            fresh.finish(filled, kernels, nearest);
-            filled = 0;
-        }
-        *count = 0;
-        let mut left = filled;
-        if left != 0 {
-            left &= !fresh.walk_round(FIRST_ROUND_STEPS, filled, kernels, nearest);
-        }
-
-        loop {
-            while left != 0 && *used != u32::MAX {
-                let (k, free) = (left.trailing_zeros() as usize, used.trailing_ones() as usize);
-                active.take(free, fresh, k);
-                (*used, left) = (*used | 1 << free, left & (left - 1));
-            }
-            if left == 0 && (!are_last || used.count_ones() <= FEW as u32) {
-                break;
-            }
-            let steps = if by_coverage { 1 } else { ROUND_STEPS };
-            *used &= !active.walk_round(steps, *used, kernels, nearest);
-        }
-        if are_last {
-            active.finish(*used, kernels, nearest);
-            *used = 0;
+        let steps = if by_coverage { 1 } else { ROUND_STEPS };
+        while queue.used.count_ones() > most as u32 {
+            let mut ended = queue.step(steps, kernels) & queue.used;
+            ended &= !queue.cross_edges(ended, kernels);
+            queue.write_exits(ended, kernels, nearest);
+            queue.used &= !ended;
         }
     }
 }
 
-impl Walks {
-    /// Walk k begins with line j of some lines in the view at `place`.
+impl RayQueue {
+    /// Lane k is line j of some lines, which begin in the view at `place`.
     #[inline(always)]
     fn set(&mut self, k: usize, kernel: &ViewKernel, place: usize, lines: &ImageLines, j: usize) {
         self.lines.take(k, lines, j);
         self.place[k] = place as u32;
         (self.shift[k], self.stride[k], self.origin[k]) = (kernel.shift, kernel.stride, kernel.origin);
-    }
-
-    /// Walk k goes on as walk j of `other`.
-    #[inline(always)]
-    fn take(&mut self, k: usize, other: &Self, j: usize) {
-        self.lines.take(k, &other.lines, j);
-        self.place[k] = other.place[j];
-        (self.shift[k], self.stride[k], self.origin[k]) = (other.shift[j], other.stride[j], other.origin[j]);
-    }
-
-    /// From the pixel in which each line starts into its first cell.
-    #[inline(always)]
-    fn enter_first_cell(&mut self, kernels: &[ViewKernel]) {
-        let ImageLines { start: [x, y, depth], column, row, .. } = &mut self.lines;
-        for k in 0..LANES {
+        self.used |= 1 << k;
+        if kernel.by_coverage {
             // The cell begins at a pixel's centre: at that of the point's pixel, or of the one before.
-            let cell = |x: f64, pixel: f64| select(x - self.shift[k] < pixel, pixel - 1.0, pixel);
-            (column[k], row[k]) = (cell(x[k] / depth[k], column[k]), cell(y[k] / depth[k], row[k]));
+            let cell = |x: f64, pixel: f64| select(x - kernel.shift < pixel, pixel - 1.0, pixel);
+            let (u, v) = lines.position(j);
+            let (column, row) = (cell(u, lines.column[j]), cell(v, lines.row[j]));
+            (self.lines.column[k], self.lines.row[k]) = (column, row);
+            let at = index(row * kernel.stride + column + kernel.origin);
+            self.lines.distance[k] = kernel.cell_distance_at(at);
         }
-        self.find_distances(kernels);
     }
 
     /// The half-widths and a half of the largest squares around cells on which the views see subject alone; 0 where
@@ -177,22 +133,6 @@ impl Walks {
         for k in 0..LANES {
             distance[k] = kernels[self.place[k] as usize].cell_distance_at(places[k]);
         }
-    }
-
-    /// Some steps of the lines `which`, and the crossings of edges in their cells; which of them have ended. `nearest`
-    /// come down to where they leave.
-    #[inline(always)]
-    fn walk_round(
-        &mut self,
-        steps: usize,
-        which: u32,
-        kernels: &[ViewKernel],
-        nearest: &mut NearestExits,
-    ) -> u32 {
-        let mut ended = self.step(steps, kernels) & which;
-        ended &= !self.cross_edges(ended, kernels);
-        self.write_exits(ended, kernels, nearest);
-        ended
     }
 
     /// Some steps of all lines. Which lines have ended: in background or in a cell that an edge crosses, at their limits,
@@ -213,25 +153,6 @@ impl Walks {
             }
         }
         !lane_mask(&goes)
-    }
-
-    /// Walks lines alone, one after the other, to their ends.
-    #[inline(always)]
-    fn finish(&mut self, lines: u32, kernels: &[ViewKernel], nearest: &mut NearestExits) {
-        for k in set_bits(lines) {
-            let kernel = &kernels[self.place[k] as usize];
-            loop {
-                while self.lines.advance(k, kernel.shift) {
-                    let (column, row) = (self.lines.column[k], self.lines.row[k]);
-                    self.lines.distance[k] =
-                        kernel.cell_distance_at(index(row * kernel.stride + column + kernel.origin));
-                }
-                if self.cross_edges(1 << k, kernels) == 0 {
-                    break;
-                }
-            }
-        }
-        self.write_exits(lines, kernels, nearest);
     }
 
     /// Looks for crossings of one half in the cells of the lines `ended` that an edge crosses: to where there is one the

@@ -167,9 +167,7 @@ impl Manifolds {
         for sample in support.iter() {
             let point = hull_from_body * sample.point;
             if hull.inside_by(&point, self.edge) {
-                let depth = hull.exit_within(&point, direction, self.edge, self.max_depth);
-                let ray = ExitRay { point, direction: *direction, view: view.unwrap_or(0) };
-                self.push(ray, None, Some(depth));
+                self.push(ExitRay { point, direction: *direction, view: view.unwrap_or(0) }, None, None);
             }
         }
         self.finish_manifold(view, true, 0);

@@ -9,7 +9,7 @@
 
 use super::image_line::{ImageLine, Leave};
 use super::view::{Verdict, View, floor};
-use crate::camera::{MIN_DEPTH, Pixel};
+use crate::camera::MIN_DEPTH;
 use crate::silhouette::{HALF_COVERAGE, Rect};
 use nalgebra::{Point3, Vector3};
 
@@ -74,13 +74,6 @@ impl<'a> March<'a> {
         march
     }
 
-    /// The walk of a point that the view sees in a subject pixel, at the image position `at`.
-    pub(super) fn from_inside(view: &'a View, line: ImageLine, at: &Pixel, edge: EdgeModel) -> Self {
-        let mut march = Self::before_start(view, line, edge);
-        march.start_at(at.u, at.v, 0.0);
-        march
-    }
-
     /// The walk from where it enters cell `(i, j)`, `t` metres on; so far it has been inside.
     pub(super) fn from_cell(
         view: &'a View,
@@ -129,20 +122,14 @@ impl<'a> March<'a> {
         self.until
     }
 
-    /// Goes on as long as the verdict is inside, up to `limit`; where it began to be another, `from` where it is from
-    /// the start.
-    pub(super) fn leave_by(&mut self, from: f64, limit: f64) -> f64 {
+    /// Goes on as long as the verdict is inside: where it began to be another, at most `limit`; `from` where it is from the
+    /// start.
+    pub(super) fn exit_by(&mut self, from: f64, limit: f64) -> f64 {
         let mut left = from;
         while self.verdict == Verdict::Inside && self.until < limit {
             left = self.until;
             self.step();
         }
-        left
-    }
-
-    /// The same: `limit` where it is inside up to there.
-    pub(super) fn exit_by(&mut self, from: f64, limit: f64) -> f64 {
-        let left = self.leave_by(from, limit);
         if self.verdict == Verdict::Inside { limit } else { left.min(limit) }
     }
 
@@ -330,7 +317,7 @@ mod tests {
             assert_eq!(march.verdict(), Verdict::Unseen);
             march.step();
             assert_eq!(march.verdict(), Verdict::Inside);
-            let left = march.leave_by(0.0, f64::INFINITY);
+            let left = march.exit_by(0.0, f64::INFINITY);
             let u = march.line.at(left).0;
             assert!((u - 1.0).abs() < 1e-9, "left at column {u}, entered in row {row}");
         }

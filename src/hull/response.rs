@@ -44,13 +44,13 @@ impl Hull {
             if !sightings.take_inside(self, p, EdgeModel::Pixel) {
                 return None;
             }
-            let (index, nearest) = self.nearest_edge_among(sightings)?;
+            let nearest = self.nearest_edge_among(sightings)?;
             let (i, j) = nearest.b;
             let normal = nearest.view.silhouette().paper_normal(i, j);
             let centre = Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
             let normal = normal.unwrap_or_else(|| towards_b(&nearest));
             let normal = nearest.view.backproject_normal(&centre, &normal);
-            let depth = self.exit_from(sightings, index, p, &normal, EdgeModel::Pixel, f64::INFINITY);
+            let depth = self.exit(p, &normal, EdgeModel::Pixel);
             Some(Response { nearest, normal, depth })
         })
     }
@@ -61,19 +61,12 @@ impl Hull {
             return None;
         }
         Sightings::with(|sightings| {
-            let (index, direction) = self.way_out_among(sightings, p)?;
-            let depth = self.exit_from(sightings, index, p, &direction, EdgeModel::Coverage, f64::INFINITY);
-            Some(Push { direction, depth })
+            if !sightings.take_inside(self, p, EdgeModel::Coverage) {
+                return None;
+            }
+            let direction = self.contact_normal(&self.nearest_edge_among(sightings)?);
+            Some(Push { direction, depth: self.exit(p, &direction, EdgeModel::Coverage) })
         })
-    }
-
-    /// The direction of [`Self::push`], and the index of the view that gave it; takes the sightings of `p`.
-    fn way_out_among(&self, sightings: &mut Sightings, p: &Point3<f64>) -> Option<(usize, Vector3<f64>)> {
-        if !sightings.take_inside(self, p, EdgeModel::Coverage) {
-            return None;
-        }
-        let (index, nearest) = self.nearest_edge_among(sightings)?;
-        Some((index, self.contact_normal(&nearest)))
     }
 
     pub(super) fn contact_normal(&self, nearest: &NearestEdge) -> Vector3<f64> {

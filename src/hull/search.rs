@@ -24,12 +24,12 @@ impl Hull {
     pub fn nearest_edge(&self, p: &nalgebra::Point3<f64>) -> Option<NearestEdge<'_>> {
         Sightings::with(|sightings| {
             sightings.take(self, p);
-            self.nearest_edge_among(sightings).map(|(_, nearest)| nearest)
+            self.nearest_edge_among(sightings)
         })
     }
 
-    /// The same for a point whose sightings are known, with the index of the view that decides.
-    pub(super) fn nearest_edge_among(&self, sightings: &Sightings) -> Option<(usize, NearestEdge<'_>)> {
+    /// The same for a point whose sightings are known.
+    pub(super) fn nearest_edge_among(&self, sightings: &Sightings) -> Option<NearestEdge<'_>> {
         let d_max = sightings.seen.iter().map(|sighting| sighting.footprint).fold(0.0, f64::max);
         let mut first: Option<(i64, &Sighting)> = None;
         for sighting in &sightings.seen {
@@ -47,7 +47,7 @@ impl Hull {
         let (i, j) = found.pixel;
         let view = &self.views()[found.index];
         let b = view.silhouette().nearest_background(i, j, half)?;
-        Some((found.index, NearestEdge { view, a: found.at, b }))
+        Some(NearestEdge { view, a: found.at, b })
     }
 }
 

@@ -1,10 +1,10 @@
-//! A point as every view sees it: projected once, asked for the verdict, the nearest edge and the exit.
+//! A point as every view sees it: projected once, asked for the verdict and the nearest edge.
 
 use super::view::{Verdict, floor_pixel};
 use super::{EdgeModel, Hull, View};
-use crate::camera::{MIN_DEPTH, Pixel};
-use crate::silhouette::{HALF_COVERAGE, Rect};
-use nalgebra::{Point3, Vector3};
+use crate::camera::Pixel;
+use crate::silhouette::HALF_COVERAGE;
+use nalgebra::Point3;
 use std::cell::Cell;
 
 /// Where one view sees a point.
@@ -12,7 +12,6 @@ use std::cell::Cell;
 pub(super) struct Sighting {
     /// Index of the view.
     pub(super) index: usize,
-    pub(super) homogeneous: Vector3<f64>,
     pub(super) at: Pixel,
     pub(super) pixel: (i32, i32),
     /// Chebyshev distance of its pixel to the background.
@@ -81,14 +80,13 @@ impl Sightings {
 
 impl Sighting {
     fn of(index: usize, view: &View, p: &Point3<f64>) -> Option<Self> {
-        let homogeneous = view.homogeneous(p);
-        let at = View::dehomogenise(&homogeneous)?;
+        let at = view.project(p)?;
         let pixel = floor_pixel(at.u, at.v);
         if !view.judges(pixel.0, pixel.1) {
             return None;
         }
         let distance = view.silhouette().distance(pixel.0, pixel.1);
-        Some(Self { index, homogeneous, at, pixel, distance, footprint: view.footprint().at(at.depth) })
+        Some(Self { index, at, pixel, distance, footprint: view.footprint().at(at.depth) })
     }
 
     fn verdict(&self, view: &View, edge: EdgeModel) -> Verdict {
@@ -102,31 +100,5 @@ impl Sighting {
                     && silhouette.coverage(self.at.u, self.at.v) >= HALF_COVERAGE)
         };
         if inside { Verdict::Inside } else { Verdict::Outside }
-    }
-
-    /// Whether the view surely sees subject from here to `t` metres along a line that changes the homogeneous
-    /// coordinates by `ahead` a metre: the end lies in the square of subject pixels around the start, and so does all
-    /// between, since the line's image is straight.
-    pub(super) fn stays_inside(&self, ahead: &Vector3<f64>, t: f64) -> bool {
-        // The coverage edge lies between pixel centres; the rest is far more than rounding.
-        let reach = f64::from(self.distance) - 1.0 - 1e-6;
-        if reach <= 0.0 {
-            return false;
-        }
-        let end = self.homogeneous + ahead * t;
-        let (du, dv) = (
-            end.x - (f64::from(self.pixel.0) + 0.5) * end.z,
-            end.y - (f64::from(self.pixel.1) + 0.5) * end.z,
-        );
-        // Both sides times the depth.
-        end.z > 0.0 && du.abs() < reach * end.z && dv.abs() < reach * end.z
-    }
-
-    /// Whether the line surely ends in `image` at `t` metres.
-    pub(super) fn stays_in(&self, image: &Rect, ahead: &Vector3<f64>, t: f64) -> bool {
-        let end = self.homogeneous + ahead * t;
-        let (u, v) = (end.x / end.z, end.y / end.z);
-        let within = |x: f64, low: i32, high: i32| x > f64::from(low) + 1e-6 && x < f64::from(high) - 1e-6;
-        end.z > MIN_DEPTH && within(u, image.x0, image.x1) && within(v, image.y0, image.y1)
     }
 }

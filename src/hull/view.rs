@@ -158,11 +158,7 @@ impl View {
 
     /// Where `p` appears; `None` behind the camera. The image's borders are not looked at.
     pub fn project(&self, p: &Point3<f64>) -> Option<Pixel> {
-        Self::dehomogenise(&self.homogeneous(p))
-    }
-
-    /// The pixel position of homogeneous image coordinates; `None` behind the camera.
-    pub(super) fn dehomogenise(h: &Vector3<f64>) -> Option<Pixel> {
+        let h = self.homogeneous(p);
         (h.z > MIN_DEPTH).then(|| Pixel { u: h.x / h.z, v: h.y / h.z, depth: h.z })
     }
 

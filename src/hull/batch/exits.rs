@@ -6,7 +6,6 @@
 //!          ─► points before whose exit a view may lose sight of them, or gain it: all views in step
 //! ```
 
-use super::super::sweep::Sweep;
 use super::super::{EdgeModel, Hull};
 use super::image_lines::ImageLines;
 use super::line_walk::{NearestExits, RayQueue};
@@ -112,8 +111,7 @@ impl Exits {
     fn weigh_views(&self, hull: &Hull, rays: &[ExitRay], edge: EdgeModel, t_max: f64, exits: &mut [f64]) {
         for ((ray, sight_end), exit) in rays.iter().zip(&self.sight_ends).zip(exits) {
             if *exit > *sight_end {
-                let sweep = Sweep::new(hull, &ray.point, &ray.direction, edge);
-                *exit = sweep.map_or(0.0, |mut sweep| sweep.exit().t).min(t_max);
+                *exit = hull.exit_within(&ray.point, &ray.direction, edge, t_max);
             }
         }
     }

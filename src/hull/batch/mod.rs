@@ -35,9 +35,6 @@ use nalgebra::{Point3, Vector3};
 use nearest_edge::EdgeQueries;
 use projection::{PointBlock, ViewKernel};
 
-/// So few exits are sooner found one by one.
-const FEW: usize = 2;
-
 /// One number of each point of a block.
 type Wide = [f64; LANES];
 
@@ -88,8 +85,8 @@ impl Hull {
         });
     }
 
-    /// Writes to `exits` [`Self::exit_within`] of each of `rays`, whose points are inside by `edge`; and to the rays,
-    /// where there are many, the views that decided.
+    /// Writes to `exits` [`Self::exit_within`] of each of `rays`, whose points are inside by `edge`; and to the rays
+    /// the views that decided.
     pub(crate) fn exits_within(
         &self,
         rays: &mut [ExitRay],
@@ -99,8 +96,7 @@ impl Hull {
         exits: &mut Vec<f64>,
     ) {
         exits.clear();
-        if rays.len() <= FEW {
-            exits.extend(rays.iter().map(|ray| self.exit_within(&ray.point, &ray.direction, edge, t_max)));
+        if rays.is_empty() {
             return;
         }
         scratch.with_kernels(self, edge, |batch| {

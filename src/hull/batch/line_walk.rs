@@ -2,7 +2,7 @@
 //!
 //! A step is that of [`March`]: from the cell entered to the side of the largest square of subject cells around it. A
 //! walk ends in background, where an edge crosses its cell, or at its limit; where something rare comes up, [`March`]
-//! goes on with it. Most have ended after a few steps; others take their lanes.
+//! goes on with it. Most have ended after two steps; others take their lanes.
 
 use super::super::image_line::ImageLine;
 use super::super::march::March;
@@ -15,9 +15,6 @@ use crate::math::point_cloud::LANES;
 use crate::silhouette::HALF_COVERAGE;
 use crate::vectorised::vectorised;
 use nalgebra::Vector3;
-
-/// Steps before a test for ended rays: most are done after 2.
-const ROUND_STEPS: usize = 2;
 
 /// So few rays are sooner walked one by one.
 const FEW: usize = 4;
@@ -92,10 +89,8 @@ impl RayQueue {
 vectorised! {
     /// Walks until at most so many rays are left.
     fn walk(queue: &mut RayQueue, kernels: &[ViewKernel], most: usize, nearest: &mut NearestExits) {
-        let by_coverage = kernels.iter().any(|kernel| kernel.by_coverage);
-        let steps = if by_coverage { 1 } else { ROUND_STEPS };
         while queue.used.count_ones() > most as u32 {
-            let mut ended = queue.step(steps, kernels) & queue.used;
+            let mut ended = queue.step(kernels) & queue.used;
             ended &= !queue.cross_edges(ended, kernels);
             queue.write_exits(ended, kernels, nearest);
             queue.used &= !ended;
@@ -135,22 +130,20 @@ impl RayQueue {
         }
     }
 
-    /// Some steps of all lines. Which lines have ended: in background or in a cell that an edge crosses, at their limits,
-    /// or where they cannot step, since the camera is near.
+    /// A step of all lines. Which lines have ended: in background or in a cell that an edge crosses, at their limits, or
+    /// where they cannot step, since the camera is near.
     ///
     /// No bounds test: the margin around the silhouette's rectangle is background, where a line ends.
     #[inline(always)]
-    fn step(&mut self, steps: usize, kernels: &[ViewKernel]) -> u32 {
+    fn step(&mut self, kernels: &[ViewKernel]) -> u32 {
         let mut goes = [0; LANES];
-        for _ in 0..steps {
-            for k in 0..LANES {
-                goes[k] = u32::from(self.lines.advance(k, self.shift[k]));
-            }
-            self.find_distances(kernels);
-            let ImageLines { distance, t, t_max, .. } = &self.lines;
-            for k in 0..LANES {
-                goes[k] &= u32::from((distance[k] > 0.0) & (t[k] < t_max[k]));
-            }
+        for k in 0..LANES {
+            goes[k] = u32::from(self.lines.advance(k, self.shift[k]));
+        }
+        self.find_distances(kernels);
+        let ImageLines { distance, t, t_max, .. } = &self.lines;
+        for k in 0..LANES {
+            goes[k] &= u32::from((distance[k] > 0.0) & (t[k] < t_max[k]));
         }
         !lane_mask(&goes)
     }

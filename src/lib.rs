@@ -21,7 +21,7 @@
 //! | [`camera`] | one calibrated view: projection, viewing rays, lens distortion |
 //! | [`rig`] | a named set of cameras, and the files it is read from |
 //! | [`silhouette`] | one view's mask, prepared: bounding rectangle, distances, edge normals |
-//! | [`hull`] | the shape: inside, the way out, rays; [`hull::HullData`] takes masks and publishes frames |
+//! | [`hull`] | the shape: inside, exits, rays; [`hull::HullData`] takes masks and publishes frames |
 //! | [`sample`] | surface samples of the virtual bodies |
 //! | [`contact`] | a body against a hull: clusters of samples, a few contacts |
 //! | [`ode`] | a safe wrapper of ODE, and the hull as a geometry class |

@@ -1,4 +1,4 @@
-//! The way out for one point (paper, section 4.2).
+//! The exit vector of one point (paper, section 4.2).
 
 use super::march::EdgeModel;
 use super::sighting::Sightings;
@@ -24,7 +24,7 @@ impl Response<'_> {
     }
 }
 
-/// The way out that contacts use: the contact normal, and the exit at the coverage edge.
+/// The exit that contacts use: the contact normal, and the exit at the coverage edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Push {
     /// Unit outward direction.
@@ -55,7 +55,7 @@ impl Hull {
         })
     }
 
-    /// The way out of `p` that contacts use; `None` where `p` is outside by the coverage edge.
+    /// The exit of `p` that contacts use; `None` where `p` is outside by the coverage edge.
     pub fn push(&self, p: &Point3<f64>) -> Option<Push> {
         if !self.in_boxes(p) {
             return None;

@@ -161,7 +161,7 @@ fn lenses_abstaining_views_and_coverage_find_nearly_the_same_bodies_in_contact()
 /// The routes over voxels collide what we collide: of some 150 boxes that we find in contact, the meshes miss at most 3
 /// and find at most 2 more, the voxels, which stick out by up to half a voxel, at most 10 more. The sets differ only
 /// where a box and the hull meet in less than a voxel: a voxel is inside or not by its centre, and a box's faces between
-/// its samples are asked by nobody but the peers. (A box that lies within the hull as a whole has no contact with a
+/// its samples are seen only by the peers. (A box that lies within the hull as a whole has no contact with a
 /// triangle mesh, which is hollow; none of these boxes is so small.)
 #[test]
 fn each_peer_finds_contacts_for_the_bodies_that_we_find_in_contact() {

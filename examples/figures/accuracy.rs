@@ -13,7 +13,7 @@ const DEPTH_PX: std::ops::RangeInclusive<f64> = 1.0..=40.0;
 /// What the response's exit is overstepped by to be outside, in metres.
 const NANOMETRE: f64 = 1e-9;
 
-/// A point inside the analytic hull and its way out: along the outward normal of the nearest surface.
+/// A point inside the analytic hull and its exit direction: along the outward normal of the nearest surface.
 ///
 /// Along a direction that grazes the surface a small error of the silhouette moves the exit far: that would measure
 /// the direction, not the hull.

@@ -92,7 +92,7 @@ fn decoded(path: &Path, size: (u32, u32), frames: &[u32]) -> Vec<RgbImage> {
     wanted.into_iter().map(|frame| frame.image).collect()
 }
 
-/// A person who balances in a crowded laboratory. The only photograph of it without the person shows somebody else, who
+/// A person who balances in a crowded laboratory. The only photograph of it without the person shows another one, who
 /// has left: the recording itself tells where.
 fn balancing(dir: &Path) -> Vec<Figure> {
     let recording = Recording::open(dir).expect("a recording");

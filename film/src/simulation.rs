@@ -149,7 +149,7 @@ impl Simulation {
         }
     }
 
-    /// The near callback: contacts for every pair with a body, and a note of who touches whom.
+    /// The near callback: contacts for every pair with a body, and a note of which bodies touch.
     fn collide(&mut self) -> Result<()> {
         let Self { world, hull, floor, bodies, time } = self;
         for one in bodies.iter_mut() {

@@ -227,7 +227,7 @@ fn planes(views: [usize; 2], spans: &[[End; 2]; 2]) -> impl Iterator<Item = Plan
     })
 }
 
-/// The corners of the convex outline of a view's silhouette, without what is a speck or surely somebody else; none for
+/// The corners of the convex outline of a view's silhouette, without specks and what is surely another subject; none for
 /// a view that takes no part.
 fn outline(hull: &Hull, view: &View) -> Vec<Corner> {
     let rect = view.silhouette().rect();

@@ -60,7 +60,7 @@ fn a_box_on_the_table_is_pushed_straight_up_at_its_corners() {
 
 #[test]
 fn a_deep_rim_does_not_push_sideways() {
-    // Set 4 cm deep, half over the edge: the lower rim's nearest way out is the table's side.
+    // Set 4 cm deep, half over the edge: the lower rim's nearest exit is at the table's side.
     let found = contacts(&cube(), &at(0.24, 0.0, 0.26));
     let up = found.iter().filter(|contact| contact.direction.z > 0.95).count();
     assert!(up >= 4, "{found:?}");
@@ -120,7 +120,7 @@ fn a_swallowed_box_is_led_out_the_nearest_way() {
 
 #[test]
 fn a_pierced_body_is_led_out_one_way_and_keeps_it() {
-    // The table stands through a wide plate: no way out of a sample runs against the plate's own normal.
+    // The table stands through a wide plate: no sample's exit direction runs against the plate's own normal.
     let plate = sample::box_(vector![0.8, 0.8, 0.2], 0.05).unwrap();
     let (hull, settings) = (table(), Settings::default());
     let first = collide(&hull, &plate, &at(0.0, 0.0, 0.0), &settings, None);

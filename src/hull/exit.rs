@@ -15,7 +15,7 @@ impl Hull {
         Sweep::new(self, p, direction, edge).map_or(0.0, |mut sweep| sweep.exit().t)
     }
 
-    /// The same, or `most` where the exit is farther.
+    /// Metres from `p`, a point inside, along the unit `direction` to where the hull ends ([`Self::exit`]), at most `most`.
     pub fn exit_within(&self, p: &Point3<f64>, direction: &Vector3<f64>, edge: EdgeModel, most: f64) -> f64 {
         self.exit(p, direction, edge).min(most)
     }

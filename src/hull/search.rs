@@ -28,7 +28,7 @@ impl Hull {
         })
     }
 
-    /// The same for a point whose sightings are known.
+    /// The edge nearest to a point inside, by the window search ([`Self::nearest_edge`]), from how the views see it.
     pub(super) fn nearest_edge_among(&self, sightings: &Sightings) -> Option<NearestEdge<'_>> {
         let d_max = sightings.seen.iter().map(|sighting| sighting.footprint).fold(0.0, f64::max);
         let mut first: Option<(i64, &Sighting)> = None;

@@ -108,7 +108,7 @@ impl<'a> ViewKernel<'a> {
         look_up(&self.cell_distances, &places, distances, |place| self.long_cell_distance(place));
     }
 
-    /// That of the cell at a place of the table.
+    /// The half-width and a half of the largest square of subject around the cell at a place of the table.
     #[inline(always)]
     pub(super) fn cell_distance_at(&self, place: u32) -> f64 {
         let narrow = self.cell_distances.at_place(place);

@@ -229,7 +229,7 @@ mod tests {
             let (tables, mut random) = (silhouette.tables(), Random(7));
             let (x, y) = tables.corner;
             for (round, more) in (0..60).zip([0, 1, 9].into_iter().cycle()) {
-                // Every third party is near as a whole, and looks along rows alone.
+                // In every third round all pixels are near their background, so that only rows are searched.
                 let most = if round % 3 == 0 { NEAR as u16 } else { u16::MAX };
                 let (mut middle, mut first, mut half) = (Pixels::default(), [0; LANES], [0; LANES]);
                 for k in 0..LANES {

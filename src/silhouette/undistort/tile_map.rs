@@ -192,6 +192,12 @@ impl Patch {
         Some(((top * width + left) as u32, patch))
     }
 
+    /// Brings the patch into the cache.
+    #[inline(always)]
+    pub(super) fn fetch(&self) {
+        std::hint::black_box((self.places[0], self.right[0], self.below[0]));
+    }
+
     /// The tile's bytes, by the arithmetic of [`Tap::interpolate`], where the patch begins with pixel `source` of a
     /// mask of this `width`.
     #[inline(always)]

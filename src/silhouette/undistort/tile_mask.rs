@@ -24,6 +24,9 @@ type TileBits = u64;
 /// The bits of a tile's leftmost column.
 const LEFTMOST: TileBits = 0x0101_0101_0101_0101;
 
+/// Tiles whose patches are read from memory side by side.
+const GROUP: usize = 8;
+
 /// Classes looked at together.
 const CHUNK: usize = 8;
 
@@ -204,19 +207,31 @@ vectorised! {
     /// Interpolates the tiles that are not uniform; returns whether any has coverage.
     fn interpolate_mixed(lens: &Undistortion, mask: &[u8], unseen_value: u8, drawn: &mut TileMask) -> bool {
         let (map, width) = (&lens.tiles, lens.original_size.0 as usize);
-        let mut coverage = 0;
-        for (&tile, bytes) in drawn.mixed[..drawn.mixed_count].iter().zip(&mut drawn.bytes) {
-            let k = tile as usize;
-            *bytes = match map.sources[k] {
-                NO_PATCH => interpolate_each(lens, mask, unseen_value, k),
-                source => map.patches[k].interpolate(mask, source as usize, width, unseen_value),
-            };
+        let mut coverage = [0; PIXELS];
+        let groups = drawn.mixed[..drawn.mixed_count].chunks(GROUP).zip(drawn.bytes.chunks_mut(GROUP));
+        for (tiles, bytes) in groups {
+            // Few of the patches are in the cache, and each alone would be waited for.
+            for &tile in tiles {
+                map.patches[tile as usize].fetch();
+            }
+            for (&tile, bytes) in tiles.iter().zip(&mut *bytes) {
+                let k = tile as usize;
+                *bytes = match map.sources[k] {
+                    NO_PATCH => interpolate_each(lens, mask, unseen_value, k),
+                    source => map.patches[k].interpolate(mask, source as usize, width, unseen_value),
+                };
+            }
 
-            // One more makes 255 and 0 the only bytes without a bit above the lowest.
-            coverage |= bytes.iter().fold(0, |coverage, byte| coverage | byte.wrapping_add(1) >> 1);
-            drawn.subject[k] = subject_of(bytes);
+            // Not straight after each tile, whose bytes are still being written then.
+            for (&tile, bytes) in tiles.iter().zip(&*bytes) {
+                for k in 0..PIXELS {
+                    // One more makes 255 and 0 the only bytes without a bit above the lowest.
+                    coverage[k] |= bytes[k].wrapping_add(1) >> 1;
+                }
+                drawn.subject[tile as usize] = subject_of(bytes);
+            }
         }
-        coverage != 0
+        coverage != [0; PIXELS]
     }
 }
 

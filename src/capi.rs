@@ -19,10 +19,9 @@ use crate::hull::{Aabb, Unseen};
 use crate::ode::{self, RawHull};
 use crate::rig::Rig;
 use crate::sample;
-use crate::silhouette::load_mask;
+use crate::silhouette::{MaskView, load_mask};
 use crate::{Error, Result};
 use fence::{fenced, utf8};
-use image::GrayImage;
 use nalgebra::{Isometry3, Matrix3, Matrix3x4, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use ode_sys::{dGeomID, dReal, dSpaceID};
 use std::ffi::{c_char, c_int, c_uchar};
@@ -181,23 +180,19 @@ unsafe extern "C" fn dGeomVisualHullDataSetMask(
 ) -> c_int {
     fenced(FAILED, || {
         let (data, view) = (data::get(d)?, index(view)?);
-        let (width, height) = data.camera(view)?.size();
+        let size = data.camera(view)?.size();
         if mask.is_null() {
             return Err(Error::argument("mask: expected the first byte of the upper row, found NULL"));
         }
-        if i64::from(rowStride) < i64::from(width) {
+        let (width, height) = (size.0 as usize, size.1 as usize);
+        let stride = usize::try_from(rowStride).ok().filter(|&stride| stride >= width).ok_or_else(|| {
             let problem =
                 format!("rowStride: expected at least the width of {width} pixels, found {rowStride}");
-            return Err(Error::argument(problem));
-        }
-        let stride = rowStride as usize;
-        let mut bytes = Vec::with_capacity(width as usize * height as usize);
-        for row in 0..height as usize {
-            // SAFETY: the caller vouches for this row.
-            bytes.extend_from_slice(unsafe { slice::from_raw_parts(mask.add(row * stride), width as usize) });
-        }
-        let image = GrayImage::from_raw(width, height, bytes);
-        data.set_mask(view, &image.ok_or_else(|| Error::argument("mask: too few bytes"))?)?;
+            Error::argument(problem)
+        })?;
+        // SAFETY: the caller vouches for all rows, and leaves them alone during the call.
+        let bytes = unsafe { slice::from_raw_parts(mask, (height - 1) * stride + width) };
+        data.set_mask(view, MaskView::new(bytes, size, stride)?)?;
         Ok(OK)
     })
 }

@@ -1,12 +1,11 @@
 //! The views, masks and frames of one subject: what cameras write and simulations read.
 
-use super::slot::Slot;
+use super::slot::{Mask, Slot};
 use super::{Aabb, Hull, Unseen};
 use crate::camera::Camera;
 use crate::lock::lock;
-use crate::silhouette::Border;
+use crate::silhouette::{Border, MaskView, PackedMask};
 use crate::{Error, Result};
-use image::GrayImage;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -137,7 +136,19 @@ impl HullData {
     /// # Errors
     /// An index out of range; a mask of another size than the camera's image; a full mask, which says that the
     /// segmentation failed. The last good mask then stays. An empty mask is no error: the subject may have left.
-    pub fn set_mask(&self, view: usize, mask: &GrayImage) -> Result<()> {
+    pub fn set_mask<'a>(&self, view: usize, mask: impl Into<MaskView<'a>>) -> Result<()> {
+        self.set(view, Mask::Bytes(mask.into()))
+    }
+
+    /// Gives a view its next mask, packed, and prepares it.
+    ///
+    /// # Errors
+    /// As [`set_mask`](Self::set_mask).
+    pub fn set_packed(&self, view: usize, mask: &PackedMask) -> Result<()> {
+        self.set(view, Mask::Packed(mask))
+    }
+
+    fn set(&self, view: usize, mask: Mask) -> Result<()> {
         let (mut preparation, border) = {
             let mut state = self.lock();
             let border = border_of(state.unseen);

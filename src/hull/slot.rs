@@ -2,7 +2,7 @@
 
 use super::{Aabb, View};
 use crate::camera::Camera;
-use crate::silhouette::{Border, SUBJECT, Silhouette, Tables, TileMask, Undistortion};
+use crate::silhouette::{Border, MaskView, PackedMask, SUBJECT, Silhouette, Tables, TileMask, Undistortion};
 use crate::{Error, Result};
 use image::GrayImage;
 use std::sync::Arc;
@@ -22,8 +22,7 @@ pub(super) struct Slot {
     recycled_silhouettes: Vec<Arc<Silhouette>>,
     /// Tables of past silhouettes: memory for those of the next masks, nine tenths of all.
     recycled_tables: Vec<Tables>,
-    /// Memory for a mask that is undistorted.
-    tiles: Option<TileMask>,
+    scratch: Scratch,
 }
 
 /// What never changes of a view.
@@ -40,7 +39,25 @@ pub(super) struct Lens {
 pub(super) struct Preparation {
     lens: Arc<Lens>,
     silhouette: Arc<Silhouette>,
-    tiles: Option<TileMask>,
+    scratch: Scratch,
+}
+
+/// A mask as it comes in.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Mask<'a> {
+    Bytes(MaskView<'a>),
+    Packed(&'a PackedMask),
+}
+
+/// Memory for a mask on its way to a silhouette.
+#[derive(Debug, Default)]
+struct Scratch {
+    /// Of bytes that a pinhole saw.
+    packed: PackedMask,
+    /// Of packed pixels that a lens saw.
+    bytes: GrayImage,
+    /// Of what a lens saw, as its pinhole would see it.
+    tiles: TileMask,
 }
 
 impl Slot {
@@ -67,7 +84,7 @@ impl Slot {
             sees: None,
             recycled_silhouettes: Vec::new(),
             recycled_tables: Vec::new(),
-            tiles: None,
+            scratch: Scratch::default(),
         })
     }
 
@@ -88,12 +105,12 @@ impl Slot {
         {
             unshared.recycle_tables(tables);
         }
-        Preparation { lens: self.lens.clone(), silhouette, tiles: self.tiles.take() }
+        Preparation { lens: self.lens.clone(), silhouette, scratch: std::mem::take(&mut self.scratch) }
     }
 
     /// Takes a prepared silhouette into force, from the next frame on.
     pub(super) fn commit(&mut self, preparation: Preparation) {
-        self.tiles = self.tiles.take().or(preparation.tiles);
+        self.scratch = preparation.scratch;
         if let Some(last) = self.silhouette.replace(preparation.silhouette) {
             self.recycle(last);
         }
@@ -173,8 +190,8 @@ impl Preparation {
     ///
     /// # Errors
     /// As [`HullData::set_mask`](super::HullData::set_mask).
-    pub(super) fn prepare(&mut self, mask: &GrayImage, border: Border) -> Result<()> {
-        self.lens.check_size(mask)?;
+    pub(super) fn prepare(&mut self, mask: Mask, border: Border) -> Result<()> {
+        self.lens.check_size(mask.size())?;
 
         // A silhouette that has another owner too stays as it is.
         if Arc::get_mut(&mut self.silhouette).is_none() {
@@ -184,22 +201,57 @@ impl Preparation {
             unreachable!("a new silhouette has one owner");
         };
 
-        // Either pass over the mask tells whether there is any background.
-        let is_prepared = match &self.lens.undistortion {
-            Some(lens) => {
-                silhouette.refill_undistorted(mask, lens, border, self.tiles.get_or_insert_default())?
+        let Scratch { packed, bytes, tiles } = &mut self.scratch;
+        let is_full = match &self.lens.undistortion {
+            Some(lens) => !silhouette.refill_undistorted(&mask.bytes(bytes), lens, border, tiles)?,
+            None => {
+                let packed = mask.packed(packed);
+                if !packed.is_full() {
+                    silhouette.refill_packed(packed, border);
+                }
+                packed.is_full()
             }
-            None => silhouette.refill_unless_full(mask, border),
         };
-        if is_prepared { Ok(()) } else { Err(self.lens.full_mask()) }
+        if is_full { Err(self.lens.full_mask()) } else { Ok(()) }
+    }
+}
+
+impl<'a> Mask<'a> {
+    fn size(self) -> (u32, u32) {
+        match self {
+            Self::Bytes(view) => view.size(),
+            Self::Packed(packed) => packed.size(),
+        }
+    }
+
+    /// The mask as bytes, for which there is `memory`.
+    fn bytes(self, memory: &'a mut GrayImage) -> MaskView<'a> {
+        match self {
+            Self::Bytes(view) => view,
+            Self::Packed(packed) => {
+                packed.write_to(memory);
+                MaskView::from(&*memory)
+            }
+        }
+    }
+
+    /// The mask packed, for which there is `memory`.
+    fn packed(self, memory: &'a mut PackedMask) -> &'a PackedMask {
+        match self {
+            Self::Bytes(view) => {
+                memory.pack(view);
+                memory
+            }
+            Self::Packed(packed) => packed,
+        }
     }
 }
 
 impl Lens {
-    fn check_size(&self, mask: &GrayImage) -> Result<()> {
+    fn check_size(&self, found: (u32, u32)) -> Result<()> {
         let (width, height) = self.camera.size();
-        if mask.dimensions() != (width, height) {
-            let found = format!("found {} x {}", mask.width(), mask.height());
+        if found != (width, height) {
+            let found = format!("found {} x {}", found.0, found.1);
             let problem = format!(
                 "mask: expected {width} x {height} pixels as in the calibration, {found}; scale the mask or calibrate \
                  at its size"

@@ -18,11 +18,12 @@ pub(crate) fn lane_mask<const N: usize>(lanes: &[u32; N]) -> u32 {
 
 /// The places of the bits set, ascending.
 #[inline(always)]
-pub(crate) fn set_bits(mut word: u32) -> impl Iterator<Item = usize> {
+pub(crate) fn set_bits(word: impl Into<u64>) -> impl Iterator<Item = usize> {
+    let mut word = word.into();
     std::iter::from_fn(move || {
         let place = word.trailing_zeros();
         word &= word.wrapping_sub(1);
-        (place < u32::BITS).then_some(place as usize)
+        (place < u64::BITS).then_some(place as usize)
     })
 }
 

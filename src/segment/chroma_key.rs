@@ -4,13 +4,14 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::Segmenter;
-use super::bits::{WORD, pack};
 use super::cleanup::Cleanup;
 use super::difference::{BYTES, padded, whole};
 use super::outline::{Colours, Outline};
+use crate::silhouette::PackedMask;
+use crate::silhouette::bit_image::{WORD, pack};
 use crate::vectorised::vectorised;
 use crate::{Error, Result};
-use image::{GrayImage, RgbImage};
+use image::RgbImage;
 
 /// The colour of the room, and how far from it a pixel is still the room's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,7 +110,7 @@ impl ChromaKey {
 
 impl Segmenter for ChromaKey {
     /// As the trait says; images may be of any size.
-    fn segment_into(&mut self, image: &RgbImage, mask: &mut GrayImage) -> Result<()> {
+    fn segment_packed(&mut self, image: &RgbImage, mask: &mut PackedMask) -> Result<()> {
         let bits = &mut self.outline.raw;
         bits.resize(image.width() as usize, image.height() as usize);
         let (stride, row) = (bits.stride().max(1), 3 * image.width().max(1) as usize);
@@ -155,7 +156,8 @@ fn key_word(image: &[u8; BYTES], test: &HueTest) -> u64 {
         let is_room = (along >= test.least) & (across.abs() <= test.slope * along);
         is_subject[k] = if is_room { 0 } else { 255 };
     }
-    pack(&is_subject)
+    let [bits] = pack(&[is_subject]);
+    bits
 }
 
 #[cfg(test)]

@@ -6,8 +6,9 @@ use super::outline::{Colours, Outline};
 use super::plate::Plate;
 use super::shadows::Shadows;
 use super::{Segmenter, check_size};
+use crate::silhouette::PackedMask;
 use crate::{Error, Result};
-use image::{GrayImage, RgbImage};
+use image::RgbImage;
 
 /// When a pixel counts as the subject.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,7 +127,7 @@ impl CleanPlate {
 }
 
 impl Segmenter for CleanPlate {
-    fn segment_into(&mut self, image: &RgbImage, mask: &mut GrayImage) -> Result<()> {
+    fn segment_packed(&mut self, image: &RgbImage, mask: &mut PackedMask) -> Result<()> {
         check_size(self.room.size, image.dimensions())?;
         self.room.differences(image, self.shadows.as_ref(), &mut self.outline.raw);
         let colours = Colours { image: image.as_raw(), room: Some(&self.room.colour) };

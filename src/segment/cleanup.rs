@@ -1,8 +1,9 @@
 //! What a person would correct in a mask: ragged edges, gaps, specks and holes.
 
-use super::bits::Bits;
 use super::morphology::Morphology;
 use super::regions::Regions;
+use crate::silhouette::PackedMask;
+use crate::silhouette::bit_image::BitImage;
 use crate::{Error, Result};
 use image::GrayImage;
 
@@ -71,11 +72,10 @@ impl Cleanup {
     /// A share that is not from 0 to 1.
     pub fn apply(&self, mask: &mut GrayImage) -> Result<()> {
         self.check()?;
-        let (mut bits, mut before) = (Bits::default(), Bits::default());
-        bits.read_bytes(mask.width() as usize, mask);
-        before.copy(&bits);
+        let before = PackedMask::new(&*mask);
+        let mut bits = before.subject().clone();
         Cleaner::default().clean(self, &mut bits);
-        for (after, before) in bits.words_mut().iter_mut().zip(before.words()) {
+        for (after, before) in bits.words_mut().iter_mut().zip(before.subject().words()) {
             *after ^= before;
         }
         let width = mask.width() as usize;
@@ -108,7 +108,7 @@ pub(super) struct Cleaner {
 }
 
 impl Cleaner {
-    pub(super) fn clean(&mut self, cleanup: &Cleanup, bits: &mut Bits) {
+    pub(super) fn clean(&mut self, cleanup: &Cleanup, bits: &mut BitImage) {
         let Self { morphology, regions } = self;
         morphology.shrink(bits, cleanup.open_px);
         morphology.grow(bits, cleanup.open_px);

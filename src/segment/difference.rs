@@ -3,8 +3,8 @@
 // A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
 #![allow(clippy::needless_range_loop)]
 
-use super::bits::{Bits, WORD, pack};
 use super::shadows::Shadows;
+use crate::silhouette::bit_image::{BitImage, WORD, pack};
 use crate::vectorised::vectorised;
 use image::RgbImage;
 
@@ -39,7 +39,7 @@ impl Room {
 
     /// Sets the bits of the pixels of `image`, which has the room's size, that are not the room's: neither within its
     /// tolerances nor in its shadows.
-    pub(super) fn differences(&self, image: &RgbImage, shadows: Option<&Shadows>, bits: &mut Bits) {
+    pub(super) fn differences(&self, image: &RgbImage, shadows: Option<&Shadows>, bits: &mut BitImage) {
         let width = self.size.0 as usize;
         bits.resize(width, self.size.1 as usize);
         let stride = bits.stride();
@@ -111,7 +111,8 @@ fn differ_word(image: &[u8; BYTES], least: &[u8; BYTES], greatest: &[u8; BYTES])
     for k in 0..WORD {
         pixels[k] = any[3 * k];
     }
-    pack(&pixels)
+    let [bits] = pack(&[pixels]);
+    bits
 }
 
 vectorised! {
@@ -149,5 +150,6 @@ fn shaded_word(image: &[u8; BYTES], room: &[u8; BYTES], limits: &Limits) -> u64 
         let is_alike = (own - limits.chroma_squared) * square <= product * product;
         shaded[k] = if is_dimmed & is_alike { 255 } else { 0 };
     }
-    pack(&shaded)
+    let [bits] = pack(&[shaded]);
+    bits
 }

@@ -6,7 +6,7 @@
 //!           .#.             ###
 //! ```
 
-use super::bits::{Bits, WORD};
+use crate::silhouette::bit_image::{BitImage, WORD};
 use crate::vectorised::vectorised;
 
 /// Which neighbours of a pixel count.
@@ -19,27 +19,27 @@ pub(super) enum Shape {
 /// Two images to work in.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Morphology {
-    other: Bits,
+    other: BitImage,
     zeros: Vec<u64>,
 }
 
 impl Morphology {
     /// Adds all pixels within `radius` of a set one; none beyond the image is set.
-    pub(super) fn grow(&mut self, bits: &mut Bits, radius: u32) {
+    pub(super) fn grow(&mut self, bits: &mut BitImage, radius: u32) {
         for k in 0..radius {
             self.step(bits, shape(k), false);
         }
     }
 
     /// Takes away all pixels within `radius` of one that is not set; those beyond the image count as set.
-    pub(super) fn shrink(&mut self, bits: &mut Bits, radius: u32) {
+    pub(super) fn shrink(&mut self, bits: &mut BitImage, radius: u32) {
         for k in 0..radius {
             self.step(bits, shape(k), true);
         }
     }
 
     /// One pixel, in place.
-    pub(super) fn step(&mut self, bits: &mut Bits, shape: Shape, inverted: bool) {
+    pub(super) fn step(&mut self, bits: &mut BitImage, shape: Shape, inverted: bool) {
         let mut other = std::mem::take(&mut self.other);
         self.step_into(bits, shape, inverted, &mut other);
         std::mem::swap(bits, &mut other);
@@ -47,7 +47,7 @@ impl Morphology {
     }
 
     /// One pixel: what is set grows, or where `inverted` what is not.
-    pub(super) fn step_into(&mut self, from: &Bits, shape: Shape, inverted: bool, to: &mut Bits) {
+    pub(super) fn step_into(&mut self, from: &BitImage, shape: Shape, inverted: bool, to: &mut BitImage) {
         to.resize(from.width(), from.height());
         let stride = from.stride();
         self.zeros.clear();

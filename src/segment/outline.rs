@@ -5,10 +5,10 @@
 //!   room  | .1  | .8  | subject       the subject's: as far along as the subject covers it
 //! ```
 
-use super::bits::Bits;
 use super::cleanup::{Cleaner, Cleanup};
 use super::morphology::Shape;
-use image::GrayImage;
+use crate::silhouette::bit_image::BitImage;
+use crate::silhouette::{PackedMask, SUBJECT};
 
 /// Squared grey levels between room and subject, below which a colour between them tells nothing.
 const LEAST_CONTRAST: f32 = 30.0 * 30.0;
@@ -20,14 +20,15 @@ const LIGHT: (f32, f32) = (0.4, 1.5);
 #[derive(Debug, Clone, Default)]
 pub(super) struct Outline {
     /// The pixels that look like the subject: written by whoever segments.
-    pub(super) raw: Bits,
+    pub(super) raw: BitImage,
     /// The same, cleaned up.
-    pub(super) subject: Bits,
+    pub(super) subject: BitImage,
     cleaner: Cleaner,
     /// The subject without its outline, and the room without its own.
-    core: Bits,
-    outside: Bits,
-    grown: Bits,
+    core: BitImage,
+    outside: BitImage,
+    /// The pixels whose coverage is asked.
+    grown: BitImage,
 }
 
 /// An image, and the room behind the subject where it is known.
@@ -39,18 +40,22 @@ pub(super) struct Colours<'a> {
 
 impl Outline {
     /// The mask of `raw`: cleaned up, 255 inside, 0 outside, coverage along the outline.
-    pub(super) fn finish(&mut self, colours: Colours, cleanup: &Cleanup, mask: &mut GrayImage) {
-        let (width, height) = (self.raw.width(), self.raw.height());
-        if mask.dimensions() != (width as u32, height as u32) {
-            *mask = GrayImage::new(width as u32, height as u32);
-        }
+    pub(super) fn finish(&mut self, colours: Colours, cleanup: &Cleanup, mask: &mut PackedMask) {
         self.subject.copy(&self.raw);
         self.cleaner.clean(cleanup, &mut self.subject);
-        self.subject.write_bytes(mask);
-        self.cover(colours, mask);
+        self.find_outline();
+        let Self { subject, core, outside, grown, .. } = self;
+        mask.take_bits(subject, |cover| {
+            grown.for_each(|x, y| {
+                let Some(covered) = coverage(&colours, core, outside, x, y) else { return };
+                let byte = (255.0 * covered + 0.5) as u8;
+                cover(x, y, if subject.get(x, y) { byte } else { byte.min(SUBJECT - 1) });
+            });
+        });
     }
 
-    fn cover(&mut self, colours: Colours, mask: &mut [u8]) {
+    /// Finds the pixels on both sides of the outline, `grown`, and those well within and well outside the subject.
+    fn find_outline(&mut self) {
         let Self { raw, subject, cleaner, core, outside, grown } = self;
         let morphology = &mut cleaner.morphology;
         morphology.step_into(subject, Shape::Square, true, core);
@@ -65,22 +70,13 @@ impl Outline {
         for (k, word) in grown.words_mut().iter_mut().enumerate() {
             *word &= !core.words()[k] & !(raw.words()[k] ^ subject.words()[k]);
         }
-        let width = subject.width();
-        grown.for_each(|x, y| {
-            let at = y * width + x;
-            let is_subject = mask[at] == 255;
-            if let Some(covered) = coverage(&colours, core, outside, x, y) {
-                let value = (255.0 * covered + 0.5) as u8;
-                mask[at] = if is_subject { value } else { value.min(127) };
-            }
-        });
     }
 }
 
 /// How far the colour of a pixel has gone from the room's to the subject's near by, 0 to 1; `None` where these are
 /// not to be had, or too much alike.
 #[inline]
-fn coverage(colours: &Colours, core: &Bits, outside: &Bits, x: usize, y: usize) -> Option<f32> {
+fn coverage(colours: &Colours, core: &BitImage, outside: &BitImage, x: usize, y: usize) -> Option<f32> {
     let subject = Sum::around(colours.image, core, x, y);
     let here = Sum::around(colours.image, outside, x, y);
     let at = 3 * (y * core.width() + x);
@@ -118,7 +114,7 @@ struct Sum {
 impl Sum {
     /// Of the pixels in a 5x5 window that are set in `bits`.
     #[inline]
-    fn around(colours: &[u8], bits: &Bits, x: usize, y: usize) -> Self {
+    fn around(colours: &[u8], bits: &BitImage, x: usize, y: usize) -> Self {
         let mut sum = Self::default();
         for j in y.saturating_sub(2)..(y + 3).min(bits.height()) {
             let mut row = bits.five(x, j);

@@ -1,6 +1,6 @@
 //! Connected regions, found by the runs of their rows.
 
-use super::bits::{Bits, WORD};
+use crate::silhouette::bit_image::{BitImage, WORD};
 
 /// Pixels `start .. end` of a row.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +27,7 @@ pub(super) struct Regions {
 impl Regions {
     /// Drops each region of fewer than `area_px` pixels, and of less than `share` of the largest one's.
     /// Diagonal neighbours are connected.
-    pub(super) fn drop_small(&mut self, bits: &mut Bits, area_px: u32, share: f64) {
+    pub(super) fn drop_small(&mut self, bits: &mut BitImage, area_px: u32, share: f64) {
         self.find(bits, 0, 1);
         let most = self.areas.iter().copied().max().unwrap_or(0);
         let least = area_px.max((share * f64::from(most)).ceil() as u32);
@@ -37,14 +37,14 @@ impl Regions {
 
     /// Sets the pixels of each hole of fewer than `area_px` pixels. Diagonal neighbours are not connected, else two
     /// diagonals could cross; what reaches the image's border is no hole.
-    pub(super) fn fill_holes(&mut self, bits: &mut Bits, area_px: u32) {
+    pub(super) fn fill_holes(&mut self, bits: &mut BitImage, area_px: u32) {
         self.find(bits, u64::MAX, 0);
         self.turn(bits, |regions, root| !regions.at_border[root] && regions.areas[root] < area_px);
     }
 
     /// Finds the regions of the pixels that are set in `bits ^ invert`. Runs of neighbouring rows are connected if they
     /// come within `reach` pixels of sharing a column.
-    fn find(&mut self, bits: &Bits, invert: u64, reach: u32) {
+    fn find(&mut self, bits: &BitImage, invert: u64, reach: u32) {
         self.list_runs(bits, invert);
         let count = self.runs.len();
         self.parents.clear();
@@ -63,7 +63,7 @@ impl Regions {
         self.measure(bits);
     }
 
-    fn list_runs(&mut self, bits: &Bits, invert: u64) {
+    fn list_runs(&mut self, bits: &BitImage, invert: u64) {
         self.runs.clear();
         self.rows.clear();
         for y in 0..bits.height() {
@@ -110,7 +110,7 @@ impl Regions {
         self.parents[a.max(b)] = a.min(b) as u32;
     }
 
-    fn measure(&mut self, bits: &Bits) {
+    fn measure(&mut self, bits: &BitImage) {
         let count = self.runs.len();
         self.areas.clear();
         self.areas.resize(count, 0);
@@ -125,7 +125,7 @@ impl Regions {
     }
 
     /// Turns the pixels of the regions that are `wanted`.
-    fn turn(&mut self, bits: &mut Bits, wanted: impl Fn(&Self, usize) -> bool) {
+    fn turn(&mut self, bits: &mut BitImage, wanted: impl Fn(&Self, usize) -> bool) {
         let stride = bits.stride();
         for k in 0..self.runs.len() {
             let root = self.root(k);

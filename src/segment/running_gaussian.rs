@@ -8,9 +8,10 @@ use super::difference::Room;
 use super::outline::{Colours, Outline};
 use super::shadows::Shadows;
 use super::{Segmenter, check_size};
+use crate::silhouette::PackedMask;
 use crate::vectorised::vectorised;
 use crate::{Error, Result};
-use image::{GrayImage, RgbImage};
+use image::RgbImage;
 
 /// Every so manyth row is learnt from a frame, so many times as fast: cheaper, and no slower over the frames.
 const STRIPES: usize = 8;
@@ -81,6 +82,8 @@ struct Model {
     stripe: usize,
     /// Whether each channel of a row may be learnt.
     is_room: Vec<u8>,
+    /// The mask's bytes in a row.
+    row_of_mask: Vec<u8>,
 }
 
 impl RunningGaussian {
@@ -148,7 +151,7 @@ impl RunningGaussian {
 
 impl Segmenter for RunningGaussian {
     /// As the trait says; and learns from what it takes for the room.
-    fn segment_into(&mut self, image: &RgbImage, mask: &mut GrayImage) -> Result<()> {
+    fn segment_packed(&mut self, image: &RgbImage, mask: &mut PackedMask) -> Result<()> {
         let Self { learning, shadows, cleanup, model, outline } = self;
         if model.learnt == 0 {
             return Err(Error::argument(
@@ -176,19 +179,30 @@ impl Model {
         self.mean = empty.iter().map(|&value| f32::from(value)).collect();
         self.variance = vec![FIRST_VARIANCE; self.mean.len()];
         self.is_room = vec![255; 3 * empty.width() as usize];
+        self.row_of_mask = vec![0; empty.width() as usize];
     }
 
     /// Row `y` of `image`, where `mask`, if any, and the bounds say that it shows the room.
-    fn learn_row(&mut self, image: &RgbImage, mask: Option<&GrayImage>, y: usize, rate: f32, threshold: f32) {
+    fn learn_row(
+        &mut self,
+        image: &RgbImage,
+        mask: Option<&PackedMask>,
+        y: usize,
+        rate: f32,
+        threshold: f32,
+    ) {
         let width = image.width() as usize;
         let row = 3 * width * y..3 * width * (y + 1);
-        let Self { room, mean, variance, is_room, .. } = self;
+        let Self { room, mean, variance, is_room, row_of_mask, .. } = self;
         let (colour, mean) = (&mut room.colour[row.clone()], &mut mean[row.clone()]);
         let (least, greatest) = (&mut room.least[row.clone()], &mut room.greatest[row.clone()]);
         let (variance, image) = (&mut variance[row.clone()], &image.as_raw()[row]);
         match mask {
             None => is_room.fill(255),
-            Some(mask) => shows_room(image, &mask.as_raw()[width * y..][..width], least, greatest, is_room),
+            Some(mask) => {
+                mask.write_row(y, row_of_mask);
+                shows_room(image, row_of_mask, least, greatest, is_room);
+            }
         }
         learn(image, is_room, mean, variance, rate);
         bound(mean, variance, threshold, colour, least, greatest);

@@ -4,17 +4,19 @@
 //! [`SUBJECT`]. The values between are coverage, the fraction of the pixel that the subject covers, and put the edge
 //! inside the pixel. What lies beyond the image is decided by the [`Border`].
 
+pub(crate) mod bit_image;
 mod cell_distance;
 mod contact_edge;
 mod distance;
 mod edge;
 mod lookup;
 mod mask;
+mod mask_view;
 mod nearest;
 mod neighbours;
+mod packed_mask;
 mod rect;
 mod region;
-mod scan;
 mod tables;
 mod tiles;
 mod turned;
@@ -26,6 +28,8 @@ pub use edge::Edge;
 pub(crate) use edge::{EdgePixel, SHORTEST_MEAN};
 pub(crate) use lookup::{Bits, Distances};
 pub use mask::load_mask;
+pub use mask_view::MaskView;
+pub use packed_mask::PackedMask;
 pub use rect::Rect;
 pub(crate) use tables::{TableSlices, Tables};
 pub(crate) use undistort::TileMask;
@@ -35,7 +39,6 @@ use crate::Result;
 use image::GrayImage;
 use region::Region;
 pub(crate) use region::Word;
-use scan::{Columns, Scan};
 use std::sync::OnceLock;
 pub(crate) use tiles::Lookup;
 
@@ -72,12 +75,11 @@ pub struct Silhouette {
     tables: OnceLock<Tables>,
     /// Memory for the tables of the next mask. It holds those of another mask, which are never looked up.
     recycled_tables: Option<Tables>,
-    columns: Columns,
 }
 
 impl Silhouette {
     /// Prepares `mask`. Any image is accepted; an empty or a full one simply has no edge.
-    pub fn new(mask: &GrayImage, border: Border) -> Self {
+    pub fn new<'a>(mask: impl Into<MaskView<'a>>, border: Border) -> Self {
         let mut silhouette = Self::blank(border);
         silhouette.refill(mask, border);
         silhouette
@@ -93,23 +95,22 @@ impl Silhouette {
             region: Region::default(),
             tables: OnceLock::new(),
             recycled_tables: None,
-            columns: Columns::default(),
         }
     }
 
     /// Prepares another mask in the memory of the last one.
-    pub fn refill(&mut self, mask: &GrayImage, border: Border) {
-        let scan = self.columns.scan(mask);
-        self.fill_from_scan(mask, scan, border);
+    pub fn refill<'a>(&mut self, mask: impl Into<MaskView<'a>>, border: Border) {
+        self.refill_packed(&PackedMask::new(mask), border);
     }
 
-    /// Prepares another mask in the memory of the last one, unless every pixel of it is subject: whether it did so.
-    pub(crate) fn refill_unless_full(&mut self, mask: &GrayImage, border: Border) -> bool {
-        let scan = self.columns.scan(mask);
-        if !scan.is_full {
-            self.fill_from_scan(mask, scan, border);
-        }
-        !scan.is_full
+    /// Prepares another mask, packed already, in the memory of the last one.
+    pub fn refill_packed(&mut self, mask: &PackedMask, border: Border) {
+        self.fill_region(|silhouette| {
+            let (width, height) = mask.size();
+            (silhouette.image, silhouette.rect) = (Rect::of_image(width, height), mask.rect());
+            (silhouette.border, silhouette.has_coverage) = (border, mask.has_coverage());
+            silhouette.region.fill(mask, border);
+        });
     }
 
     /// Prepares what the pinhole of `lens` sees of a mask, unless every pixel of that is subject: whether it did so.
@@ -118,7 +119,7 @@ impl Silhouette {
     /// A mask of another size than the original camera's image.
     pub(crate) fn refill_undistorted(
         &mut self,
-        mask: &GrayImage,
+        mask: &MaskView,
         lens: &Undistortion,
         border: Border,
         tiles: &mut TileMask,
@@ -132,16 +133,6 @@ impl Silhouette {
             silhouette.region.fill_from_tiles(tiles, &silhouette.rect, border);
         });
         Ok(true)
-    }
-
-    /// Takes up what one pass over `mask` told.
-    fn fill_from_scan(&mut self, mask: &GrayImage, scan: Scan, border: Border) {
-        self.fill_region(|silhouette| {
-            silhouette.image = Rect::of_image(mask.width(), mask.height());
-            (silhouette.border, silhouette.rect) = (border, scan.rect);
-            silhouette.has_coverage = scan.has_coverage;
-            silhouette.region.fill(mask, &scan, border);
-        });
     }
 
     /// Takes up other bits by `fill`, and derives their tables.
@@ -176,7 +167,7 @@ impl Silhouette {
     pub fn working_memory(&self) -> usize {
         let tables = self.tables.get().into_iter().chain(&self.recycled_tables);
         let tables: usize = tables.map(Tables::working_memory).sum();
-        self.region.working_memory() + tables + self.columns.working_memory()
+        self.region.working_memory() + tables
     }
 
     /// The mask, as far as it is kept.

@@ -1,7 +1,7 @@
 //! Rectangles of whole pixels.
 
 /// The pixels `x0 <= i < x1`, `y0 <= j < y1`; empty where an upper bound does not exceed its lower one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Rect {
     /// First column.
     pub x0: i32,

@@ -9,11 +9,11 @@
 //!   +--------------------------+  everything else is background
 //! ```
 
-use super::scan::Scan;
+use super::bit_image::{self, BitImage};
+use super::packed_mask::Coverage;
 use super::undistort::TileMask;
-use super::{Border, Rect};
+use super::{Border, PackedMask, Rect};
 use crate::vectorised::vectorised;
-use image::GrayImage;
 
 /// Pixels kept around the subject's rectangle: a contact normal's window around an edge pixel reaches 7 beyond it.
 pub(super) const MARGIN: i32 = 8;
@@ -27,8 +27,17 @@ pub(crate) const LOW: u32 = u32::MAX >> 1;
 /// How many.
 pub(super) const WORD: usize = Word::BITS as usize;
 
-/// Bytes packed at once.
-const BLOCK: usize = 256;
+/// Pixels in a word of an image of bits.
+const LONG: usize = bit_image::WORD;
+
+/// Words before a row of an image, as far as a region reaches beyond it.
+const BEFORE: usize = 1;
+
+/// Words behind a row: the margin and what the region's width is rounded up by, and one that is read beside the last.
+const BEHIND: usize = 3;
+
+/// Words that are read beyond a row.
+const BLOCK: usize = 8;
 
 /// Bits and bytes of a region, row-major.
 #[derive(Debug, Default)]
@@ -41,7 +50,9 @@ pub(super) struct Region {
     bytes: Vec<u8>,
     /// Whether it reaches beyond an open border.
     is_open: bool,
-    /// A row that reaches beyond the image.
+    /// A row of bits and what lies beyond the image on both sides.
+    long_row: Vec<u64>,
+    /// The same of a mask drawn by tiles.
     row: Vec<u8>,
 }
 
@@ -65,22 +76,22 @@ impl Rows<'_> {
 }
 
 impl Region {
-    /// Takes up what `scan` found in `mask`.
-    pub(super) fn fill(&mut self, mask: &GrayImage, scan: &Scan, border: Border) {
-        let rect = self.resize(&scan.rect, &Rect::of_image(mask.width(), mask.height()), border);
-        self.bytes.clear();
+    /// Takes up a packed mask.
+    pub(super) fn fill(&mut self, mask: &PackedMask, border: Border) {
+        let (width, height) = mask.size();
+        let rect = self.resize(&mask.rect(), &Rect::of_image(width, height), border);
         if rect.is_empty() {
+            self.bytes.clear();
             return;
         }
-        let source = Source { mask, rect, beyond: value_beyond(border) };
-        if scan.has_coverage {
-            self.bytes.resize(rect.width() * rect.height(), 0);
-            for (j, row) in (rect.y0..).zip(self.bytes.chunks_exact_mut(rect.width())) {
-                source.copy_row(j, row);
-            }
-        }
+        let beyond = u64::from(border == Border::Open).wrapping_neg();
         let pad = self.pad();
-        pack(&source, &mut self.subject[pad..], &mut self.row);
+        let subject = &mut self.subject[pad..];
+        copy_bits(mask.subject(), &rect, beyond, &mut self.long_row, subject);
+
+        // All bytes are written anew, so that those of the last mask need not be cleared.
+        self.bytes.resize(if mask.has_coverage() { rect.width() * rect.height() } else { 0 }, 0);
+        expand(subject, &rect, mask.coverage(), &mut self.bytes);
         self.clear_pads();
     }
 
@@ -176,7 +187,7 @@ impl Region {
 
     /// Words before the first row's, and behind the last one's: a block and a row.
     fn pad(&self) -> usize {
-        self.words() + BLOCK / WORD
+        self.words() + BLOCK
     }
 
     pub(super) fn subject(&self) -> &[Word] {
@@ -205,7 +216,7 @@ impl Region {
 
     /// Bytes of memory behind the tables, the mask's own bytes not counted.
     pub(super) fn working_memory(&self) -> usize {
-        4 * self.subject.capacity() + self.row.capacity()
+        4 * self.subject.capacity() + 8 * self.long_row.capacity() + self.row.capacity()
     }
 }
 
@@ -227,82 +238,68 @@ fn around(rect: &Rect) -> Rect {
     region
 }
 
-/// A part of a mask, and what counts for its bytes beyond the image.
-struct Source<'a> {
-    mask: &'a GrayImage,
-    rect: Rect,
-    beyond: u8,
-}
-
-impl Source<'_> {
-    /// The bytes of row `j` as far as it lies in the image, and how many of it are beyond on the left.
-    fn inner(&self, j: i32) -> (usize, &[u8]) {
-        let image = Rect::of_image(self.mask.width(), self.mask.height());
-        let (x0, x1) = (self.rect.x0.clamp(0, image.x1), self.rect.x1.clamp(0, image.x1));
-        if j < 0 || j >= image.y1 {
-            return (0, &[]);
+vectorised! {
+    /// Writes the subject bits of `rect` from those of an image; `row` is scratch.
+    fn copy_bits(image: &BitImage, rect: &Rect, beyond: u64, row: &mut Vec<u64>, subject: &mut [Word]) {
+        let (width, words, stride) = (rect.width(), rect.width().div_ceil(WORD), image.stride());
+        let within = Word::MAX >> (words * WORD - width);
+        row.clear();
+        row.resize(BEFORE + stride + BEHIND, beyond);
+        let first = (rect.x0 + (BEFORE * LONG) as i32) as usize;
+        let (start, shift) = (first / LONG, first % LONG);
+        let (is_inside, length) = (rect.x0 >= 0 && rect.x1 as usize <= image.width(), words.div_ceil(2) + 1);
+        for (y, bits) in (rect.y0..rect.y1).zip(subject.chunks_exact_mut(words)) {
+            let y = usize::try_from(y).ok().filter(|&y| y < image.height());
+            // What follows the image's row in memory is none of it.
+            let inside = y.filter(|_| is_inside).map(|y| y * stride + start - BEFORE);
+            let inside = inside.and_then(|first| image.words().get(first..first + length));
+            let source = inside.unwrap_or_else(|| {
+                let inner = &mut row[BEFORE..][..stride];
+                match y {
+                    Some(y) => {
+                        inner.copy_from_slice(image.row(y));
+                        inner[stride - 1] |= beyond & !image.last_word();
+                    }
+                    None => inner.fill(beyond),
+                }
+                &row[start..start + length]
+            });
+            // The region begins within a word. A shift by two halves, since one by a whole word is none.
+            let (pairs, last) = bits.as_chunks_mut::<2>();
+            for k in 0..pairs.len() {
+                let both = source[k] >> shift | source[k + 1] << 1 << (LONG - 1 - shift);
+                pairs[k] = [both as Word, (both >> WORD) as Word];
+            }
+            if let [last] = last {
+                let k = pairs.len();
+                *last = (source[k] >> shift | source[k + 1] << 1 << (LONG - 1 - shift)) as Word;
+            }
+            bits[words - 1] &= within;
         }
-        let start = image.index(x0, j);
-        ((x0 - self.rect.x0) as usize, &self.mask.as_raw()[start..start + (x1 - x0) as usize])
-    }
-
-    /// The bytes of row `j`.
-    fn copy_row(&self, j: i32, row: &mut [u8]) {
-        let (left, inner) = self.inner(j);
-        row.fill(self.beyond);
-        row[left..left + inner.len()].copy_from_slice(inner);
-    }
-
-    /// The bytes of row `j` and those that follow it in memory, `length` in all; `None` where it reaches beyond.
-    fn whole_row(&self, j: i32, length: usize) -> Option<&[u8]> {
-        let image = Rect::of_image(self.mask.width(), self.mask.height());
-        let whole = image.contains(self.rect.x0, j) && self.rect.x1 <= image.x1;
-        let start = whole.then(|| image.index(self.rect.x0, j))?;
-        self.mask.as_raw().get(start..start + length)
     }
 }
 
 vectorised! {
-    /// The subject's bits; `row` is scratch.
-    fn pack(source: &Source, subject: &mut [Word], row: &mut Vec<u8>) {
-        let width = source.rect.width();
-        let words = width.div_ceil(WORD);
-        let length = words.next_multiple_of(BLOCK / WORD) * WORD;
-        row.resize(length, 0);
-        let within = Word::MAX >> (words * WORD - width);
-        for (j, start) in (source.rect.y0..source.rect.y1).zip((0..).step_by(words)) {
-            let bytes = match source.whole_row(j, length) {
-                Some(bytes) => bytes,
-                None => {
-                    source.copy_row(j, &mut row[..width]);
-                    &row[..]
+    /// Writes 255 where a subject bit of `rect` is set, else 0, and coverage where it is known.
+    fn expand(subject: &[Word], rect: &Rect, coverage: &Coverage, bytes: &mut [u8]) {
+        let (width, words) = (rect.width(), rect.width().div_ceil(WORD));
+        let rows = subject.chunks_exact(words).zip(bytes.chunks_exact_mut(width));
+        for ((bits, row), y) in rows.zip(rect.y0..) {
+            for (&word, bytes) in bits.iter().zip(row.chunks_mut(WORD)) {
+                if word == 0 || word == Word::MAX {
+                    bytes.fill(word as u8);
+                    continue;
                 }
-            };
-            // What follows the row in memory is none of it: the next row's bits are written over it.
-            for (bits, block) in subject[start..].as_chunks_mut().0.iter_mut().zip(bytes.as_chunks().0) {
-                *bits = pack_block(block);
+                for (k, byte) in bytes.iter_mut().enumerate() {
+                    *byte = ((word >> k & 1) as u8).wrapping_neg();
+                }
             }
-            subject[start + words - 1] &= within;
+            let Ok(y) = usize::try_from(y) else { continue };
+            for (x, byte) in coverage.row(y) {
+                if let Some(place) = row.get_mut((x as i64 - i64::from(rect.x0)) as usize) {
+                    *place = byte;
+                }
+            }
         }
     }
-}
-
-/// The highest bits of a block's bytes.
-#[inline(always)]
-fn pack_block(bytes: &[u8; BLOCK]) -> [Word; BLOCK / WORD] {
-    let (eights, mut packed) = (bytes.as_chunks::<8>().0, [0; BLOCK / 8]);
-    for k in 0..packed.len() {
-        packed[k] = top_bits(&eights[k]);
-    }
-    bytemuck::cast::<_, [Word; BLOCK / WORD]>(packed).map(Word::from_le)
-}
-
-/// The highest bits of eight bytes, the first one's lowest.
-#[inline(always)]
-pub(super) fn top_bits(bytes: &[u8; 8]) -> u8 {
-    // Byte m's highest bit comes to stand at m.
-    let tops = u64::from_le_bytes(*bytes) >> 7 & 0x0101_0101_0101_0101;
-    let pairs = tops | tops >> 7;
-    let fours = pairs | pairs >> 14;
-    (fours | fours >> 28) as u8
 }

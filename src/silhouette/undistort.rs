@@ -39,6 +39,7 @@ mod tile_rows;
 
 pub(crate) use tile_mask::TileMask;
 
+use super::MaskView;
 use crate::camera::{Camera, Distortion};
 use crate::{Error, Result};
 use image::{GrayImage, Luma};
@@ -62,15 +63,15 @@ pub struct Undistortion {
 /// Where a pinhole pixel's centre lies in the original image.
 #[derive(Debug, Clone, Copy)]
 struct Tap {
-    /// Index of the upper left of the four pixels around it, or [`UNSEEN`].
-    upper_left: u32,
+    /// Column and row of the upper left of the four pixels around it, or [`UNSEEN`].
+    upper_left: [u16; 2],
     /// How far it lies right of and below that pixel's centre, in units of [`FULL`].
     right: u16,
     below: u16,
 }
 
-/// No pixel's index: images have at most 65,535 pixels a side.
-const UNSEEN: u32 = u32::MAX;
+/// No pixel: images have at most 65,535 pixels a side.
+const UNSEEN: [u16; 2] = [u16::MAX; 2];
 
 /// The fixed-point one of the weights.
 const FULL: u32 = 256;
@@ -123,7 +124,7 @@ impl Undistortion {
     ///
     /// # Errors
     /// A mask of another size than the original camera's image.
-    pub fn apply(&self, mask: &GrayImage, unseen_value: u8) -> Result<GrayImage> {
+    pub fn apply<'a>(&self, mask: impl Into<MaskView<'a>>, unseen_value: u8) -> Result<GrayImage> {
         let mut image = GrayImage::default();
         self.apply_into(mask, unseen_value, &mut image)?;
         Ok(image)
@@ -133,9 +134,15 @@ impl Undistortion {
     ///
     /// # Errors
     /// A mask of another size than the original camera's image.
-    pub fn apply_into(&self, mask: &GrayImage, unseen_value: u8, image: &mut GrayImage) -> Result<()> {
-        self.check_size(mask)?;
-        let values = self.taps.iter().map(|tap| tap.value(mask, self.original_size, unseen_value));
+    pub fn apply_into<'a>(
+        &self,
+        mask: impl Into<MaskView<'a>>,
+        unseen_value: u8,
+        image: &mut GrayImage,
+    ) -> Result<()> {
+        let mask = mask.into();
+        self.check_size(&mask)?;
+        let values = self.taps.iter().map(|tap| tap.value(&mask, unseen_value));
         let (width, height) = self.pinhole.size();
         if image.dimensions() != (width, height) {
             *image = GrayImage::from_pixel(width, height, Luma([unseen_value]));
@@ -148,13 +155,13 @@ impl Undistortion {
     ///
     /// # Errors
     /// A mask of another size than the original camera's image.
-    pub(super) fn draw(&self, mask: &GrayImage, unseen_value: u8, tiles: &mut TileMask) -> Result<bool> {
+    pub(super) fn draw(&self, mask: &MaskView, unseen_value: u8, tiles: &mut TileMask) -> Result<bool> {
         self.check_size(mask)?;
         Ok(tiles.draw(self, mask, unseen_value))
     }
 
-    fn check_size(&self, mask: &GrayImage) -> Result<()> {
-        let ((width, height), (w, h)) = (self.original_size, mask.dimensions());
+    fn check_size(&self, mask: &MaskView) -> Result<()> {
+        let ((width, height), (w, h)) = (self.original_size, mask.size());
         if (w, h) == (width, height) {
             return Ok(());
         }
@@ -179,22 +186,23 @@ impl Tap {
             let from_first_centre = (position - 0.5).clamp(0.0, f64::from(length - 1));
             let pixel = from_first_centre.floor().min(f64::from(length.saturating_sub(2)));
             let rest = (from_first_centre - pixel) * f64::from(FULL);
-            (pixel as u32, rest.round() as u16)
+            (pixel as u16, rest.round() as u16)
         };
         let (x, right) = split(source.x, width);
         let (y, below) = split(source.y, height);
-        Self { upper_left: y * width + x, right, below }
+        Self { upper_left: [x, y], right, below }
     }
 
-    /// The value in `mask`, an image of `size` pixels.
+    /// The value in `mask`, an image of the original camera.
     #[inline(always)]
-    fn value(self, mask: &[u8], (width, height): (u32, u32), unseen_value: u8) -> u8 {
-        let right = usize::from(width > 1);
-        let below = if height > 1 { width as usize } else { 0 };
-        match self.upper_left {
-            UNSEEN => unseen_value,
-            at => self.interpolate(&mask[at as usize..], right, below),
+    fn value(self, mask: &MaskView, unseen_value: u8) -> u8 {
+        if self.upper_left == UNSEEN {
+            return unseen_value;
         }
+        let ((width, height), [x, y]) = (mask.size(), self.upper_left.map(usize::from));
+        let right = usize::from(width > 1);
+        let below = if height > 1 { mask.stride() } else { 0 };
+        self.interpolate(&mask.bytes()[y * mask.stride() + x..], right, below)
     }
 
     /// The value from `pixels`, which start at the upper left one; `right` and `below` are the steps to its neighbours.

@@ -1,7 +1,7 @@
 use super::super::tests::{Random, bounds, cameras};
 use super::super::{EdgeModel, Push};
 use super::*;
-use image::Luma;
+use image::{GrayImage, Luma};
 use nalgebra::{Point3, Vector3};
 use std::sync::Barrier;
 

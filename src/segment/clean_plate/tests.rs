@@ -2,7 +2,7 @@ use super::*;
 use crate::camera::Camera;
 use crate::segment::testing::{area, coverage_error, overlap, painted};
 use crate::synthetic::{Scene, Subject, add_noise, clean_plate, coverage, layout, render, silhouette};
-use image::Rgb;
+use image::{GrayImage, Rgb};
 use nalgebra::Point3;
 
 fn cameras() -> Vec<Camera> {

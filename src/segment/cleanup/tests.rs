@@ -23,16 +23,14 @@ fn ragged(seed: u64) -> GrayImage {
     mask
 }
 
-fn bits_of(mask: &GrayImage) -> Bits {
-    let mut bits = Bits::default();
-    bits.read_bytes(mask.width() as usize, mask);
-    bits
+fn bits_of(mask: &GrayImage) -> BitImage {
+    PackedMask::new(mask).subject().clone()
 }
 
-fn mask_of(bits: &Bits) -> GrayImage {
-    let mut mask = GrayImage::new(bits.width() as u32, bits.height() as u32);
-    bits.write_bytes(&mut mask);
-    mask
+fn mask_of(bits: &BitImage) -> GrayImage {
+    let mut mask = PackedMask::default();
+    mask.take_bits(bits, |_| ());
+    mask.to_mask()
 }
 
 /// Regions of `kind` by imageproc: those of which `wanted` says so, by area and whether they reach the border, turn.

@@ -1,17 +1,8 @@
 //! Every table beside its definition, pixel by pixel, for random masks of odd sizes.
 
 use super::super::{Border, Rect, SUBJECT, Silhouette, contact_edge};
+use super::Random;
 use image::{GrayImage, Luma};
-
-/// Numbers that look random, the same in each run.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: u32) -> u32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) % u64::from(end)) as u32
-    }
-}
 
 /// A few rectangles, some with holes, which touch any border of the image; every third mask carries coverage.
 fn masks() -> impl Iterator<Item = (GrayImage, Border)> {

@@ -8,9 +8,8 @@
 //!   . . . . . . . . # # # #                              +-------+
 //! ```
 
-use crate::silhouette::SUBJECT;
+use crate::silhouette::{MaskView, SUBJECT};
 use crate::vectorised::vectorised;
-use image::GrayImage;
 use std::ops::Range;
 
 /// Width and height of a block in pixels.
@@ -46,7 +45,6 @@ const RESERVED: usize = 2;
 /// The blocks of an image, and where the class of a window stands in the table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BlockGrid {
-    width: usize,
     across: usize,
     down: usize,
 }
@@ -54,7 +52,7 @@ pub(super) struct BlockGrid {
 impl BlockGrid {
     /// The blocks of an image of this width and height.
     pub(super) fn new((width, height): (usize, usize)) -> Self {
-        Self { width, across: width.div_ceil(BLOCK), down: height.div_ceil(BLOCK) }
+        Self { across: width.div_ceil(BLOCK), down: height.div_ceil(BLOCK) }
     }
 
     /// The smallest window around the pixels `x0..=x1`, `y0..=y1`: its place, and the index of its side.
@@ -95,7 +93,7 @@ impl SourceBlocks {
     /// `unseen`. Returns whether every pixel is subject.
     pub(super) fn classify(
         &mut self,
-        mask: &GrayImage,
+        mask: &MaskView,
         grid: &BlockGrid,
         last_level: usize,
         unseen: u8,
@@ -106,7 +104,7 @@ impl SourceBlocks {
         self.classes[UNSEEN_WINDOW as usize] = unseen;
 
         // One pass over the mask; all that follows works on a sixteenth of its bytes.
-        let is_full = classify_blocks(mask, grid.width, &mut self.classes[RESERVED..][..count]);
+        let is_full = classify_blocks(mask, &mut self.classes[RESERVED..][..count]);
 
         // Each side's windows from those of the side before.
         for level in 1..=last_level {
@@ -136,13 +134,14 @@ impl SourceBlocks {
 
 vectorised! {
     /// Writes the class of each block; returns whether every byte is subject.
-    fn classify_blocks(mask: &[u8], width: usize, classes: &mut [u8]) -> bool {
+    fn classify_blocks(mask: &MaskView, classes: &mut [u8]) -> bool {
+        let width = mask.size().0 as usize;
         let (across, whole) = (width.div_ceil(BLOCK), width / BLOCK);
         let mut common = u32::MAX;
-        for (rows, classes) in mask.chunks(BLOCK * width).zip(classes.chunks_exact_mut(across)) {
+        let last = mask.size().1 as usize - 1;
+        for (top, classes) in (0..).step_by(BLOCK).zip(classes.chunks_exact_mut(across)) {
             // The last row stands in for those that the lowest blocks lack.
-            let mut four = [&rows[rows.len() - width..]; BLOCK];
-            four.iter_mut().zip(rows.chunks_exact(width)).for_each(|(place, row)| *place = row);
+            let four = [0, 1, 2, 3].map(|down| mask.row((top + down).min(last)));
 
             // A block's row of four bytes is a word.
             let words = four.map(|row| &row.as_chunks::<BLOCK>().0[..whole]);

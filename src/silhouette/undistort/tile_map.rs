@@ -8,6 +8,7 @@
 
 use super::source_blocks::{BLOCK, BlockGrid, BlockRect, UNSEEN_WINDOW};
 use super::{FULL, Tap, UNSEEN};
+use crate::silhouette::MaskView;
 use std::ops::Range;
 
 /// Width and height of a tile in pixels.
@@ -45,8 +46,8 @@ pub(super) struct TileMap {
     columns: Vec<Range<usize>>,
     /// For each row of tiles the rows of blocks that it is taken from.
     rows: Vec<Range<usize>>,
-    /// For each tile the index of its patch's first pixel in the original, or [`NO_PATCH`].
-    pub(super) sources: Vec<u32>,
+    /// For each tile column and row of its patch's first pixel in the original, or [`NO_PATCH`].
+    pub(super) sources: Vec<Source>,
     pub(super) patches: Vec<Patch>,
 }
 
@@ -58,7 +59,10 @@ pub(super) struct TileRect {
 }
 
 /// The source of a tile that has no patch, because its pixels are spread farther over the original.
-pub(super) const NO_PATCH: u32 = u32::MAX;
+pub(super) const NO_PATCH: Source = [u16::MAX; 2];
+
+/// Column and row of a pixel of the original.
+type Source = [u16; 2];
 
 /// Where a tile's pixels lie in the patch of the original that they are taken from. Aligned to cache lines, of which it
 /// fills three: in large images those of a frame's outlines come from memory.
@@ -115,8 +119,7 @@ impl TileMap {
         }
 
         // The window and the patch hold all pixels that the tile is interpolated from.
-        let places =
-            seen.map(|tap| (tap.upper_left as usize % original.0, tap.upper_left as usize / original.0));
+        let places = seen.map(|tap| tap.upper_left.map(usize::from)).map(|[x, y]| (x, y));
         let (window, source, patch) = match Extent::around(places, original) {
             Some(extent) => {
                 let (window, level) = self.blocks.window(extent.low, extent.high);
@@ -172,8 +175,8 @@ impl Patch {
     /// The patch of a tile that the lens does not see.
     const UNSEEN: Self = Self { places: [UNSEEN_PLACE; PIXELS], right: [0; PIXELS], below: [0; PIXELS] };
 
-    /// The patch of a tile, and the index of its first pixel; `None` where the tile's pixels are spread too far.
-    fn new(taps: &[Tap; PIXELS], extent: &Extent, (width, height): (usize, usize)) -> Option<(u32, Self)> {
+    /// The patch of a tile, and its first pixel; `None` where the tile's pixels are spread too far.
+    fn new(taps: &[Tap; PIXELS], extent: &Extent, (width, height): (usize, usize)) -> Option<(Source, Self)> {
         // The patch lies in the image as a whole.
         let left = extent.low.0.min(width.checked_sub(PATCH_WIDTH)?);
         let top = extent.low.1.min(height.checked_sub(PATCH_HEIGHT)?);
@@ -184,12 +187,12 @@ impl Patch {
         let mut patch = Self::UNSEEN;
         for (k, tap) in taps.iter().enumerate().filter(|(_, tap)| tap.upper_left != UNSEEN) {
             // A whole pixel to the right is the next pixel, so that what is left is less than one, and fits a byte.
-            let (x, right) = carried(tap.upper_left as usize % width - left, tap.right);
-            let (y, below) = carried(tap.upper_left as usize / width - top, tap.below);
+            let (x, right) = carried(usize::from(tap.upper_left[0]) - left, tap.right);
+            let (y, below) = carried(usize::from(tap.upper_left[1]) - top, tap.below);
             patch.places[k] = (y * PATCH_WIDTH + x) as u8;
             (patch.right[k], patch.below[k]) = (right, below);
         }
-        Some(((top * width + left) as u32, patch))
+        Some(([left as u16, top as u16], patch))
     }
 
     /// Brings the patch into the cache.
@@ -198,20 +201,15 @@ impl Patch {
         std::hint::black_box((self.places[0], self.right[0], self.below[0]));
     }
 
-    /// The tile's bytes, by the arithmetic of [`Tap::interpolate`], where the patch begins with pixel `source` of a
-    /// mask of this `width`.
+    /// The tile's bytes, by the arithmetic of [`Tap::interpolate`], where the patch begins with pixel `source` of
+    /// `mask`.
     #[inline(always)]
-    pub(super) fn interpolate(
-        &self,
-        mask: &[u8],
-        source: usize,
-        width: usize,
-        unseen_value: u8,
-    ) -> [u8; PIXELS] {
+    pub(super) fn interpolate(&self, mask: &MaskView, source: Source, unseen_value: u8) -> [u8; PIXELS] {
+        let (bytes, stride, [left, top]) = (mask.bytes(), mask.stride(), source.map(usize::from));
         let mut patch = [unseen_value; PATCH_BYTES];
         let rows = patch.as_chunks_mut::<PATCH_WIDTH>().0.iter_mut().take(PATCH_HEIGHT);
-        for (row, start) in rows.zip((source..).step_by(width)) {
-            row.copy_from_slice(&mask[start..start + PATCH_WIDTH]);
+        for (row, start) in rows.zip((top * stride + left..).step_by(stride)) {
+            row.copy_from_slice(&bytes[start..start + PATCH_WIDTH]);
         }
 
         // Two pixels side by side are in one load, of four bytes, which vector instructions gather.

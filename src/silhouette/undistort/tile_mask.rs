@@ -9,10 +9,9 @@
 use super::Undistortion;
 use super::source_blocks::{BACKGROUND, FOREGROUND, MIXED, SourceBlocks};
 use super::tile_map::{NO_PATCH, PIXELS, SIDE, TileRect, pixels_of};
-use crate::silhouette::Rect;
-use crate::silhouette::region::top_bits;
+use crate::silhouette::bit_image::top_bits;
+use crate::silhouette::{MaskView, Rect};
 use crate::vectorised::vectorised;
-use image::GrayImage;
 use std::ops::Range;
 
 /// The bytes of a tile, row-major.
@@ -58,7 +57,7 @@ pub(crate) struct TileMask {
 impl TileMask {
     /// Draws what the pinhole of `lens` sees of `mask`, a mask of the original camera; returns whether every pixel of
     /// that is subject, and then draws nothing.
-    pub(super) fn draw(&mut self, lens: &Undistortion, mask: &GrayImage, unseen_value: u8) -> bool {
+    pub(super) fn draw(&mut self, lens: &Undistortion, mask: &MaskView, unseen_value: u8) -> bool {
         let (map, unseen) = (&lens.tiles, if unseen_value == 0 { BACKGROUND } else { FOREGROUND });
         if self.blocks.classify(mask, &map.blocks, map.last_level, unseen) {
             return true;
@@ -205,8 +204,8 @@ fn list_mixed(classes: &[u8], start: u32, mixed: &mut [u32]) -> usize {
 
 vectorised! {
     /// Interpolates the tiles that are not uniform; returns whether any has coverage.
-    fn interpolate_mixed(lens: &Undistortion, mask: &[u8], unseen_value: u8, drawn: &mut TileMask) -> bool {
-        let (map, width) = (&lens.tiles, lens.original_size.0 as usize);
+    fn interpolate_mixed(lens: &Undistortion, mask: &MaskView, unseen_value: u8, drawn: &mut TileMask) -> bool {
+        let map = &lens.tiles;
         let mut coverage = [0; PIXELS];
         let groups = drawn.mixed[..drawn.mixed_count].chunks(GROUP).zip(drawn.bytes.chunks_mut(GROUP));
         for (tiles, bytes) in groups {
@@ -218,7 +217,7 @@ vectorised! {
                 let k = tile as usize;
                 *bytes = match map.sources[k] {
                     NO_PATCH => interpolate_each(lens, mask, unseen_value, k),
-                    source => map.patches[k].interpolate(mask, source as usize, width, unseen_value),
+                    source => map.patches[k].interpolate(mask, source, unseen_value),
                 };
             }
 
@@ -237,10 +236,10 @@ vectorised! {
 
 /// The bytes of a tile whose pixels are spread too far over the original for a patch.
 #[inline(never)]
-fn interpolate_each(lens: &Undistortion, mask: &[u8], unseen_value: u8, tile: usize) -> Tile {
+fn interpolate_each(lens: &Undistortion, mask: &MaskView, unseen_value: u8, tile: usize) -> Tile {
     let (width, height) = lens.pinhole.size();
     pixels_of(tile, lens.tiles.across).map(|(x, y)| match x < width as usize && y < height as usize {
-        true => lens.taps[y * width as usize + x].value(mask, lens.original_size, unseen_value),
+        true => lens.taps[y * width as usize + x].value(mask, unseen_value),
         false => unseen_value,
     })
 }

@@ -3,25 +3,8 @@
 use super::super::tile_mask::TileMask;
 use super::*;
 use crate::silhouette::region::value_beyond;
+use crate::silhouette::tests::Random;
 use crate::silhouette::{Border, Silhouette};
-
-/// Numbers that look random, the same in each run.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn below(&mut self, end: u32) -> u32 {
-        (self.unit() * f64::from(end)) as u32
-    }
-}
 
 /// A lens with a skewed principal point. Images of a few pixels, and of some hundred that no tile and no block divides.
 fn random_camera(random: &mut Random, k: u32) -> Camera {
@@ -103,7 +86,7 @@ fn check(
 ) -> u32 {
     for border in [Border::Background, Border::Open] {
         let is_full = mask.iter().all(|&byte| byte >= 128);
-        let is_prepared = silhouette.refill_undistorted(mask, lens, border, tiles).unwrap();
+        let is_prepared = silhouette.refill_undistorted(&mask.into(), lens, border, tiles).unwrap();
         assert_eq!(is_prepared, !is_full, "{what}");
         if is_prepared {
             let undistorted = lens.apply(mask, value_beyond(border)).unwrap();
@@ -163,8 +146,7 @@ fn a_full_mask_leaves_the_silhouette_as_it_was() {
     let mut silhouette = Silhouette::new(&lens.apply(&star(), 0).unwrap(), Border::Background);
     let full = GrayImage::from_pixel(SIZE.0, SIZE.1, Luma([128]));
     let mut tiles = TileMask::default();
-    assert!(!silhouette.refill_undistorted(&full, &lens, Border::Open, &mut tiles).unwrap());
-    assert!(!silhouette.refill_unless_full(&full, Border::Open));
+    assert!(!silhouette.refill_undistorted(&(&full).into(), &lens, Border::Open, &mut tiles).unwrap());
     let expected = Silhouette::new(&lens.apply(&star(), 0).unwrap(), Border::Background);
     assert_same(&silhouette, &expected, "after a full mask");
 }
@@ -174,6 +156,7 @@ fn a_mask_of_another_size_is_not_drawn() {
     let lens = Undistortion::new(&cameras()[0]).unwrap();
     let mut silhouette = Silhouette::blank(Border::Background);
     let mask = GrayImage::new(10, 20);
-    let result = silhouette.refill_undistorted(&mask, &lens, Border::Background, &mut TileMask::default());
+    let result =
+        silhouette.refill_undistorted(&(&mask).into(), &lens, Border::Background, &mut TileMask::default());
     assert!(result.unwrap_err().to_string().contains("found 10 x 20"));
 }

@@ -1,0 +1,198 @@
+//! One bit a pixel: 64 pixels of a row are looked at together.
+
+// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+#![allow(clippy::needless_range_loop)]
+
+use super::Rect;
+use crate::math::lanes::set_bits;
+use crate::vectorised::vectorised;
+
+/// Pixels in a word, the first in the lowest bit.
+pub(crate) const WORD: usize = 64;
+
+/// Words side by side that are looked at together.
+const COLUMNS: usize = 8;
+
+/// A binary image; bits beyond a row's end are zero.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct BitImage {
+    width: usize,
+    height: usize,
+    words: Vec<u64>,
+}
+
+impl BitImage {
+    /// Takes the size, in the memory that it has. What the pixels are is the caller's to write.
+    pub(crate) fn resize(&mut self, width: usize, height: usize) {
+        (self.width, self.height) = (width, height);
+        self.words.resize(width.div_ceil(WORD) * height, 0);
+    }
+
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
+    pub(crate) fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Words in a row.
+    pub(crate) fn stride(&self) -> usize {
+        self.width.div_ceil(WORD)
+    }
+
+    /// The pixels of a row's last word.
+    pub(crate) fn last_word(&self) -> u64 {
+        u64::MAX >> (self.stride() * WORD - self.width)
+    }
+
+    pub(crate) fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    pub(crate) fn words_mut(&mut self) -> &mut [u64] {
+        &mut self.words
+    }
+
+    pub(crate) fn row(&self, y: usize) -> &[u64] {
+        &self.words[y * self.stride()..][..self.stride()]
+    }
+
+    /// Whether a pixel is set.
+    #[inline(always)]
+    pub(crate) fn get(&self, x: usize, y: usize) -> bool {
+        self.words[y * self.stride() + x / WORD] >> (x % WORD) & 1 == 1
+    }
+
+    /// Sets or clears a pixel.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, x: usize, y: usize, is_set: bool) {
+        let at = y * self.stride() + x / WORD;
+        let word = &mut self.words[at];
+        *word = *word & !(1 << (x % WORD)) | u64::from(is_set) << (x % WORD);
+    }
+
+    /// The smallest rectangle around the pixels that are set.
+    pub(crate) fn rect(&self) -> Rect {
+        let stride = self.stride().max(1);
+        let is_occupied = |row: &[u64]| row.iter().fold(0, |any, word| any | word) != 0;
+        let mut rows = self.words.chunks_exact(stride);
+        let Some(first) = rows.position(is_occupied) else {
+            return Rect::EMPTY;
+        };
+        let last = first + rows.rposition(is_occupied).map_or(0, |behind| behind + 1);
+
+        // Any row's bits in the words side by side, of which the outermost that are set count.
+        let (mut left, mut right) = (None, 0);
+        for start in (0..stride).step_by(COLUMNS) {
+            let any = unite(
+                &self.words[first * stride + start..],
+                stride,
+                last + 1 - first,
+                COLUMNS.min(stride - start),
+            );
+            for (k, word) in (start..).zip(any).filter(|(_, word)| *word != 0) {
+                left = left.or(Some(k * WORD + word.trailing_zeros() as usize));
+                right = (k + 1) * WORD - word.leading_zeros() as usize;
+            }
+        }
+        Rect { x0: left.unwrap_or(0) as i32, y0: first as i32, x1: right as i32, y1: last as i32 + 1 }
+    }
+
+    /// Bytes of memory behind it.
+    pub(crate) fn memory(&self) -> usize {
+        8 * self.words.capacity()
+    }
+
+    /// Makes this a copy of `other`.
+    pub(crate) fn copy(&mut self, other: &Self) {
+        self.resize(other.width, other.height);
+        self.words.copy_from_slice(&other.words);
+    }
+
+    /// The pixels `x - 2 ..= x + 2` of row `y` as five bits; zero where they lie outside the image.
+    #[inline]
+    pub(crate) fn five(&self, x: usize, y: usize) -> u64 {
+        let row = self.row(y);
+        let (at, shift) = (x / WORD, x % WORD);
+        let before = if at > 0 { row[at - 1] } else { 0 };
+        let after = row.get(at + 1).copied().unwrap_or(0);
+        let wide =
+            u128::from(before >> (WORD - 2)) | u128::from(row[at]) << 2 | u128::from(after & 3) << (WORD + 2);
+        (wide >> shift) as u64 & 0b11111
+    }
+
+    /// Calls `visit` with the place of each pixel that is set.
+    pub(crate) fn for_each(&self, mut visit: impl FnMut(usize, usize)) {
+        for (y, row) in self.words.chunks_exact(self.stride().max(1)).enumerate() {
+            for (k, &word) in row.iter().enumerate() {
+                set_bits(word).for_each(|bit| visit(k * WORD + bit, y));
+            }
+        }
+    }
+
+    /// Writes 255 where a pixel of row `y` is set, else 0.
+    pub(crate) fn write_row(&self, y: usize, bytes: &mut [u8]) {
+        expand(self.row(y), bytes);
+    }
+}
+
+/// The highest bits of some bytes, the first one's lowest.
+#[inline(always)]
+pub(crate) fn pack<const WORDS: usize>(bytes: &[[u8; WORD]; WORDS]) -> [u64; WORDS] {
+    let (eights, mut packed) = (bytes.as_flattened().as_chunks::<8>().0, [[0; 8]; WORDS]);
+    let bytes = packed.as_flattened_mut();
+    for k in 0..bytes.len() {
+        bytes[k] = top_bits(&eights[k]);
+    }
+    packed.map(u64::from_le_bytes)
+}
+
+/// The highest bits of eight bytes, the first one's lowest.
+#[inline(always)]
+pub(super) fn top_bits(bytes: &[u8; 8]) -> u8 {
+    // Byte m's highest bit comes to stand at m.
+    let tops = u64::from_le_bytes(*bytes) >> 7 & 0x0101_0101_0101_0101;
+    let pairs = tops | tops >> 7;
+    let fours = pairs | pairs >> 14;
+    (fours | fours >> 28) as u8
+}
+
+vectorised! {
+    /// The bits of any of `count` rows that begin `stride` words apart, in their first `width` words.
+    fn unite(rows: &[u64], stride: usize, count: usize, width: usize) -> [u64; COLUMNS] {
+        let mut any = [0; COLUMNS];
+        for row in rows.chunks(stride).take(count) {
+            match row.first_chunk::<COLUMNS>() {
+                Some(row) => {
+                    for k in 0..COLUMNS {
+                        any[k] |= row[k];
+                    }
+                }
+                None => {
+                    for k in 0..width {
+                        any[k] |= row[k];
+                    }
+                }
+            }
+        }
+        // What follows a row's last word is none of it.
+        any[width..].fill(0);
+        any
+    }
+}
+
+vectorised! {
+    /// A row's bits as bytes.
+    fn expand(words: &[u64], bytes: &mut [u8]) {
+        for (&word, bytes) in words.iter().zip(bytes.chunks_mut(WORD)) {
+            if word == 0 || word == u64::MAX {
+                bytes.fill(word as u8);
+                continue;
+            }
+            for (k, byte) in bytes.iter_mut().enumerate() {
+                *byte = 0u8.wrapping_sub((word >> k & 1) as u8);
+            }
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! A mask as it is kept and sent: a bit a pixel, and a byte only where the subject covers a pixel in part.
+
+// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+#![allow(clippy::needless_range_loop)]
+
+use super::bit_image::{BitImage, WORD, pack};
+use super::{MaskView, Rect, SUBJECT};
+use crate::math::lanes::set_bits;
+use crate::vectorised::vectorised;
+use image::GrayImage;
+
+/// A mask, packed: which pixels are subject, as bits, and the bytes of those that are neither 0 nor 255.
+///
+/// It says what the bytes say, in about a tenth of their memory, and [`to_mask`](Self::to_mask) gives them back. A
+/// [`Segmenter`](crate::segment::Segmenter) makes it, [`HullData::set_packed`](crate::hull::HullData::set_packed) takes it.
+///
+/// ```
+/// use image::{GrayImage, Luma};
+/// use ode_visual_hull::silhouette::PackedMask;
+///
+/// let mask = GrayImage::from_fn(640, 480, |x, _| Luma([if x < 200 { 255 } else if x == 200 { 99 } else { 0 }]));
+/// let packed = PackedMask::new(&mask);
+/// assert_eq!((packed.size(), packed.rect().x1, packed.has_coverage()), ((640, 480), 200, true));
+/// assert_eq!(packed.to_mask(), mask);
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct PackedMask {
+    subject: BitImage,
+    coverage: Coverage,
+    rect: Rect,
+}
+
+/// Words packed together.
+const TOGETHER: usize = 4;
+
+/// The bytes of a mask that are neither 0 nor 255, row-major.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Coverage {
+    /// How many there are in all rows up to each.
+    ends: Vec<u32>,
+    columns: Vec<u32>,
+    bytes: Vec<u8>,
+}
+
+impl PackedMask {
+    /// Packs a mask.
+    pub fn new<'a>(mask: impl Into<MaskView<'a>>) -> Self {
+        let mut packed = Self::default();
+        packed.pack(mask);
+        packed
+    }
+
+    /// Packs another mask in the memory of the last one.
+    pub fn pack<'a>(&mut self, mask: impl Into<MaskView<'a>>) {
+        let mask = mask.into();
+        self.subject.resize(mask.size().0 as usize, mask.size().1 as usize);
+        self.coverage.clear();
+        pack_rows(&mask, &mut self.subject, &mut self.coverage);
+        self.rect = self.subject.rect();
+    }
+
+    /// Takes bits, and other bytes for some pixels by `cover`, which calls its argument with column, row and byte of
+    /// each, row-major.
+    pub(crate) fn take_bits(
+        &mut self,
+        subject: &BitImage,
+        cover: impl FnOnce(&mut dyn FnMut(usize, usize, u8)),
+    ) {
+        self.subject.copy(subject);
+        self.coverage.clear();
+        let (bits, coverage) = (&mut self.subject, &mut self.coverage);
+        cover(&mut |x, y, byte| {
+            bits.set(x, y, byte >= SUBJECT);
+            if byte != 0 && byte != 255 {
+                coverage.push(x, y, byte);
+            }
+        });
+        coverage.end_rows(bits.height());
+        self.rect = bits.rect();
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.subject.width() as u32, self.subject.height() as u32)
+    }
+
+    /// The smallest rectangle that holds every subject pixel.
+    pub fn rect(&self) -> Rect {
+        self.rect
+    }
+
+    /// Whether any byte is neither 0 nor 255.
+    pub fn has_coverage(&self) -> bool {
+        !self.coverage.bytes.is_empty()
+    }
+
+    /// Whether every pixel is subject.
+    pub fn is_full(&self) -> bool {
+        let last = self.subject.last_word();
+        let mut rows = self.subject.words().chunks_exact(self.subject.stride().max(1));
+        rows.all(|row| {
+            row.split_last()
+                .is_none_or(|(end, inner)| *end == last && inner.iter().all(|&word| word == u64::MAX))
+        })
+    }
+
+    /// Without coverage: 255 where a pixel is subject, else 0.
+    pub fn binary(mut self) -> Self {
+        self.coverage.clear();
+        self.coverage.end_rows(self.subject.height());
+        self
+    }
+
+    /// The mask, a byte a pixel.
+    pub fn to_mask(&self) -> GrayImage {
+        let mut mask = GrayImage::default();
+        self.write_to(&mut mask);
+        mask
+    }
+
+    /// Writes the mask, a byte a pixel, to `mask`, which takes its size.
+    pub fn write_to(&self, mask: &mut GrayImage) {
+        let (width, height) = self.size();
+        if mask.dimensions() != (width, height) {
+            *mask = GrayImage::new(width, height);
+        }
+        for (y, row) in mask.chunks_exact_mut(width.max(1) as usize).enumerate() {
+            self.write_row(y, row);
+        }
+    }
+
+    /// Writes the bytes of row `y`.
+    pub(crate) fn write_row(&self, y: usize, row: &mut [u8]) {
+        self.subject.write_row(y, row);
+        for (x, byte) in self.coverage.row(y) {
+            row[x] = byte;
+        }
+    }
+
+    /// Bytes of memory that it takes.
+    pub fn memory(&self) -> usize {
+        self.subject.memory() + self.coverage.memory()
+    }
+
+    pub(crate) fn subject(&self) -> &BitImage {
+        &self.subject
+    }
+
+    pub(super) fn coverage(&self) -> &Coverage {
+        &self.coverage
+    }
+}
+
+impl Coverage {
+    fn clear(&mut self) {
+        self.ends.clear();
+        self.columns.clear();
+        self.bytes.clear();
+    }
+
+    /// Appends a byte, in no row before the last one's.
+    #[inline(always)]
+    pub(super) fn push(&mut self, x: usize, y: usize, byte: u8) {
+        self.end_rows(y);
+        self.columns.push(x as u32);
+        self.bytes.push(byte);
+    }
+
+    /// Ends the rows above `y`.
+    #[inline(always)]
+    pub(super) fn end_rows(&mut self, y: usize) {
+        if self.ends.len() < y {
+            self.ends.resize(y, self.bytes.len() as u32);
+        }
+    }
+
+    /// Column and byte of each in row `y`, by column; none beyond the image.
+    #[inline(always)]
+    pub(super) fn row(&self, y: usize) -> impl Iterator<Item = (usize, u8)> {
+        let part = match self.ends.get(..=y) {
+            Some([end]) => 0..*end as usize,
+            Some([.., start, end]) => *start as usize..*end as usize,
+            _ => 0..0,
+        };
+        self.columns[part.clone()].iter().map(|&x| x as usize).zip(self.bytes[part].iter().copied())
+    }
+
+    fn memory(&self) -> usize {
+        4 * (self.ends.capacity() + self.columns.capacity()) + self.bytes.capacity()
+    }
+}
+
+vectorised! {
+    /// Packs the rows of a mask.
+    fn pack_rows(mask: &MaskView, subject: &mut BitImage, coverage: &mut Coverage) {
+        let stride = subject.stride().max(1);
+        for (y, (row, words)) in mask.rows().zip(subject.words_mut().chunks_exact_mut(stride)).enumerate() {
+            let (blocks, rest) = row.as_chunks::<WORD>();
+            let (groups, others) = blocks.as_chunks::<TOGETHER>();
+            let (packed, last) = words.split_at_mut(TOGETHER * groups.len());
+            for (k, (group, words)) in groups.iter().zip(packed.as_chunks_mut().0).enumerate() {
+                *words = pack_group(group, TOGETHER * WORD * k, y, coverage);
+            }
+            let start = TOGETHER * WORD * groups.len();
+            for (k, (block, word)) in others.iter().zip(&mut *last).enumerate() {
+                [*word] = pack_group(&[*block], start + WORD * k, y, coverage);
+            }
+            if !rest.is_empty() {
+                let mut block = [0; WORD];
+                block[..rest.len()].copy_from_slice(rest);
+                [last[others.len()]] = pack_group(&[block], row.len() - rest.len(), y, coverage);
+            }
+        }
+        coverage.end_rows(subject.height());
+    }
+}
+
+/// The bits of a group of pixels, the first of which is in column `x` of row `y`; coverage among them is appended.
+#[inline(always)]
+fn pack_group<const N: usize>(
+    group: &[[u8; WORD]; N],
+    x: usize,
+    y: usize,
+    coverage: &mut Coverage,
+) -> [u64; N] {
+    // Far most pixels are far from the outline.
+    if any_bit(group) == 0 {
+        return [0; N];
+    }
+    // One more makes 255 and 0 the only bytes without a bit above the lowest.
+    let mut partial = *group;
+    for byte in partial.as_flattened_mut() {
+        *byte = byte.wrapping_add(1) >> 1;
+    }
+    if any_bit(&partial) != 0 {
+        for byte in partial.as_flattened_mut() {
+            *byte += 127;
+        }
+        for (k, word) in pack(&partial).into_iter().enumerate() {
+            for n in set_bits(word) {
+                coverage.push(x + WORD * k + n, y, group[k][n]);
+            }
+        }
+    }
+    pack(group)
+}
+
+/// The bits that any of some bytes has, folded to eight bytes.
+#[inline(always)]
+fn any_bit<const N: usize>(bytes: &[[u8; WORD]; N]) -> u64 {
+    let mut any = [0; 8];
+    for block in bytes {
+        let eights = block.as_chunks::<8>().0;
+        for k in 0..8 {
+            any[k] |= u64::from_ne_bytes(eights[k]);
+        }
+    }
+    any.iter().fold(0, |any, word| any | word)
+}
+
+#[cfg(test)]
+mod tests;

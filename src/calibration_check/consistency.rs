@@ -3,8 +3,6 @@
 
 use crate::camera::Ray;
 use crate::hull::{Hull, View};
-use image::{GrayImage, Luma};
-use imageproc::distance_transform::euclidean_squared_distance_transform;
 use nalgebra::Point3;
 
 /// Stretches of a ray inside the hull that are looked at, and points along each.
@@ -100,17 +98,15 @@ fn points_inside(hull: &Hull, ray: &Ray) -> Vec<Point3<f64>> {
 
 /// How far from a view's silhouette stretches of rays pass, in pixels: the median.
 fn depth_px(view: &View, stretches: &[Vec<Point3<f64>>]) -> f64 {
-    let rect = view.silhouette().image();
-    if stretches.is_empty() || view.silhouette().rect().is_empty() {
+    let silhouette = view.silhouette();
+    if stretches.is_empty() || silhouette.rect().is_empty() {
         return 0.0;
     }
-    let subject = GrayImage::from_fn(rect.x1 as u32, rect.y1 as u32, |i, j| {
-        Luma([if view.silhouette().is_subject(i as i32, j as i32) { 255 } else { 0 }])
-    });
-    let squares = euclidean_squared_distance_transform(&subject);
+    let distances = silhouette.signed_distance(&silhouette.image());
+    // The edge lies half a pixel before the subject's nearest pixel.
     let distance = |point: &Point3<f64>| {
         let (i, j) = view.pixel(point)?;
-        Some(squares.get_pixel(i as u32, j as u32).0[0].sqrt())
+        Some((f64::from(distances.at(i, j)) + 0.5).max(0.0))
     };
     let nearest = |points: &Vec<Point3<f64>>| points.iter().filter_map(distance).min_by(f64::total_cmp);
     let mut depths: Vec<f64> = stretches.iter().filter_map(nearest).collect();

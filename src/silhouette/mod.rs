@@ -1,4 +1,5 @@
-//! One view's mask, prepared for queries: bounding rectangle, distance to the background, edge normals.
+//! One view's mask, prepared for queries: bounding rectangle, distance to the background, edge normals; and on demand
+//! signed distances from its edge on both sides.
 //!
 //! A mask holds one byte a pixel, 0 background .. 255 subject; a pixel is *subject* where its byte is at least
 //! [`SUBJECT`]. The values between are coverage, the fraction of the pixel that the subject covers, and put the edge
@@ -17,6 +18,7 @@ mod neighbours;
 mod packed_mask;
 mod rect;
 mod region;
+mod signed_distance;
 mod tables;
 mod tiles;
 mod turned;
@@ -31,6 +33,7 @@ pub use mask::load_mask;
 pub use mask_view::MaskView;
 pub use packed_mask::PackedMask;
 pub use rect::Rect;
+pub use signed_distance::SignedDistance;
 pub(crate) use tables::{TableSlices, Tables};
 pub(crate) use undistort::TileMask;
 pub use undistort::Undistortion;

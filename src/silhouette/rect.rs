@@ -65,6 +65,20 @@ impl Rect {
         }
     }
 
+    /// The smallest rectangle that holds both. An empty one adds nothing.
+    pub fn union(&self, other: &Self) -> Self {
+        match (self.is_empty(), other.is_empty()) {
+            (true, _) => *other,
+            (_, true) => *self,
+            _ => Self {
+                x0: self.x0.min(other.x0),
+                y0: self.y0.min(other.y0),
+                x1: self.x1.max(other.x1),
+                y1: self.y1.max(other.y1),
+            },
+        }
+    }
+
     /// The square of half-width `half` around pixel `(i, j)`.
     pub fn window(i: i32, j: i32, half: i32) -> Self {
         Self {

@@ -2,6 +2,7 @@ use super::*;
 use crate::camera::Camera;
 use crate::hull::{Aabb, HullData};
 use crate::synthetic::{Paint, Placed, Solid, Subject, layout, silhouette};
+use image::{GrayImage, Luma};
 use nalgebra::Isometry3;
 
 /// Four cameras around a ball of 0.6 m.

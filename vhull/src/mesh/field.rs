@@ -4,10 +4,9 @@
 //! far a view lets it lie inside; of all views the least counts. Between grid points that changes evenly, so a surface
 //! through its zeros has no steps.
 
-use image::{GrayImage, Luma};
-use imageproc::distance_transform::euclidean_squared_distance_transform;
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::hull::{Hull, Unseen, View};
+use ode_visual_hull::silhouette::SignedDistance;
 use ode_visual_hull::{Error, Result};
 
 /// Cells around the hull's box, so that the surface closes.
@@ -24,13 +23,11 @@ pub struct Field {
     pub distances: Vec<f32>,
 }
 
-/// A view and how far each of its pixels lies from the silhouette's edge, negative inside.
+/// A view and how far each of its pixels lies from the silhouette's edge.
 struct Map<'h> {
     view: &'h View,
     metres_per_pixel_at_one: f64,
-    width: usize,
-    height: usize,
-    distances: Vec<f32>,
+    distances: SignedDistance,
 }
 
 impl Field {
@@ -94,38 +91,16 @@ fn distance(hull: &Hull, maps: &[Map], p: &Point3<f64>, cell: f64) -> f64 {
 
 impl<'h> Map<'h> {
     fn new(view: &'h View) -> Self {
-        let (width, height) = view.camera().size();
-        let subject = GrayImage::from_fn(width, height, |i, j| {
-            Luma([if view.silhouette().is_subject(i as i32, j as i32) { 255 } else { 0 }])
-        });
-        let mut background = subject.clone();
-        background.iter_mut().for_each(|byte| *byte = 255 - *byte);
-        let (outside, inside) = (
-            euclidean_squared_distance_transform(&subject),
-            euclidean_squared_distance_transform(&background),
-        );
-        // From pixel centre to pixel centre; the edge lies half a pixel before.
-        let signed = |(out, within): (&f64, &f64)| match *out > 0.0 {
-            true => (out.sqrt() - 0.5) as f32,
-            false => (0.5 - within.sqrt()) as f32,
-        };
-        let distances = outside.iter().zip(inside.iter()).map(signed).collect();
         let k = view.camera().intrinsics();
         let metres_per_pixel_at_one = 1.0 / k[(0, 0)].max(k[(1, 1)]);
-        Self { view, metres_per_pixel_at_one, width: width as usize, height: height as usize, distances }
+        let silhouette = view.silhouette();
+        Self { view, metres_per_pixel_at_one, distances: silhouette.signed_distance(&silhouette.image()) }
     }
 
     /// About how far `p` lies outside the cone of the silhouette, in metres; `None` where the view does not see it.
     fn distance(&self, p: &Point3<f64>) -> Option<f64> {
         self.view.pixel(p)?;
         let at = self.view.project(p)?;
-        let (u, v) = ((at.u - 0.5).max(0.0), (at.v - 0.5).max(0.0));
-        let (i, j) = ((u as usize).min(self.width - 1), (v as usize).min(self.height - 1));
-        let (right, below) = ((i + 1).min(self.width - 1), (j + 1).min(self.height - 1));
-        let (x, y) = (u - i as f64, v - j as f64);
-        let value = |i: usize, j: usize| f64::from(self.distances[j * self.width + i]);
-        let upper = value(i, j) * (1.0 - x) + value(right, j) * x;
-        let lower = value(i, below) * (1.0 - x) + value(right, below) * x;
-        Some((upper * (1.0 - y) + lower * y) * at.depth * self.metres_per_pixel_at_one)
+        Some(self.distances.sample(at.u, at.v) * at.depth * self.metres_per_pixel_at_one)
     }
 }

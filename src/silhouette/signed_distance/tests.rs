@@ -1,0 +1,198 @@
+use super::*;
+use image::{GrayImage, Luma};
+
+/// A mask whose pixels are subject where `is_subject` says so.
+fn drawn(width: u32, height: u32, is_subject: impl Fn(i32, i32) -> bool) -> GrayImage {
+    GrayImage::from_fn(width, height, |i, j| Luma([if is_subject(i as i32, j as i32) { 255 } else { 0 }]))
+}
+
+/// Pixels that are subject in about `percent` of a hundred cases, without any order.
+fn scattered(width: u32, height: u32, percent: u32, seed: u32) -> GrayImage {
+    let mut state = seed;
+    GrayImage::from_fn(width, height, |_, _| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        Luma([if (state >> 16) % 100 < percent { 255 } else { 0 }])
+    })
+}
+
+fn disc(radius: f64) -> impl Fn(i32, i32) -> bool {
+    move |i, j| (f64::from(i) + 0.5 - 60.2).hypot(f64::from(j) + 0.5 - 49.7) < radius
+}
+
+fn pixels(rect: &Rect) -> impl Iterator<Item = (i32, i32)> + use<> {
+    let rect = *rect;
+    (rect.y0..rect.y1).flat_map(move |j| (rect.x0..rect.x1).map(move |i| (i, j)))
+}
+
+/// Compares with the least of the distances from all pixels of the other kind in and around the image.
+fn assert_brute_force(distance: &SignedDistance, s: &Silhouette, what: &str) {
+    // One row and column of background around the image stand for all beyond.
+    let known = if s.border() == Border::Open { s.image() } else { s.image().grown(1) };
+    let (subject, background): (Vec<_>, Vec<_>) = pixels(&known).partition(|&(x, y)| s.is_subject(x, y));
+    for (i, j) in pixels(&distance.rect()) {
+        let is_subject = s.is_subject(i, j);
+        let others = if is_subject { &background } else { &subject };
+        let nearest = others.iter().map(|&(x, y)| (x - i).pow(2) + (y - j).pow(2)).min();
+        let length = nearest.map_or(f32::INFINITY, |squared| (squared as f32).sqrt() - 0.5);
+        let expected = if is_subject { -length } else { length };
+        assert_eq!(distance.at(i, j), expected, "{what}, {:?}, pixel ({i}, {j})", s.border());
+    }
+}
+
+/// Rectangles in, around, across and beside an image, and its own.
+fn rectangles(width: i32, height: i32) -> [Rect; 5] {
+    let rect = |x0, y0, x1, y1| Rect { x0, y0, x1, y1 };
+    [
+        rect(0, 0, width, height),
+        rect(-5, -3, width + 7, height + 4),
+        rect(width / 3, height / 4, width / 2 + 1, height / 2 + 1),
+        rect(width / 2, -9, width + 2, height / 2),
+        rect(width + 3, height + 1, width + 8, height + 9),
+    ]
+}
+
+#[test]
+fn distances_are_those_of_the_nearest_pixel_of_the_other_kind() {
+    for (seed, (width, height)) in (1..).zip([(1, 1), (1, 37), (53, 1), (33, 17), (65, 31)]) {
+        for percent in [1, 10, 50, 90, 99] {
+            let mask = scattered(width, height, percent, seed);
+            for border in [Border::Background, Border::Open] {
+                let s = Silhouette::new(&mask, border);
+                for rect in rectangles(width as i32, height as i32) {
+                    assert_brute_force(
+                        &s.signed_distance(&rect),
+                        &s,
+                        &format!("{percent} % of {width}x{height}"),
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn distances_from_a_disc_are_those_of_its_circle_within_a_pixels_diagonal() {
+    let s = Silhouette::new(&drawn(120, 100, disc(30.0)), Border::Background);
+    let distance = s.signed_distance(&s.image());
+    for (i, j) in pixels(&s.image()) {
+        let analytic = (f64::from(i) + 0.5 - 60.2).hypot(f64::from(j) + 0.5 - 49.7) - 30.0;
+        // A centre of the other kind lies behind the circle, but by no more than a diagonal: a disc half a diagonal
+        // in radius, which touches the circle from behind at its nearest point, holds a centre. Half a pixel is off.
+        let beyond = (f64::from(distance.at(i, j)) - analytic) * analytic.signum();
+        assert!((-0.5 - 1e-5..=std::f64::consts::SQRT_2 - 0.5).contains(&beyond), "({i}, {j}): {beyond}");
+    }
+}
+
+#[test]
+fn the_sign_tells_subject_from_background() {
+    for border in [Border::Background, Border::Open] {
+        let s = Silhouette::new(&scattered(61, 45, 60, 7), border);
+        let distance = s.signed_distance(&s.image().grown(4));
+        for (i, j) in pixels(&distance.rect()) {
+            assert!(distance.at(i, j).abs() >= 0.5);
+            assert_eq!(distance.at(i, j) < 0.0, s.is_subject(i, j), "{border:?} ({i}, {j})");
+        }
+    }
+}
+
+#[test]
+fn distances_change_by_at_most_one_from_a_pixel_to_the_next() {
+    for mask in [drawn(120, 100, disc(30.0)), scattered(120, 100, 3, 5)] {
+        let s = Silhouette::new(&mask, Border::Background);
+        let distance = s.signed_distance(&s.image());
+        for (i, j) in pixels(&s.image()) {
+            let here = distance.at(i, j);
+            for next in [distance.at(i + 1, j), distance.at(i, j + 1)] {
+                // Rounding of two distances below 256, in units of 2^-24 of 128 each.
+                assert!((next - here).abs() <= 1.0 + 2e-5, "({i}, {j}): {here} and {next}");
+            }
+        }
+    }
+}
+
+#[test]
+fn distances_move_with_the_mask() {
+    let (right, down) = (13, 7);
+    let [here, there] = [(0, 0), (right, down)].map(|(x, y)| {
+        let mask = drawn(160, 130, |i, j| disc(21.0)(i - x, j - y) || disc(4.0)(i - x - 30, j - y));
+        Silhouette::new(&mask, Border::Background)
+    });
+    let rect = here.rect().grown(20);
+    let moved = Rect { x0: rect.x0 + right, y0: rect.y0 + down, x1: rect.x1 + right, y1: rect.y1 + down };
+    assert_eq!(here.signed_distance(&rect).values(), there.signed_distance(&moved).values());
+}
+
+#[test]
+fn memory_of_an_earlier_mask_does_not_matter() {
+    let mut distance = SignedDistance::default();
+    for (width, height, percent) in [(70, 60, 50), (30, 90, 2), (90, 20, 98), (5, 4, 0), (70, 60, 100)] {
+        for border in [Border::Open, Border::Background] {
+            let s = Silhouette::new(&scattered(width, height, percent, width), border);
+            let rect = s.image().grown(3);
+            distance.refill(&s, &rect);
+            assert_eq!(distance.rect(), rect);
+            assert_eq!(distance.values(), s.signed_distance(&rect).values(), "{width}x{height}, {border:?}");
+        }
+    }
+}
+
+#[test]
+fn a_silhouette_without_an_edge_is_infinitely_far_away() {
+    let all = |distance: &SignedDistance, value: f32| distance.values().iter().all(|&v| v == value);
+    let (empty, full) = (GrayImage::new(9, 7), drawn(9, 7, |_, _| true));
+    for border in [Border::Background, Border::Open] {
+        let s = Silhouette::new(&empty, border);
+        assert!(all(&s.signed_distance(&s.image()), f32::INFINITY), "{border:?}");
+    }
+    let s = Silhouette::new(&full, Border::Open);
+    let distance = s.signed_distance(&s.image().grown(2));
+    assert!(all(&distance, f32::NEG_INFINITY));
+    assert_eq!(distance.sample(4.25, 3.0), f64::NEG_INFINITY);
+    // Beyond the image is background, and the full mask's edge at its border.
+    let s = Silhouette::new(&full, Border::Background);
+    assert_eq!(s.signed_distance(&s.image()).at(0, 3), -0.5);
+    assert_eq!(s.signed_distance(&s.image()).at(4, 3), -3.5);
+}
+
+#[test]
+fn an_open_border_is_no_edge() {
+    // An arm from the left border to the middle.
+    let mask = drawn(40, 30, |i, j| i < 20 && (10..16).contains(&j));
+    let [open, closed] = [Border::Open, Border::Background].map(|border| Silhouette::new(&mask, border));
+    let [open, closed] = [&open, &closed].map(|s| s.signed_distance(&s.image()));
+    assert_eq!((open.at(0, 12), closed.at(0, 12)), (-2.5, -0.5), "inside, at the border");
+    assert_eq!((open.at(0, 4), closed.at(0, 4)), (5.5, 5.5), "outside, at the border");
+    assert_eq!((open.at(20, 12), closed.at(20, 12)), (0.5, 0.5));
+}
+
+#[test]
+fn coverage_counts_as_its_pixel_does() {
+    let bytes = [0, 60, 127, 128, 200, 255];
+    let mask = GrayImage::from_fn(48, 32, |i, j| Luma([bytes[((i * i + 3 * j) / 7 % 6) as usize]]));
+    let binary = drawn(48, 32, |i, j| mask.get_pixel(i as u32, j as u32).0[0] >= crate::silhouette::SUBJECT);
+    let [covered, binary] = [&mask, &binary].map(|mask| {
+        let s = Silhouette::new(mask, Border::Open);
+        s.signed_distance(&s.image())
+    });
+    assert_eq!(covered.values(), binary.values());
+}
+
+#[test]
+fn samples_are_bilinear_between_centres_and_clamped_outside() {
+    let s = Silhouette::new(&drawn(24, 20, |i, j| i < 10 && j < 12), Border::Open);
+    let distance = s.signed_distance(&s.image());
+    assert_eq!(distance.sample(3.5, 4.5), f64::from(distance.at(3, 4)));
+    let mean = (distance.at(14, 15) + distance.at(15, 15) + distance.at(14, 16) + distance.at(15, 16)) / 4.0;
+    // Rounding of a sum of four in single precision.
+    assert!((distance.sample(15.0, 16.0) - f64::from(mean)).abs() < 1e-5);
+    assert_eq!(distance.sample(-9.0, 50.0), f64::from(distance.at(0, 19)));
+    assert_eq!(distance.sample(0.2, 5.5), f64::from(distance.at(0, 5)));
+}
+
+#[test]
+fn no_pixels_have_no_distances() {
+    let s = Silhouette::new(&drawn(12, 12, |i, _| i < 5), Border::Background);
+    let distance = s.signed_distance(&Rect { x0: 4, y0: 4, x1: 2, y1: 9 });
+    assert!(distance.values().is_empty() && distance.rect().is_empty());
+    assert_eq!((distance.at(4, 4), distance.sample(4.0, 4.0)), (f32::INFINITY, f64::INFINITY));
+}

@@ -103,28 +103,66 @@ const FOCAL_LENGTHS: std::ops::RangeInclusive<f64> = 0.1..=100.0;
 /// The note on a rig without a camera above the floor, as the world has it.
 const UPSIDE_DOWN: &str = "every camera stands below z = 0: does z point down?";
 
+/// What a calibration in memory is called that was given no name.
+const NAMELESS: &str = "calibration";
+
 /// How the note ends on a rig too large for metres.
 const HARDLY_METRES: &str = "are these metres? else give the metres per unit";
 
 impl Calibration {
     /// Reads a calibration file or folder; its content, not its name, says in which format it is.
+    /// [`parse`](Self::parse) reads a file's bytes from memory.
     ///
     /// # Errors
     /// A file that cannot be read or is of no known format; a size or a scale that the file does not tell and `hints`
     /// neither; a pose that is none, a focal length no camera has, and all that [`Camera::new`] and [`Rig::new`]
     /// refuse. The message starts with the path.
     pub fn load(path: impl AsRef<Path>, hints: &Hints) -> Result<Self> {
-        let path = path.as_ref();
-        let source = Source::open(path)?;
-        let Some(format) = FORMATS.iter().find(|format| (format.recognise)(&source)) else {
-            return Err(Error::file(path, unknown(&source)));
+        Self::read(&Source::open(path.as_ref())?, hints)
+    }
+
+    /// Reads a calibration of a single file from its bytes: received over a network, embedded with `include_bytes!`.
+    /// The result is that of [`load`](Self::load) for a file of this name and content with no other file beside it.
+    ///
+    /// `name` stands in messages where a path stands in those of [`load`](Self::load); an empty one is `calibration`.
+    /// The content says which format it is, but a name that ends in `.toml` is believed. In formats that name a camera
+    /// like its file, `name` is that file's, and may have folders before it. Nothing is read from disk.
+    ///
+    /// # Errors
+    /// Bytes that are no UTF-8; a part of a calibration that is in several files, as COLMAP's, EasyMocap's and ROS's
+    /// are: the message names the missing file, and [`load`](Self::load) reads them together; otherwise as
+    /// [`load`](Self::load). The message starts with `name`.
+    ///
+    /// ```
+    /// use ode_visual_hull::rig::{Calibration, Hints};
+    ///
+    /// // Two projection matrices, world to image: a row per camera, its name before the 12 numbers.
+    /// let bytes = b"left 500 0 320 960 0 500 240 720 0 0 1 3\n\
+    ///               right 480 0 320 900 0 480 240 700 0 0 1 3\n";
+    /// let hints = Hints { size: Some((640, 480)), metres_per_unit: Some(1.0) };
+    /// let calibration = Calibration::parse("studio.txt", bytes, &hints)?;
+    /// assert_eq!(calibration.format, "plain 3x4 matrices");
+    /// assert_eq!(calibration.rig.cameras()[1].name(), "right");
+    ///
+    /// let cut_off = Calibration::parse("studio.txt", &bytes[..60], &hints).unwrap_err();
+    /// assert!(cut_off.to_string().starts_with("studio.txt: line 2: expected 12 numbers, found 5"));
+    /// # Ok::<(), ode_visual_hull::Error>(())
+    /// ```
+    pub fn parse(name: &str, bytes: &[u8], hints: &Hints) -> Result<Self> {
+        let name = if name.is_empty() { NAMELESS } else { name };
+        Self::read(&Source::in_memory(name, bytes)?, hints)
+    }
+
+    fn read(source: &Source, hints: &Hints) -> Result<Self> {
+        let Some(format) = FORMATS.iter().find(|format| (format.recognise)(source)) else {
+            return Err(Error::file(&source.path, unknown(source)));
         };
-        let read = |source: &Source| (format.read)(source, hints)?.into_rig(hints);
         let with_path = |e| match e {
             Error::File { .. } => e,
-            other => Error::file(path, other),
+            other => Error::file(&source.path, other),
         };
-        let (rig, notes) = read(&source).map_err(|e| match e {
+        let contents = (format.read)(source, hints).and_then(|contents| contents.into_rig(hints));
+        let (rig, notes) = contents.map_err(|e| match e {
             Error::Untold { what, error } => Error::untold(what, with_path(*error)),
             other => with_path(other),
         })?;
@@ -208,30 +246,6 @@ fn unknown(source: &Source) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::testing::{HINTS, load_text};
-    use super::{Calibration, Hints, UPSIDE_DOWN};
-
-    #[test]
-    fn a_world_whose_z_points_down_is_noted() {
-        let notes = |heights: [f64; 2]| {
-            let line = |z: f64| format!("500 0 320 0 0 500 240 0 0 0 1 {}\n", -z);
-            load_text(&heights.map(line).concat(), &HINTS).unwrap().notes
-        };
-        let is_noted = |heights| notes(heights).iter().any(|note| note == UPSIDE_DOWN);
-        assert!(is_noted([-2.0, -0.5]));
-        assert!(!is_noted([-2.0, 0.5]) && !is_noted([2.0, 0.5]) && !is_noted([0.0, -2.0]));
-    }
-
-    #[test]
-    fn a_camera_too_far_for_metres_is_noted_unless_the_unit_was_given() {
-        let text = "500 0 320 0 0 500 240 0 0 0 1 -1500\n500 0 320 0 0 500 240 0 0 0 1 -2\n";
-        let load = |metres_per_unit| load_text(text, &Hints { metres_per_unit, ..HINTS }).unwrap();
-        let is_noted = |calibration: Calibration| {
-            let says = |note: &String| note.contains("m from the world's origin: are these metres?");
-            assert_eq!(calibration.notes.iter().any(says), calibration.is_unit_doubtful);
-            calibration.is_unit_doubtful
-        };
-        assert!(is_noted(load(None)) && !is_noted(load(Some(1.0))));
-    }
-}
+mod hostile;
+#[cfg(test)]
+mod tests;

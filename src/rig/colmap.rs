@@ -53,10 +53,20 @@ fn recognise(source: &Source) -> bool {
             .iter()
             .any(|name| source.beside(name).is_some());
     };
-    let first = lines::lines(text).find(|line| !line.text.starts_with('#'));
-    first.is_some_and(|line| lens::is_camera(&line) || is_image(&line) && source.beside(CAMERAS).is_some())
-        || text.starts_with("# Camera list with one line of data per camera")
+    let is_beside_cameras = || source.is_in_memory() || source.beside(CAMERAS).is_some();
+    holds_cameras(text)
         || text.starts_with("# Image list with two lines of data per image")
+        || first_line(text).is_some_and(|line| is_image(&line)) && is_beside_cameras()
+}
+
+/// Whether a text is `cameras.txt`.
+fn holds_cameras(text: &str) -> bool {
+    first_line(text).is_some_and(|line| lens::is_camera(&line))
+        || text.starts_with("# Camera list with one line of data per camera")
+}
+
+fn first_line(text: &str) -> Option<Line<'_>> {
+    lines::lines(text).find(|line| !line.text.starts_with('#'))
 }
 
 /// Whether a line is an image's, and not of its points: these are triples of numbers.
@@ -77,17 +87,19 @@ fn read(source: &Source, _: &Hints) -> Result<Contents> {
 
 /// One of the two files: what was opened, or beside it.
 fn file(source: &Source, name: &str) -> Result<(PathBuf, String)> {
+    if let Some(text) = source.text().filter(|_| source.is_in_memory()) {
+        return Err(source.lacks(if holds_cameras(text) { IMAGES } else { CAMERAS }, ""));
+    }
     if let Some(path) = source.beside(name) {
         let text = source::read(&path)?;
         return Ok((path, text));
     }
     let binary = source.beside(&name.replace(".txt", ".bin")).is_some();
-    let problem = if binary {
-        format!("expected {name}, found the binary form alone; {EXPORT}")
+    Err(if binary {
+        Error::file(&source.path, format!("expected {name}, found the binary form alone; {EXPORT}"))
     } else {
-        format!("expected {name} beside it, found none; put the model's files into one folder, or {EXPORT}")
-    };
-    Err(Error::file(&source.path, problem))
+        source.lacks(name, &format!("put the model's files into one folder, or {EXPORT}"))
+    })
 }
 
 fn lenses(text: &str) -> Result<HashMap<&str, Lens>> {
@@ -158,4 +170,4 @@ fn view(image: &Image, lenses: &HashMap<&str, Lens>) -> Result<Found> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

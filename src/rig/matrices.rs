@@ -173,4 +173,4 @@ fn label_text(text: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

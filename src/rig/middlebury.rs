@@ -17,7 +17,7 @@ use super::lines::{self, Line, is_number};
 use super::source::Source;
 use super::{image_names, pose};
 use crate::camera::Distortion;
-use crate::{Error, Result, image_file};
+use crate::{Error, Result};
 use nalgebra::{Matrix3, Vector3};
 
 pub(super) const FORMAT: Format = Format { name: "Middlebury's _par.txt", recognise, read };
@@ -65,10 +65,13 @@ fn camera(source: &Source, line: &Line, name: String) -> Result<Found> {
     let rotation = pose::rotation(&Matrix3::from_row_slice(&numbers[9..18]))
         .map_err(|problem| line.fail(format!("rotation r11 .. r33: {problem}")))?;
     let image = line.words[0];
-    let image = source.beside(image).or_else(|| source.beside(&format!("image/{image}")));
+    let size = match source.image_size(image)? {
+        None => source.image_size(&format!("image/{image}"))?,
+        found => found,
+    };
     Ok(Found {
         name,
-        size: image.map(|path| image_file::size(&path)).transpose()?,
+        size,
         k: Matrix3::from_row_slice(&numbers[..9]),
         distortion: Distortion::none(),
         rotation,
@@ -77,4 +80,4 @@ fn camera(source: &Source, line: &Line, name: String) -> Result<Found> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

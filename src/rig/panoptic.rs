@@ -56,4 +56,4 @@ fn camera(camera: &Entry) -> Result<Found> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -193,4 +193,4 @@ impl<'a> Element<'a> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -169,4 +169,4 @@ fn base_name(text: &str) -> Option<&str> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

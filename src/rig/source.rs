@@ -1,31 +1,51 @@
-//! What a program is pointed at: a calibration file, or a folder of them.
+//! What a calibration is read from: a file and those beside it, a folder of files, or text in memory. Readers reach the
+//! file system only through here.
 
-use crate::{Error, Result};
+use crate::{Error, Result, image_file};
 use std::path::{Path, PathBuf};
+
+/// What ends an error about a missing file where the text came without a path.
+const LOAD: &str = "a text in memory has no files beside it: save all of them into one folder and read it with Calibration::load";
 
 /// A calibration file's text, or the files of a folder.
 pub(super) struct Source {
+    /// Of the file or folder; of a text in memory the name that messages call it.
     pub(super) path: PathBuf,
     content: Content,
 }
 
 enum Content {
-    Text(String),
-    Files(Vec<PathBuf>),
+    /// A file's; others may lie beside it.
+    File(String),
+    /// Nothing lies beside it, whatever its name.
+    Memory(String),
+    Folder(Vec<PathBuf>),
 }
 
 impl Source {
     /// Reads the file, or lists the folder, at `path`.
     pub(super) fn open(path: &Path) -> Result<Self> {
-        let content = if path.is_dir() { Content::Files(list(path)?) } else { Content::Text(read(path)?) };
+        let content = if path.is_dir() { Content::Folder(list(path)?) } else { Content::File(read(path)?) };
         Ok(Self { path: path.to_owned(), content })
+    }
+
+    /// The text that `bytes` are, under a name.
+    pub(super) fn in_memory(name: &str, bytes: &[u8]) -> Result<Self> {
+        let path = PathBuf::from(name);
+        let content = Content::Memory(text(&path, bytes.to_vec())?);
+        Ok(Self { path, content })
+    }
+
+    /// Whether it is a text without a place on disk.
+    pub(super) fn is_in_memory(&self) -> bool {
+        matches!(self.content, Content::Memory(_))
     }
 
     /// The file's text; `None` for a folder.
     pub(super) fn text(&self) -> Option<&str> {
         match &self.content {
-            Content::Text(text) => Some(text),
-            Content::Files(_) => None,
+            Content::File(text) | Content::Memory(text) => Some(text),
+            Content::Folder(_) => None,
         }
     }
 
@@ -37,23 +57,54 @@ impl Source {
     /// The folder's files, by name; none for a file.
     pub(super) fn files(&self) -> &[PathBuf] {
         match &self.content {
-            Content::Text(_) => &[],
-            Content::Files(files) => files,
+            Content::Folder(files) => files,
+            _ => &[],
         }
     }
 
     /// The folder's own folders, by name; none for a file or what cannot be listed.
     pub(super) fn folders(&self) -> Vec<PathBuf> {
+        if self.text().is_some() {
+            return Vec::new();
+        }
         let entries = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
         let mut folders: Vec<_> = entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
         folders.sort();
         folders
     }
 
-    /// The folder that holds the file called `name` beside what was opened: the folder itself, or the file's own.
+    /// The path of the file called `name` beside what was opened, where there is one: in the folder itself, or in the
+    /// file's own.
     pub(super) fn beside(&self, name: &str) -> Option<PathBuf> {
-        let folder = if self.text().is_some() { self.path.parent()? } else { &self.path };
+        let folder = match &self.content {
+            Content::File(_) => self.path.parent()?,
+            Content::Memory(_) => return None,
+            Content::Folder(_) => &self.path,
+        };
         Some(folder.join(name)).filter(|path| path.is_file())
+    }
+
+    /// Width and height of the image called `name` beside what was opened, where there is one.
+    pub(super) fn image_size(&self, name: &str) -> Result<Option<(u32, u32)>> {
+        self.beside(name).map(|path| image_file::size(&path)).transpose()
+    }
+
+    /// The error about a file that has to be beside what was opened and is not; it ends in `next_step` where there can
+    /// be such a file.
+    pub(super) fn lacks(&self, name: &str, next_step: &str) -> Error {
+        let place = if self.text().is_some() { "beside" } else { "in" };
+        let next_step = self.next_step(next_step);
+        Error::file(&self.path, format!("expected {name} {place} it, found none; {next_step}"))
+    }
+
+    /// What to do about a missing file: `at_path`, or for a text in memory to load it by its path.
+    pub(super) fn next_step<'a>(&self, at_path: &'a str) -> &'a str {
+        if self.is_in_memory() { LOAD } else { at_path }
+    }
+
+    /// The name of the folder that a file is in; of a text in memory, as far as its own name tells.
+    pub(super) fn folder_name(&self) -> Option<String> {
+        if self.is_in_memory() { name(self.path.parent()?.file_name()) } else { folder_name(&self.path) }
     }
 
     /// Whether the file's name ends so, in any case.
@@ -64,10 +115,21 @@ impl Source {
 
 /// The text of a file.
 pub(super) fn read(path: &Path) -> Result<String> {
-    let fail = |found: &dyn std::fmt::Display| {
-        Error::file(path, format!("expected a calibration file, found: {found}; check the path"))
-    };
-    let bytes = std::fs::read(path).map_err(|e| fail(&e))?;
+    let fail = |e| Error::file(path, format!("expected a calibration file, found: {e}; check the path"));
+    text(path, std::fs::read(path).map_err(fail)?)
+}
+
+/// The name of the folder that the file at `path` is in, of the working directory where `path` names none.
+pub(super) fn folder_name(path: &Path) -> Option<String> {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    name(absolute.parent()?.file_name())
+}
+
+fn name(part: Option<&std::ffi::OsStr>) -> Option<String> {
+    part.map(|part| part.to_string_lossy().into_owned())
+}
+
+fn text(path: &Path, bytes: Vec<u8>) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
         let problem = format!(

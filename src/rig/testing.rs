@@ -1,6 +1,9 @@
 //! Calibrations from text and from folders of files, for the tests of their readers.
 
-use super::{Calibration, Hints};
+use super::{
+    Calibration, Hints, colmap, easymocap, kalibr, matrices, middlebury, nerfstudio, opencv, panoptic,
+    qualisys, ros, toml, voxelpose,
+};
 use crate::Result;
 use crate::camera::Camera;
 use nalgebra::Point3;
@@ -11,6 +14,40 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// What arbitrary scales and files without sizes need.
 pub(super) const HINTS: Hints = Hints { size: Some((640, 480)), metres_per_unit: Some(1.0) };
+
+/// A calibration that is in a single file, with a name as such files have.
+pub(super) struct Sample {
+    pub(super) name: &'static str,
+    pub(super) text: &'static str,
+}
+
+/// A file or more of each format that has all in one.
+pub(super) fn single_files() -> impl Iterator<Item = Sample> {
+    let files = [
+        ("rig.toml", toml::tests::CAMERA),
+        ("rig_par.txt", middlebury::tests::TEXT),
+        ("studio.qca.txt", qualisys::tests::TEXT),
+        ("calibration_171204_pose1.json", panoptic::tests::TEXT),
+        ("calibration_shelf.json", voxelpose::tests::TEXT),
+        ("transforms.json", nerfstudio::tests::TEXT),
+        ("camchain.yaml", kalibr::tests::CHAIN),
+        ("left.yml", opencv::tests::YAML),
+        ("left.xml", opencv::tests::XML),
+        ("left.json", opencv::tests::JSON),
+        ("matrices.txt", matrices::tests::ROWS),
+    ];
+    files.into_iter().map(|(name, text)| Sample { name, text })
+}
+
+/// The files of each format that needs several, by name.
+pub(super) fn several_files() -> [&'static [(&'static str, &'static str)]; 4] {
+    [
+        &[("cameras.txt", colmap::tests::CAMERAS), ("images.txt", colmap::tests::IMAGES)],
+        &[("intri.yml", easymocap::tests::INTRI), ("extri.yml", easymocap::tests::EXTRI)],
+        &[("left.yaml", ros::tests::INFO), ("left_pose.yaml", ros::tests::POSE)],
+        &[("left.yaml", ros::tests::MESSAGE), ("left_pose.yaml", ros::tests::POSE)],
+    ]
+}
 
 /// A folder that is removed at the end of its test.
 pub(super) struct Folder(PathBuf);

@@ -297,4 +297,4 @@ fn shape_text(shape: &[usize]) -> String {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

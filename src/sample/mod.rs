@@ -44,7 +44,7 @@ mod weld;
 mod wrap;
 
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 
 pub use cache::SampleCache;
 pub use capsule::capsule;

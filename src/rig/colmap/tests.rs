@@ -3,14 +3,14 @@ use super::super::testing::{Folder, HINTS, assert_refused, assert_sees, load_fol
 use crate::Result;
 use crate::rig::Calibration;
 
-const CAMERAS: &str = "# Camera list with one line of data per camera:
+pub(in crate::rig) const CAMERAS: &str = "# Camera list with one line of data per camera:
 #   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]
 # Number of cameras: 3
 1 SIMPLE_PINHOLE 640 480 500 320 240
 2 OPENCV 600 400 500 510 300 200 -0.1 0.02 0.001 -0.002
 7 RADIAL 640 480 500 320 240 -0.1 0.02
 ";
-const IMAGES: &str = "# Image list with two lines of data per image:
+pub(in crate::rig) const IMAGES: &str = "# Image list with two lines of data per image:
 #   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME
 1 1 0 0 0 0.1 0.2 3 1 left.png
 12.5 300.1 -1 40 50 63
@@ -74,7 +74,7 @@ fn the_scale_is_demanded_and_applied() {
 fn binary_models_and_lonely_files_are_refused_with_what_to_run() {
     let binary = [("cameras.bin", "x"), ("images.bin", "x")];
     assert_refused(load_folder(&binary, &HINTS), &["found the binary form alone", "colmap model_converter"]);
-    assert_refused(load_folder(&[("cameras.txt", CAMERAS)], &HINTS), &["expected images.txt beside it"]);
+    assert_refused(load_folder(&[("cameras.txt", CAMERAS)], &HINTS), &["expected images.txt in it"]);
     let folder = Folder::new();
     let path = folder.path().join("cameras.bin");
     std::fs::write(&path, [3, 0, 0, 0, 0xff, 0x8f]).unwrap();

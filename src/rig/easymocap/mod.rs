@@ -73,9 +73,7 @@ fn file(source: &Source, half: &str, other: &str, key: &str) -> Result<File> {
             "extri" => "the poses, R_ and T_ of each camera",
             _ => "the lenses, K_ of each camera",
         };
-        let place = if source.text().is_some() { "beside" } else { "in" };
-        let problem = format!("expected {stem}.yml {place} it, found none; put it there: it holds {holds}");
-        return Err(Error::file(&source.path, problem));
+        return Err(source.lacks(&format!("{stem}.yml"), &format!("put it there: it holds {holds}")));
     };
     File::new(&path, &source::read(&path)?)
 }
@@ -142,4 +140,4 @@ impl File {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -4,12 +4,12 @@ use crate::rig::{Calibration, Rig};
 use nalgebra::Point3;
 
 /// After what EasyMocap's writer of camera files writes, line ends included.
-const INTRI: &str = "%YAML:1.0\r\n---\r\nnames:\r\n  - \"left\"\r\n  - \"07\"\r\nK_left: !!opencv-matrix\r\n  rows: 3\r\n  \
+pub(in crate::rig) const INTRI: &str = "%YAML:1.0\r\n---\r\nnames:\r\n  - \"left\"\r\n  - \"07\"\r\nK_left: !!opencv-matrix\r\n  rows: 3\r\n  \
 cols: 3\r\n  dt: d\r\n  data: [500.0, 0.0, 319.5, 0.0, 510.0, 239.5, 0.0, 0.0, 1.0]\r\ndist_left: !!opencv-matrix\r\n  \
 rows: 1\r\n  cols: 5\r\n  dt: d\r\n  data: [-0.1, 0.01, 0.0, 0.0, 0.0]\r\nH_left: 480\r\nW_left: 640\r\nK_07: !!opencv-matrix\r\n  \
 rows: 3\r\n  cols: 3\r\n  dt: d\r\n  data: [500.0, 0.0, 319.5, 0.0, 510.0, 239.5, 0.0, 0.0, 1.0]\r\nH_07: -1\r\nW_07: -1\r\n";
 
-const EXTRI: &str = "%YAML:1.0\n---\nnames:\n  - \"left\"\n  - \"07\"\nR_left: !!opencv-matrix\n  rows: 3\n  cols: 1\n  dt: d\n  \
+pub(in crate::rig) const EXTRI: &str = "%YAML:1.0\n---\nnames:\n  - \"left\"\n  - \"07\"\nR_left: !!opencv-matrix\n  rows: 3\n  cols: 1\n  dt: d\n  \
 data: [0.0, 0.0, 1.570796]\nRot_left: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n  \
 data: [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]\nT_left: !!opencv-matrix\n  rows: 3\n  cols: 1\n  dt: d\n  \
 data: [0.25, 0.0, 3.0]\nR_07: [0, 0, 0]\nT_07: [0, 0, 3]\n";

@@ -118,4 +118,4 @@ fn camera(entry: &Entry, cam_from_world: &Isometry3<f64>) -> Result<Found> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

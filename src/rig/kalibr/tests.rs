@@ -4,7 +4,7 @@ use crate::rig::testing::assert_refused;
 use nalgebra::Point3;
 
 /// After the example in Kalibr's wiki.
-const CHAIN: &str = "cam0:
+pub(in crate::rig) const CHAIN: &str = "cam0:
   cam_overlaps: [1]
   camera_model: pinhole
   distortion_coeffs: [-0.1, 0.01, 0.001, -0.002]

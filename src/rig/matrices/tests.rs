@@ -1,7 +1,7 @@
 use super::super::testing::{HINTS, assert_refused, assert_sees, load_folder, load_text};
 use super::super::{Hints, length};
 
-const ROWS: &str = "# a rig of two\n# left:\n500 0 320 960\n0 500 240 720\n0 0 1 3\n\nright =\n[480 0 320 900;\n 0 480 240 700;\n 0 0 1 3]\n";
+pub(in crate::rig) const ROWS: &str = "# a rig of two\n# left:\n500 0 320 960\n0 500 240 720\n0 0 1 3\n\nright =\n[480 0 320 900;\n 0 480 240 700;\n 0 0 1 3]\n";
 
 #[test]
 fn rows_lines_and_folders_give_the_same_cameras() {

@@ -3,7 +3,7 @@ use super::super::testing::{Folder, HINTS, assert_refused, assert_sees, load_tex
 use crate::rig::Calibration;
 use image::GrayImage;
 
-const TEXT: &str = "2
+pub(in crate::rig) const TEXT: &str = "2
 left.png 500 0 320 0 501 240 0 0 1 1 0 0 0 1 0 0 0 1 0.1 0.2 3
 right.png 400 0 300 0 401 200 0 0 1 0 -1 0 1 0 0 0 0 1 0 0 2
 ";

@@ -2,7 +2,7 @@ use super::super::Hints;
 use super::super::testing::{HINTS, assert_refused, assert_sees, load_text};
 use crate::{Error, Untold};
 
-const TEXT: &str = r#"{
+pub(in crate::rig) const TEXT: &str = r#"{
 "camera_model": "OPENCV", "fl_x": 500, "fl_y": 501, "cx": 320, "cy": 240, "w": 640, "h": 480,
 "k1": -0.1, "k2": 0.02, "p1": 0.001, "p2": 0.002,
 "frames": [

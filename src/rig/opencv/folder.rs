@@ -49,15 +49,16 @@ pub(super) fn read(folder: &Source) -> Result<(Vec<Found>, Vec<String>)> {
     Ok((cameras, notes))
 }
 
-/// The file that completes this one: intrinsics have extrinsics beside them, in the same notation, and the reverse.
-pub(super) fn counterpart(source: &Source) -> Option<PathBuf> {
-    let (stem, extension) = (source.path.file_stem()?.to_str()?, source.path.extension()?.to_str()?);
+/// The name of the file that completes this one: intrinsics have extrinsics beside them, in the same notation, and the
+/// reverse.
+pub(super) fn counterpart(path: &Path) -> Option<String> {
+    let (stem, extension) = (path.file_stem()?.to_str()?, path.extension()?.to_str()?);
     let other = match stem {
         "intrinsics" => "extrinsics",
         "extrinsics" => "intrinsics",
         _ => return None,
     };
-    source.beside(&format!("{other}.{extension}"))
+    Some(format!("{other}.{extension}"))
 }
 
 fn open(files: &[PathBuf]) -> Result<Vec<(PathBuf, Sheet)>> {
@@ -74,8 +75,9 @@ fn flat(folder: &Path, sheets: Vec<(PathBuf, Sheet)>) -> Result<(Vec<Found>, Vec
     }
     let note = |path: &Path| format!("{} tells no whole camera and is passed over", last(path));
     let notes = others.iter().map(|(path, _)| note(path)).collect();
-    let cameras =
-        complete.iter().map(|(path, sheet)| sheet.cameras(&name_of(path))).collect::<Result<Vec<_>>>()?;
+    let name = |path: &Path| name_of(path, || source::folder_name(path));
+    let cameras = complete.iter().map(|(path, sheet)| sheet.cameras(&name(path)));
+    let cameras = cameras.collect::<Result<Vec<_>>>()?;
     Ok((cameras.into_iter().flatten().collect(), notes))
 }
 

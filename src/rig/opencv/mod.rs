@@ -31,7 +31,7 @@ mod keys;
 use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
 use super::document::{self, Entry, Node, Value};
 use super::length;
-use super::source::Source;
+use super::source::{self, Source};
 use crate::camera::Distortion;
 use crate::{Error, Result};
 use keys::Keys;
@@ -94,21 +94,23 @@ fn read(source: &Source, hints: &Hints) -> Result<Contents> {
 /// The cameras of a single file; `intrinsics` and `extrinsics` complete each other.
 fn file(source: &Source, text: &str) -> Result<Vec<Found>> {
     let mut sheet = Sheet::read(text)?;
-    if let Some(other) = folder::counterpart(source) {
-        sheet = sheet.or(Sheet::open(&other)?);
+    if let Some(other) = folder::counterpart(&source.path) {
+        match source.beside(&other) {
+            Some(path) => sheet = sheet.or(Sheet::open(&path)?),
+            None if source.is_in_memory() && !sheet.is_complete() => return Err(source.lacks(&other, "")),
+            None => {}
+        }
     }
-    sheet.cameras(&name_of(&source.path))
+    sheet.cameras(&name_of(&source.path, || source.folder_name()))
 }
 
 /// A camera's name: its file's stem, or its folder's name where the stem says nothing.
-fn name_of(path: &Path) -> String {
-    let name = |part: Option<&std::ffi::OsStr>| part.map(|part| part.to_string_lossy().into_owned());
-    let stem = name(path.file_stem()).unwrap_or_default();
+fn name_of(path: &Path, folder: impl FnOnce() -> Option<String>) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     if !IMPERSONAL.contains(&stem.to_ascii_lowercase().as_str()) {
         return stem;
     }
-    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    name(absolute.parent().and_then(Path::file_name)).unwrap_or(stem)
+    folder().unwrap_or(stem)
 }
 
 /// The maps in a document that may be cameras; their keys are the names.
@@ -119,7 +121,7 @@ fn maps(document: &Node) -> impl Iterator<Item = Entry<'_>> {
 
 impl Sheet {
     fn open(path: &Path) -> Result<Self> {
-        super::source::read(path).and_then(|text| Self::read(&text)).map_err(|e| match e {
+        source::read(path).and_then(|text| Self::read(&text)).map_err(|e| match e {
             Error::File { .. } => e,
             other => Error::file(path, other),
         })
@@ -249,4 +251,4 @@ impl Parts {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

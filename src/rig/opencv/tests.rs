@@ -3,18 +3,18 @@ use crate::rig::testing::{Folder, assert_refused};
 use crate::rig::{Calibration, Rig};
 
 /// As `cv::FileStorage` writes it, after OpenCV's documentation of the class.
-const YAML: &str = "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   \
+pub(in crate::rig) const YAML: &str = "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   \
 cols: 3\n   dt: d\n   data: [ 500., 0., 319.5, 0., 510., 239.5, 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   \
 rows: 5\n   cols: 1\n   dt: d\n   data: [ -1.0e-01, 1.0e-02, 0., 0., 0. ]\nrvec: !!opencv-matrix\n   rows: 3\n   cols: 1\n   \
 dt: d\n   data: [ 0., 0., 1.5707963267948966 ]\ntvec: [ 0.25, 0., 3. ]\n";
 
-const XML: &str = "<?xml version=\"1.0\"?>\n<opencv_storage>\n<Image_Size>640 480</Image_Size>\n\
+pub(in crate::rig) const XML: &str = "<?xml version=\"1.0\"?>\n<opencv_storage>\n<Image_Size>640 480</Image_Size>\n\
 <CameraMatrix type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt><data>\n500. 0. 319.5 0. 510.\n239.5 0. 0. 1.\
 </data></CameraMatrix>\n<DistortionCoeffs type_id=\"opencv-matrix\"><rows>1</rows><cols>5</cols><dt>d</dt>\n\
 <data>-0.1 0.01 0. 0. 0.</data></DistortionCoeffs>\n<Rotation type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt>\n\
 <data>0. -1. 0. 1. 0. 0. 0. 0. 1.</data></Rotation>\n<Translation>0.25 0. 3.</Translation>\n</opencv_storage>\n";
 
-const JSON: &str = r#"{
+pub(in crate::rig) const JSON: &str = r#"{
     "imageSize": [ 640, 480 ],
     "K": { "type_id": "opencv-matrix", "rows": 3, "cols": 3, "dt": "d",
         "data": [ 500.0, 0.0, 319.5, 0.0, 510.0, 239.5, 0.0, 0.0, 1.0 ] },

@@ -1,7 +1,7 @@
 use super::super::Hints;
 use super::super::testing::{HINTS, assert_refused, assert_sees, load_text};
 
-const TEXT: &str = r#"{
+pub(in crate::rig) const TEXT: &str = r#"{
 "calibDataSource": "somewhere",
 "cameras": [
   {"name": "00_00", "type": "hd", "resolution": [1920, 1080], "panel": 0, "node": 0,

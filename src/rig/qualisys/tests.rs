@@ -3,7 +3,7 @@ use super::super::testing::{assert_refused, assert_sees, load_text};
 use crate::Result;
 use crate::rig::Calibration;
 
-const TEXT: &str = r#"<?xml version="1.0"?>
+pub(in crate::rig) const TEXT: &str = r#"<?xml version="1.0"?>
 <calibration created="2026-01-01" qtm-version="2026.1" type="regular">
 <cameras>
 <camera active="1" serial="26580" model="Miqus Video" viewrotation="0">

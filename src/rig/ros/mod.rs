@@ -53,10 +53,10 @@ fn recognise(text: &str) -> bool {
 
 fn read(source: &Source, _: &Hints) -> Result<Contents> {
     let cameras = match source.text() {
-        Some(text) => vec![camera(&source.path, text).map_err(|e| at(&source.path, e))?],
+        Some(text) => vec![camera(source, &source.path, text).map_err(|e| at(&source.path, e))?],
         None => {
             let of_file = |path: &PathBuf| {
-                source::read(path).and_then(|text| camera(path, &text)).map_err(|e| at(path, e))
+                source::read(path).and_then(|text| camera(source, path, &text)).map_err(|e| at(path, e))
             };
             files(source).iter().map(of_file).collect::<Result<_>>()?
         }
@@ -83,7 +83,8 @@ fn at(path: &Path, error: Error) -> Error {
     }
 }
 
-fn camera(path: &Path, text: &str) -> Result<Found> {
+/// The camera in the file at `path`, which is what was opened or lies in it.
+fn camera(source: &Source, path: &Path, text: &str) -> Result<Found> {
     let document = document::parse(text)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = match document.entry("camera_name") {
@@ -99,7 +100,7 @@ fn camera(path: &Path, text: &str) -> Result<Found> {
         .map_err(fail)?;
     let k = matrix.matrix3().map_err(fail)?;
     let distortion = distortion(&document).map_err(fail)?;
-    let (rotation, translation) = pose::of(path, &stem, &name).map_err(fail)?;
+    let (rotation, translation) = pose::of(source, &stem, &name).map_err(fail)?;
     Ok(Found { name, size: Some(size), k, distortion, rotation, translation })
 }
 
@@ -130,4 +131,4 @@ fn either<'a>(document: &'a Node, keys: &[&str], next_step: &str) -> Result<docu
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -1,7 +1,7 @@
 //! The pose beside a `camera_info`.
 
 use super::super::document::{self, Node};
-use super::super::source;
+use super::super::source::{self, Source};
 use super::at;
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
@@ -13,19 +13,17 @@ const LENGTH_TOLERANCE: f64 = 5e-3;
 const FORM: &str = "give translation: {x, y, z} and rotation: {x, y, z, w} of the camera's optical frame in the world, as \
                     tf2_echo prints them";
 
-/// World to camera, of the camera called `name` whose file is at `path`.
-pub(super) fn of(path: &Path, stem: &str, name: &str) -> Result<(UnitQuaternion<f64>, Vector3<f64>)> {
-    let own = path.with_file_name(format!("{stem}_pose.yaml"));
-    if own.is_file() {
+/// World to camera, of the camera called `name` whose file's stem is `stem`, from the files beside it.
+pub(super) fn of(source: &Source, stem: &str, name: &str) -> Result<(UnitQuaternion<f64>, Vector3<f64>)> {
+    if let Some(own) = source.beside(&format!("{stem}_pose.yaml")) {
         return open(&own, cam_from_world).map_err(|e| at(&own, e));
     }
-    let shared = path.with_file_name("poses.yaml");
-    if !shared.is_file() {
+    let Some(shared) = source.beside("poses.yaml") else {
         return Err(Error::argument(format!(
-            "expected its pose in {stem}_pose.yaml or, under `{name}`, in poses.yaml beside its file, found neither; ROS \
-             keeps no poses in files: {FORM}"
+            "expected its pose in {stem}_pose.yaml or, under `{name}`, in poses.yaml beside its file, found neither; {}",
+            source.next_step(&format!("ROS keeps no poses in files: {FORM}"))
         )));
-    }
+    };
     let of_camera = |document: &Node| {
         let entry = document.entry(name).or(document.entry(stem));
         let node = entry.map_or_else(|| document.require(name, FORM), Ok)?.node;

@@ -4,7 +4,7 @@ use crate::rig::testing::{Folder, assert_refused};
 use nalgebra::{Point3, Vector3};
 
 /// After what camera_calibration writes.
-const INFO: &str = "image_width: 640
+pub(in crate::rig) const INFO: &str = "image_width: 640
 image_height: 480
 camera_name: left
 camera_matrix:
@@ -27,7 +27,7 @@ projection_matrix:
 ";
 
 /// A message as it is printed: long lists, and the names of its fields.
-const MESSAGE: &str = "header:
+pub(in crate::rig) const MESSAGE: &str = "header:
   seq: 1
   frame_id: left
 height: 480
@@ -43,7 +43,7 @@ height: 1
 ";
 
 /// Two metres up, looking along the world's x axis: the optical frame's z is the world's x, its x the world's -y.
-const POSE: &str =
+pub(in crate::rig) const POSE: &str =
     "translation: {x: 1.0, y: 0.0, z: 2.0}\nrotation:\n  x: -0.5\n  y: 0.5\n  z: -0.5\n  w: 0.5\n";
 
 fn with_pose(info: &str, pose: &str) -> Result<Rig> {

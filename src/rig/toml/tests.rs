@@ -1,7 +1,7 @@
 use super::*;
 use nalgebra::{Point3, Rotation3};
 
-const CAMERA: &str = r#"
+pub(in crate::rig) const CAMERA: &str = r#"
 [cam_0]
 name = "left"
 size = [640, 480]

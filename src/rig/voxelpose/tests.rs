@@ -3,7 +3,7 @@ use super::super::testing::{assert_refused, assert_sees, load_text};
 
 const HINTS: Hints = Hints { size: Some((360, 288)), metres_per_unit: None };
 
-const TEXT: &str = r#"{
+pub(in crate::rig) const TEXT: &str = r#"{
 "10": {"R": [[1, 0, 0], [0, 0, -1], [0, 1, 0]], "T": [[1000], [-5000], [2000]],
   "fx": 438, "fy": 439, "cx": 185, "cy": 139, "k": [[0], [0], [0]], "p": [[0], [0]]},
 "2": {"R": [[1, 0, 0], [0, 0, -1], [0, 1, 0]], "T": [0, -4000, 1000],

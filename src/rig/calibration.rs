@@ -246,6 +246,4 @@ fn unknown(source: &Source) -> String {
 }
 
 #[cfg(test)]
-mod hostile;
-#[cfg(test)]
 mod tests;

@@ -37,6 +37,7 @@ pub use reading::Reading;
 use crate::camera::Camera;
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Point3, Vector3};
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -58,6 +59,7 @@ impl Rig {
                 "expected at least one camera, found none; add the cameras of the rig",
             ));
         }
+        let mut positions = HashMap::new();
         for (i, camera) in cameras.iter().enumerate() {
             let name = camera.name();
             if name.is_empty() {
@@ -66,7 +68,7 @@ impl Rig {
                     format!("expected a name for camera {i}, found an empty one"),
                 ));
             }
-            if let Some(first) = cameras[..i].iter().position(|other| other.name() == name) {
+            if let Some(first) = positions.insert(name, i) {
                 let problem =
                     format!("expected unique names, found this one at positions {first} and {i}; rename one");
                 return Err(Error::camera(name, problem));

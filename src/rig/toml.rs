@@ -130,7 +130,8 @@ fn line_of(text: &str, offset: usize) -> usize {
 struct CameraTable<'a> {
     text: &'a str,
     title: &'a str,
-    line: usize,
+    /// Where it starts in the text, in bytes.
+    start: usize,
     name: String,
     entries: &'a DeTable<'a>,
 }
@@ -143,15 +144,15 @@ struct Numbers {
 
 impl<'a> CameraTable<'a> {
     fn new(text: &'a str, title: &'a str, value: &'a Spanned<DeValue<'a>>) -> Result<Self> {
-        let line = line_of(text, value.span().start);
+        let start = value.span().start;
         let DeValue::Table(entries) = value.get_ref() else {
             return Err(Error::argument(format!(
-                "line {line}, key `{title}`: expected only tables, one per camera, found {}; move the key to \
-                 [metadata]",
+                "line {}, key `{title}`: expected only tables, one per camera, found {}; move the key to [metadata]",
+                line_of(text, start),
                 found(value.get_ref())
             )));
         };
-        let mut table = Self { text, title, line, name: title.to_owned(), entries };
+        let mut table = Self { text, title, start, name: title.to_owned(), entries };
         if let Some(name) = table.entry("name") {
             table.name = match name.get_ref() {
                 DeValue::String(name) => name.to_string(),
@@ -252,7 +253,7 @@ impl<'a> CameraTable<'a> {
     }
 
     fn fail(&self, key: &str, problem: impl std::fmt::Display) -> Error {
-        let line = self.entry(key).map_or(self.line, |value| line_of(self.text, value.span().start));
+        let line = line_of(self.text, self.entry(key).map_or(self.start, |value| value.span().start));
         Error::camera(&self.name, format!("line {line}, table [{}], key `{key}`: {problem}", self.title))
     }
 }

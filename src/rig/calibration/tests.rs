@@ -1,3 +1,5 @@
+mod hostile;
+
 use super::super::testing::{Folder, HINTS, Sample, assert_refused, load_text, several_files, single_files};
 use super::{Calibration, Hints, UPSIDE_DOWN, colmap, easymocap, opencv, ros};
 use crate::Result;
@@ -26,7 +28,7 @@ fn a_camera_too_far_for_metres_is_noted_unless_the_unit_was_given() {
     assert!(is_noted(load(None)) && !is_noted(load(Some(1.0))));
 }
 
-/// `error`'s message with `name` in the place of the path or name that it starts with.
+/// The calibration, or the error's message with its first `old` called `new`.
 fn named(found: Result<Calibration>, old: &str, new: &str) -> std::result::Result<Calibration, String> {
     found.map_err(|e| e.to_string().replacen(old, new, 1))
 }

@@ -250,7 +250,8 @@ impl<'a> Entry<'a> {
             _ => vec![data.number_at(data.node)?],
         };
         let columns = columns * self.channels();
-        if rows * columns != values.len() {
+        // A product that overflows is no count of values either.
+        if rows.checked_mul(columns) != Some(values.len()) {
             return Err(self.fail(format!(
                 "expected {rows} x {columns} numbers as rows and cols say, found {} in data; the file may be cut off",
                 values.len()

@@ -15,6 +15,9 @@ use crate::{Error, Result};
 /// How deep documents may nest: calibrations do not come near it, and no stack ends before it.
 const DEEPEST: usize = 32;
 
+/// How many keys a map may have: each key is compared with all before it, and readers look for theirs among all.
+const MOST_KEYS: usize = 1 << 12;
+
 /// A value and the line on which it starts, from 1.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Node {
@@ -34,7 +37,7 @@ pub(super) enum Value {
 /// Reads XML where the text begins as such, else YAML or JSON.
 ///
 /// # Errors
-/// Text that is none of these, or nests too deeply, or has a key twice; with the line.
+/// Text that is none of these, or nests too deeply, or has a key twice or too many; with the line.
 pub(super) fn parse(text: &str) -> Result<Node> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim_start().starts_with('<') { xml::parse(text) } else { yaml::parse(text) }
@@ -86,6 +89,12 @@ fn push(entries: &mut Vec<(String, Node)>, key: String, node: Node) -> Result<()
         return Err(Error::argument(format!(
             "line {}: expected each key once, found `{key}` again, first on line {}; rename or remove one",
             node.line, first.line
+        )));
+    }
+    if entries.len() == MOST_KEYS {
+        return Err(Error::argument(format!(
+            "line {}: expected a calibration, found a map of more than {MOST_KEYS} keys; check the file",
+            node.line
         )));
     }
     entries.push((key, node));

@@ -97,6 +97,18 @@ fn deep_and_swelling_documents_are_refused() {
         bomb += &format!("a{i}: &a{i} [{alias}1]\n");
     }
     assert!(message(&bomb).contains("values; check the file"));
+    // A long text, and the list within many anchors, of which each keeps a copy.
+    let long = format!("a: &a \"{}\"\nb: [{}]\n", "x".repeat(50_000), "*a, ".repeat(5_000));
+    assert!(message(&long).contains("values; check the file"));
+    let nested = format!("a: {}[{}]{}", "&a [".repeat(25), "1, ".repeat(50_000), "]".repeat(25));
+    assert!(message(&nested).contains("values; check the file"));
+    let json =
+        |keys: usize| format!("{{{}}}", (0..keys).map(|i| format!("\"k{i}\": 1,\n")).collect::<String>());
+    assert!(parse(&json(4096)).is_ok());
+    assert!(
+        message(&json(4097))
+            .starts_with("line 4097: expected a calibration, found a map of more than 4096 keys")
+    );
 }
 
 #[test]

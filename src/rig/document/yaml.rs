@@ -7,14 +7,18 @@ use super::{DEEPEST, Node, Value, push, too_deep};
 use crate::{Error, Result};
 use saphyr_parser::{Event, Parser, Span, StrInput};
 use std::borrow::Cow;
+use std::collections::HashMap;
 
-/// How many nodes a document may have once its aliases are written out.
+/// How large a document may be once its aliases are written out, as [`size`] counts.
 const MOST_NODES: usize = 1 << 20;
+
+/// Bytes of text that take as much memory as a node.
+const NODE_BYTES: usize = 64;
 
 pub(super) fn parse(text: &str) -> Result<Node> {
     let text = without_directive(text);
     let lines = text.lines().count().max(1);
-    let mut reader = Reader { parser: Parser::new_from_str(&text), lines, anchors: Vec::new(), nodes: 0 };
+    let mut reader = Reader { parser: Parser::new_from_str(&text), lines, anchors: HashMap::new(), nodes: 0 };
     loop {
         match reader.next()? {
             (Event::StreamStart | Event::DocumentStart(_) | Event::Nothing, _) => {}
@@ -39,7 +43,7 @@ struct Reader<'a> {
     parser: Parser<'a, StrInput<'a>>,
     lines: usize,
     /// What aliases stand for, by the parser's number.
-    anchors: Vec<(usize, Node)>,
+    anchors: HashMap<usize, Node>,
     nodes: usize,
 }
 
@@ -91,7 +95,8 @@ impl<'a> Reader<'a> {
         };
         let node = Node { line, value };
         if anchor > 0 {
-            self.anchors.push((anchor, node.clone()));
+            self.count(size(&node), line)?;
+            self.anchors.insert(anchor, node.clone());
         }
         Ok(node)
     }
@@ -128,8 +133,7 @@ impl<'a> Reader<'a> {
 
     /// What an alias stands for. An anchor that holds itself is not known yet, and refused like an unknown one.
     fn alias(&mut self, anchor: usize, line: usize) -> Result<Node> {
-        let Some(node) = self.anchors.iter().find(|(id, _)| *id == anchor).map(|(_, node)| node.clone())
-        else {
+        let Some(node) = self.anchors.get(&anchor).cloned() else {
             let problem = "expected an alias of something above, found one of itself; write the value out";
             return Err(Error::argument(format!("line {line}: {problem}")));
         };
@@ -147,10 +151,13 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// The nodes of a tree, and its texts in nodes of the same memory.
 fn size(node: &Node) -> usize {
     match &node.value {
-        Value::Scalar(_) => 1,
+        Value::Scalar(text) => 1 + text.len() / NODE_BYTES,
         Value::Sequence(items) => 1 + items.iter().map(size).sum::<usize>(),
-        Value::Map(entries) => 1 + entries.iter().map(|(_, node)| size(node)).sum::<usize>(),
+        Value::Map(entries) => {
+            1 + entries.iter().map(|(key, node)| key.len() / NODE_BYTES + size(node)).sum::<usize>()
+        }
     }
 }

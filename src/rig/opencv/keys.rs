@@ -97,8 +97,11 @@ impl<'a> Keys<'a> {
     fn find(&self, names: &[&str]) -> Option<Entry<'a>> {
         let matches = |entry: &Entry| {
             let stem = entry.key.strip_suffix(self.number)?.trim_end_matches('_');
-            let plain = || stem.replace(['_', '-', ' '], "").to_ascii_lowercase();
-            let is_one = |name: &&str| if name.len() <= 2 { **name == *stem } else { plain() == **name };
+            if stem.ends_with(|c: char| c.is_ascii_digit()) {
+                return None; // Of another number, which ends in this one.
+            }
+            let plain = stem.replace(['_', '-', ' '], "").to_ascii_lowercase();
+            let is_one = |name: &&str| **name == *(if name.len() <= 2 { stem } else { &plain });
             names.iter().position(is_one)
         };
         // The first of the names that there is, since some files have several (a matrix and a vector).

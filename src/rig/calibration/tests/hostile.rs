@@ -1,8 +1,8 @@
 //! Calibrations that are cut off or were changed at random: every reader answers with a rig or an error.
 
-use super::super::testing::{Folder, HINTS, Sample, several_files, single_files};
 use super::{Calibration, Hints};
 use crate::Result;
+use crate::rig::testing::{Folder, HINTS, Sample, several_files, single_files};
 use crate::sample::testing::Lcg;
 
 const CUTS: usize = 24;

@@ -136,7 +136,7 @@ impl Calibration {
     /// ```
     /// use ode_visual_hull::rig::{Calibration, Hints};
     ///
-    /// // Two projection matrices, world to image: a row per camera, its name before the 12 numbers.
+    /// // Two projection matrices, world to image: a line for each camera, its name before the 12 numbers.
     /// let bytes = b"left 500 0 320 960 0 500 240 720 0 0 1 3\n\
     ///               right 480 0 320 900 0 480 240 700 0 0 1 3\n";
     /// let hints = Hints { size: Some((640, 480)), metres_per_unit: Some(1.0) };
@@ -144,8 +144,9 @@ impl Calibration {
     /// assert_eq!(calibration.format, "plain 3x4 matrices");
     /// assert_eq!(calibration.rig.cameras()[1].name(), "right");
     ///
-    /// let cut_off = Calibration::parse("studio.txt", &bytes[..60], &hints).unwrap_err();
-    /// assert!(cut_off.to_string().starts_with("studio.txt: line 2: expected 12 numbers, found 5"));
+    /// // This format does not tell the size of the images: without a hint that is an error.
+    /// let error = Calibration::parse("studio.txt", bytes, &Hints::default()).unwrap_err().to_string();
+    /// assert!(error.starts_with("studio.txt: camera \"left\": expected to know the size of its images"));
     /// # Ok::<(), ode_visual_hull::Error>(())
     /// ```
     pub fn parse(name: &str, bytes: &[u8], hints: &Hints) -> Result<Self> {

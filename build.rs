@@ -4,6 +4,16 @@ use std::env;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
+    if env::var_os("CARGO_FEATURE_ODE").is_some() {
+        check_precision();
+    }
+    name_library();
+    // Tests compile C programs for the same target.
+    println!("cargo::rustc-env=TEST_TARGET={}", env::var("TARGET").unwrap_or_default());
+    println!("cargo::rustc-env=TEST_HOST={}", env::var("HOST").unwrap_or_default());
+}
+
+fn check_precision() {
     let precision = env::var("DEP_ODE_PRECISION").unwrap_or_default();
     if precision != "double" {
         println!(
@@ -11,10 +21,6 @@ fn main() {
              install Debian's libode-dev (apt-get install libode-dev libclang-dev pkg-config) and build again"
         );
     }
-    name_library();
-    // Tests compile C programs for the same target.
-    println!("cargo::rustc-env=TEST_TARGET={}", env::var("TARGET").unwrap_or_default());
-    println!("cargo::rustc-env=TEST_HOST={}", env::var("HOST").unwrap_or_default());
 }
 
 /// Gives `libode_visual_hull.so` its name and interface version, which cargo leaves out. cargo-c, which sets the

@@ -30,6 +30,17 @@
 //! them, [`recording`] reads and writes what cameras saw, [`calibration_check`] tells whether silhouettes fit one
 //! another, and [`synthetic`] renders subjects of known geometry, to try a camera layout before buying cameras.
 //!
+//! # Features
+//!
+//! | feature | what it adds |
+//! |---|---|
+//! | `ode` (default) | the module [`ode`] and the C functions; needs libode and libclang to build |
+//! | `threads` | [`contact::collide_many`] and its kin share out batches of bodies among the threads of rayon's pool |
+//! | `capi` | nothing by itself: cargo-c sets it; implies `ode` |
+//!
+//! With `default-features = false` all other modules build without ODE: cameras, images, silhouettes, the hull and its
+//! contacts.
+//!
 //! # Conventions
 //!
 //! | | |
@@ -47,7 +58,8 @@
 //!
 //! Four cameras look along the top of a table; their silhouettes are all that the simulation is given.
 //!
-//! ```
+#![cfg_attr(feature = "ode", doc = "```")]
+#![cfg_attr(not(feature = "ode"), doc = "```ignore")]
 //! use nalgebra::{Isometry3, Point3, Vector3};
 //! use ode_visual_hull::hull::{Aabb, HullData};
 //! use ode_visual_hull::ode::{Amount, Mass, Ode, Shape, Surface, World};
@@ -88,12 +100,13 @@
 //! # Ok(())
 //! # }
 //! ```
-
+#![cfg_attr(not(feature = "ode"), doc = "\n[`ode`]: #features")]
 #![deny(unsafe_code)]
 
 mod aabb;
 pub mod calibration_check;
 pub mod camera;
+#[cfg(feature = "ode")]
 mod capi;
 pub mod contact;
 mod error;
@@ -101,6 +114,7 @@ pub mod hull;
 mod image_file;
 mod lock;
 mod math;
+#[cfg(feature = "ode")]
 pub mod ode;
 pub mod recording;
 mod recycle;
@@ -114,6 +128,6 @@ mod vectorised;
 
 pub use error::{Error, Result, Untold};
 
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "ode"))]
 #[doc = include_str!("../README.md")]
 mod readme {}

@@ -1,12 +1,12 @@
 //! What a running program asks of the allocator: nothing, once everything has grown to its size.
 
+#[cfg(feature = "ode")]
 mod scene;
 
-use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, point};
+use nalgebra::{Isometry3, Point3, Vector3, point};
 use ode_visual_hull::camera::{Camera, Distortion};
 use ode_visual_hull::contact::{self, Body, Settings};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Points, Workspace};
-use ode_visual_hull::ode::{Shape, SpaceKind};
 use ode_visual_hull::sample;
 use ode_visual_hull::synthetic::{Subject, layout, silhouette};
 
@@ -93,8 +93,12 @@ fn a_frame_works_in_less_than_half_the_memory_of_its_masks() {
     assert!(2 * working < masks, "{working} of {masks}");
 }
 
+#[cfg(feature = "ode")]
 #[test]
 fn a_simulation_on_a_hull_allocates_nothing_in_the_steady_state() {
+    use nalgebra::UnitQuaternion;
+    use ode_visual_hull::ode::{Shape, SpaceKind};
+
     let data = scene::table();
     let mut world = scene::world(SpaceKind::default());
     let root = world.root_space();

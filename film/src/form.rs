@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Ray;
+#[cfg(feature = "ode")]
 use ode_visual_hull::ode::Shape;
 
 /// Half the width of the dark lines along a box's edges and around a ball, in metres.
@@ -46,6 +47,7 @@ impl Form {
     }
 
     /// As ODE has it.
+    #[cfg(feature = "ode")]
     pub fn shape(&self) -> Shape {
         match *self {
             Self::Box { sides } => Shape::Box { sides },

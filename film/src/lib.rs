@@ -5,24 +5,35 @@
 //!                                   └───────────► Log ──► CSV, plot, table
 //! ```
 //!
-//! [`shoot`] goes all the way. A [`Capture`] is whatever gives silhouettes in the course of time: rendered cameras or a
+//! `shoot` goes all the way. A [`Capture`] is whatever gives silhouettes in the course of time: rendered cameras or a
 //! recording. It, the simulation and the film each have steps of their own. World z is up, the floor at z = 0; metres,
 //! seconds, radians.
+//!
+//! Without the feature `ode`, which is on by default, there is no simulation, and no log of it: what is left are
+//! captures, and pictures of bodies whose poses come from elsewhere.
 
 mod capture;
 mod easel;
 mod film;
 mod form;
+#[cfg(feature = "ode")]
 mod log;
+#[cfg(feature = "ode")]
 mod plot;
+#[cfg(feature = "ode")]
 mod report;
+#[cfg(feature = "ode")]
 mod shoot;
+#[cfg(feature = "ode")]
 mod simulation;
 
 pub use capture::{Capture, FRAME_RATE, Window, view_of};
 pub use easel::{Drawn, Easel, Real};
 pub use film::Film;
 pub use form::Form;
+#[cfg(feature = "ode")]
 pub use log::{Entry, Log};
+#[cfg(feature = "ode")]
 pub use shoot::{Shooting, shoot};
+#[cfg(feature = "ode")]
 pub use simulation::{Body, STEPS_PER_SECOND, Simulation, State, Support, lean_deg};

@@ -128,6 +128,7 @@ impl BodyContacts {
     }
 
     /// Becomes like `other`, in the same memory.
+    #[cfg(feature = "ode")]
     pub(crate) fn copy(&mut self, other: &Self) {
         self.manifolds.clone_from(&other.manifolds);
         self.points.clone_from(&other.points);
@@ -263,6 +264,7 @@ fn collide_on_thread(contacts: &mut [BodyContacts], hull: &Hull, bodies: &[Body]
 
 /// Any contacts, the first found, up to `settings.max_contacts`, written to `contacts`: for callers who only want to
 /// know whether there are some.
+#[cfg(feature = "ode")]
 pub(crate) fn collide_any(
     contacts: &mut BodyContacts,
     hull: &Hull,

@@ -221,6 +221,7 @@ impl ContactPipeline {
     }
 
     /// Lets the first samples leave along their own directions, as many as `settings` want contacts.
+    #[cfg(feature = "ode")]
     pub(super) fn leave_first_alone(&mut self, hull: &Hull, settings: &Settings) {
         self.penetrating.truncate(settings.max_contacts);
         for body in &mut self.bodies {

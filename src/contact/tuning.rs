@@ -52,8 +52,10 @@ pub(crate) const MAX_CONTACTS: usize = 8;
 
 /// Default `min_feature` of a hull geom, in metres: a real feature of this diameter cannot pass between samples. Larger,
 /// fingers go through bodies; smaller, cost grows with its square.
+#[cfg(feature = "ode")]
 pub(crate) const MIN_FEATURE: f64 = 0.03;
 
 /// Pixels of the nearest view by more than which the depth at a sleeping body has to change to wake it: more than a
 /// flickering edge pixel moves the surface, less than is seen. At 0 noise keeps every body awake.
+#[cfg(feature = "ode")]
 pub(crate) const WAKE_PX: f64 = 1.5;

@@ -74,8 +74,10 @@ fn bind(include_paths: &[PathBuf]) -> Result<String, Problem> {
         .allowlist_var("_?d[A-Z].*|CONTACTS_UNIMPORTANT")
         // They refuse by unwinding out of a debug handler: a full table of user classes, a closed ODE.
         .override_abi(bindgen::Abi::CUnwind, "dCreateGeomClass|dAllocateODEDataForThread")
-        // They take a FILE, which would pull in libc's private layout.
-        .blocklist_function("dPrintMatrix|dWorldExportDIF")
+        // C's own types are the crate libc's, so that a FILE opened through libc can be handed to ODE.
+        .ctypes_prefix("libc")
+        .blocklist_type("FILE|_IO_.*")
+        .raw_line("use libc::FILE;")
         .prepend_enum_name(false)
         .generate_comments(false)
         .derive_default(true)

@@ -1,7 +1,8 @@
 //! Raw bindings to the [Open Dynamics Engine](https://ode.org) 0.16 as Debian ships it (double precision).
 //!
-//! Everything that starts with `d` in `<ode/ode.h>`, and nothing else. Names, units and rules are ODE's own: its
-//! manual is the documentation. Three things look different from C:
+//! Everything that starts with `d` in `<ode/ode.h>`, with C's own types (`c_int`, `FILE`) from the crate `libc`, and
+//! nothing else. Names, units and rules are ODE's own: its manual is the documentation. Three things look different
+//! from C:
 //!
 //! - constants of unnamed enums are `u32`, while the functions take `c_int`: cast;
 //! - [`CONTACTS_UNIMPORTANT`] is the sign bit of `dCollide`'s `flags`: cast it with `as c_int`;

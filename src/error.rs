@@ -1,5 +1,6 @@
 //! The one error of the crate.
 
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// What went wrong, where, and what to do next.
@@ -65,6 +66,23 @@ impl Error {
     /// An [`Error::File`].
     pub fn file(path: impl AsRef<Path>, problem: impl ToString) -> Self {
         Self::File { path: path.as_ref().to_owned(), problem: problem.to_string() }
+    }
+
+    /// An [`Error::File`] for a file that could not be written.
+    pub(crate) fn unwritten(path: impl AsRef<Path>, found: &io::Error) -> Self {
+        let next = match found.kind() {
+            ErrorKind::NotFound => "; make its folder first",
+            ErrorKind::IsADirectory => "; name a file in this folder",
+            ErrorKind::InvalidInput => "; choose another name",
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+                "; make room on the disk"
+            }
+            ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+                "; choose a folder that you may write"
+            }
+            _ => "",
+        };
+        Self::file(path, format!("expected to write this file, found: {found}{next}"))
     }
 
     /// An [`Error::Camera`].

@@ -68,12 +68,12 @@ impl Parts {
         part.push(".part");
         let part = PathBuf::from(part);
         self.0.push_back((part.clone(), path.to_owned()));
-        std::fs::write(&part, bytes).map_err(|e| unwritten(path, &e))
+        std::fs::write(&part, bytes).map_err(|e| Error::unwritten(path, &e))
     }
 
     fn finish(mut self) -> Result<()> {
         while let Some((part, path)) = self.0.front() {
-            std::fs::rename(part, path).map_err(|e| unwritten(path, &e))?;
+            std::fs::rename(part, path).map_err(|e| Error::unwritten(path, &e))?;
             self.0.pop_front();
         }
         Ok(())
@@ -87,18 +87,6 @@ impl Drop for Parts {
             let _ = std::fs::remove_file(part);
         }
     }
-}
-
-fn unwritten(path: &Path, e: &std::io::Error) -> Error {
-    use std::io::ErrorKind;
-    let next = match e.kind() {
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            "; make room on the disk"
-        }
-        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "; choose a folder that you may write",
-        _ => "",
-    };
-    Error::file(path, format!("expected to write this file, found: {e}{next}"))
 }
 
 /// The image files of a folder whose names are numbers and one of the suffixes, by number; none where there is no folder.

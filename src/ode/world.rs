@@ -1,5 +1,7 @@
 //! One scene: the owner of everything in it.
 
+mod export;
+
 use std::cell::Cell;
 use std::fmt;
 use std::sync::atomic::{AtomicU32, Ordering};

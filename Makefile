@@ -32,6 +32,7 @@ test: setup ## formatting, lints, documentation and all tests
 	@scripts/lints
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets -- --deny warnings
+	tests/without_ode.sh
 	RUSTDOCFLAGS="--deny warnings" cargo doc --workspace --no-deps
 	cargo test --workspace
 	tests/install.sh

@@ -35,8 +35,8 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `ode` (default) | the module [`ode`] and the C functions; needs libode and libclang to build |
-//! | `threads` | [`contact::collide_many`] and its kin share out batches of bodies among the threads of rayon's pool |
-//! | `capi` | nothing by itself: cargo-c sets it; implies `ode` |
+//! | `threads` | [`contact::collide_many`] and what else takes many bodies shares them out to rayon's current pool |
+//! | `capi` | nothing by itself: cargo-c sets it, and it turns on `ode` |
 //!
 //! With `default-features = false` all other modules build without ODE: cameras, images, silhouettes, the hull and its
 //! contacts.

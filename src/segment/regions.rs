@@ -126,21 +126,13 @@ impl Regions {
 
     /// Turns the pixels of the regions that are `wanted`.
     fn turn(&mut self, bits: &mut BitImage, wanted: impl Fn(&Self, usize) -> bool) {
-        let stride = bits.stride();
         for k in 0..self.runs.len() {
             let root = self.root(k);
             if !wanted(self, root) {
                 continue;
             }
             let Run { row, start, end } = self.runs[k];
-            let row = &mut bits.words_mut()[row as usize * stride..][..stride];
-            let (first, last) = (start as usize / WORD, (end as usize - 1) / WORD);
-            for (k, word) in row.iter_mut().enumerate().take(last + 1).skip(first) {
-                let from = if k == first { u64::MAX << (start as usize % WORD) } else { u64::MAX };
-                let to =
-                    if k == last { u64::MAX >> (WORD - 1 - (end as usize - 1) % WORD) } else { u64::MAX };
-                *word ^= from & to;
-            }
+            bits.flip_run(row as usize, start as usize, end as usize);
         }
     }
 }

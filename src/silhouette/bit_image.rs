@@ -72,6 +72,18 @@ impl BitImage {
         *word = *word & !(1 << (x % WORD)) | u64::from(is_set) << (x % WORD);
     }
 
+    /// Sets the pixels `start..end` of row `y` that are clear, and clears those that are set.
+    pub(crate) fn flip_run(&mut self, y: usize, start: usize, end: usize) {
+        let stride = self.stride();
+        let row = &mut self.words[y * stride..][..stride];
+        let (first, last) = (start / WORD, (end - 1) / WORD);
+        for (k, word) in row.iter_mut().enumerate().take(last + 1).skip(first) {
+            let from = if k == first { u64::MAX << (start % WORD) } else { u64::MAX };
+            let to = if k == last { u64::MAX >> (WORD - 1 - (end - 1) % WORD) } else { u64::MAX };
+            *word ^= from & to;
+        }
+    }
+
     /// The smallest rectangle around the pixels that are set.
     pub(crate) fn rect(&self) -> Rect {
         let stride = self.stride().max(1);
@@ -120,6 +132,11 @@ impl BitImage {
         let wide =
             u128::from(before >> (WORD - 2)) | u128::from(row[at]) << 2 | u128::from(after & 3) << (WORD + 2);
         (wide >> shift) as u64 & 0b11111
+    }
+
+    /// How many pixels are set.
+    pub(crate) fn count(&self) -> usize {
+        self.words.iter().map(|word| word.count_ones() as usize).sum()
     }
 
     /// Calls `visit` with the place of each pixel that is set.

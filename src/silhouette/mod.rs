@@ -18,6 +18,7 @@ mod neighbours;
 mod packed_mask;
 mod rect;
 mod region;
+mod run_length;
 mod signed_distance;
 mod tables;
 mod tiles;

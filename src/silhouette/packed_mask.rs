@@ -8,6 +8,7 @@ use super::{MaskView, Rect, SUBJECT};
 use crate::math::lanes::set_bits;
 use crate::vectorised::vectorised;
 use image::GrayImage;
+use std::ops::Range;
 
 /// A mask, packed: which pixels are subject, as bits, and the bytes of those that are neither 0 nor 255.
 ///
@@ -79,6 +80,25 @@ impl PackedMask {
         self.rect = bits.rect();
     }
 
+    /// Makes it an empty mask of this size, for bits and coverage that are written to it row by row.
+    pub(super) fn clear(&mut self, size: (u32, u32)) {
+        self.subject.resize(size.0 as usize, size.1 as usize);
+        self.subject.words_mut().fill(0);
+        self.coverage.clear();
+        self.rect = Rect::EMPTY;
+    }
+
+    /// Appends a byte of coverage, in no row before the last one's.
+    pub(super) fn push_coverage(&mut self, x: usize, y: usize, byte: u8) {
+        self.coverage.push(x, y, byte);
+    }
+
+    /// Takes up what was written since it was cleared.
+    pub(super) fn finish(&mut self) {
+        self.coverage.end_rows(self.subject.height());
+        self.rect = self.subject.rect();
+    }
+
     /// Width and height in pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.subject.width() as u32, self.subject.height() as u32)
@@ -146,6 +166,10 @@ impl PackedMask {
         &self.subject
     }
 
+    pub(super) fn subject_mut(&mut self) -> &mut BitImage {
+        &mut self.subject
+    }
+
     pub(super) fn coverage(&self) -> &Coverage {
         &self.coverage
     }
@@ -177,12 +201,27 @@ impl Coverage {
     /// Column and byte of each in row `y`, by column; none beyond the image.
     #[inline(always)]
     pub(super) fn row(&self, y: usize) -> impl Iterator<Item = (usize, u8)> {
-        let part = match self.ends.get(..=y) {
+        self.columns(y).iter().map(|&x| x as usize).zip(self.bytes(y).iter().copied())
+    }
+
+    #[inline(always)]
+    pub(super) fn columns(&self, y: usize) -> &[u32] {
+        &self.columns[self.places(y)]
+    }
+
+    #[inline(always)]
+    pub(super) fn bytes(&self, y: usize) -> &[u8] {
+        &self.bytes[self.places(y)]
+    }
+
+    /// The places of those in row `y`.
+    #[inline(always)]
+    fn places(&self, y: usize) -> Range<usize> {
+        match self.ends.get(..=y) {
             Some([end]) => 0..*end as usize,
             Some([.., start, end]) => *start as usize..*end as usize,
             _ => 0..0,
-        };
-        self.columns[part.clone()].iter().map(|&x| x as usize).zip(self.bytes[part].iter().copied())
+        }
     }
 
     fn memory(&self) -> usize {

@@ -160,8 +160,9 @@ int dGeomVisualHullDataSetBounds(dVisualHullDataID d, const dReal aabb[6]);
 int dGeomVisualHullDataSetUnseen(dVisualHullDataID d, int policy, int minViews);
 
 /**
- * @brief Gives a view its next mask. It is copied and prepared here, on this thread, and seen after
- * dGeomVisualHullDataUpdate. A view that gets none keeps its last one.
+ * @brief Gives a view its next mask. It is read where it lies and prepared here, on this thread, and seen after
+ * dGeomVisualHullDataUpdate; when the call returns, the buffer is the caller's again. A view that gets none keeps its
+ * last one.
  *
  * @param d the data object
  * @param view the view's index
@@ -171,7 +172,20 @@ int dGeomVisualHullDataSetUnseen(dVisualHullDataID d, int policy, int minViews);
  */
 int dGeomVisualHullDataSetMask(dVisualHullDataID d, int view, const unsigned char *mask, int rowStride);
 
-/** @brief The same from an image file (PNG, JPEG, PNM): its alpha channel where it has one, else its grey values. */
+/**
+ * @brief Gives a view its next mask, which was taken at @p time seconds. A mask without a time of its own counts as taken
+ * at that of the first update that shows it.
+ *
+ * @param d the data object
+ * @param view the view's index
+ * @param mask the first byte of the upper row; rows from top to bottom
+ * @param rowStride bytes from a row to the next, at least the image's width
+ * @param time finite, and not before that of the view's last mask
+ * @return 0 as dGeomVisualHullDataSetMask, and for a time that cannot be; the last good mask then stays.
+ */
+int dGeomVisualHullDataSetMaskAt(dVisualHullDataID d, int view, const unsigned char *mask, int rowStride, dReal time);
+
+/** @brief Gives a view its next mask from an image file (PNG, JPEG, PNM): its alpha channel where it has one, else its grey values. */
 int dGeomVisualHullDataLoadMask(dVisualHullDataID d, int view, const char *path);
 
 /** @brief Takes a view out (0), so that it abstains, or puts it back (1); seen after dGeomVisualHullDataUpdate. */

@@ -15,7 +15,7 @@ pub use data::DataId;
 
 use crate::camera::{Camera, Distortion};
 use crate::contact::Mode;
-use crate::hull::{Aabb, Unseen};
+use crate::hull::{Aabb, HullData, Unseen};
 use crate::ode::{self, RawHull};
 use crate::rig::Rig;
 use crate::sample;
@@ -178,6 +178,37 @@ unsafe extern "C" fn dGeomVisualHullDataSetMask(
     mask: *const c_uchar,
     rowStride: c_int,
 ) -> c_int {
+    // SAFETY: the caller vouches for the rows.
+    unsafe { set_mask(d, view, mask, rowStride, |data, view, mask| data.set_mask(view, mask)) }
+}
+
+/// # Safety
+/// As [`dGeomVisualHullDataSetMask`].
+#[unsafe(no_mangle)]
+#[allow(non_snake_case, reason = "the header's names")]
+unsafe extern "C" fn dGeomVisualHullDataSetMaskAt(
+    d: DataId,
+    view: c_int,
+    mask: *const c_uchar,
+    rowStride: c_int,
+    time: dReal,
+) -> c_int {
+    // SAFETY: the caller vouches for the rows.
+    unsafe { set_mask(d, view, mask, rowStride, |data, view, mask| data.set_mask_at(view, mask, time)) }
+}
+
+/// Borrows a mask from its caller, and hands it to `set`.
+///
+/// # Safety
+/// As [`dGeomVisualHullDataSetMask`].
+#[allow(non_snake_case, reason = "the header's names")]
+unsafe fn set_mask(
+    d: DataId,
+    view: c_int,
+    mask: *const c_uchar,
+    rowStride: c_int,
+    set: impl FnOnce(&HullData, usize, MaskView) -> Result<()>,
+) -> c_int {
     fenced(FAILED, || {
         let (data, view) = (data::get(d)?, index(view)?);
         let size = data.camera(view)?.size();
@@ -192,7 +223,7 @@ unsafe extern "C" fn dGeomVisualHullDataSetMask(
         })?;
         // SAFETY: the caller vouches for all rows, and leaves them alone during the call.
         let bytes = unsafe { slice::from_raw_parts(mask, (height - 1) * stride + width) };
-        data.set_mask(view, MaskView::new(bytes, size, stride)?)?;
+        set(&data, view, MaskView::new(bytes, size, stride)?)?;
         Ok(OK)
     })
 }

@@ -1,16 +1,12 @@
 //! The views, masks and frames of one subject: what cameras write and simulations read.
 
 use super::slot::{Mask, Slot};
-use super::{Aabb, Hull, Unseen};
+use super::{Aabb, Hull, Unseen, View};
 use crate::camera::Camera;
 use crate::lock::lock;
 use crate::silhouette::{Border, MaskView, PackedMask};
 use crate::{Error, Result};
-use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard};
-
-/// How far back in time past frames are kept, in seconds; one older than that is kept too.
-const HISTORY: f64 = 0.1;
 
 /// The views of a subject and their latest masks. Shared by cloning an `Arc`; all methods may be called from any
 /// thread.
@@ -28,9 +24,8 @@ struct State {
     views: Vec<Slot>,
     bounds: Option<Aabb>,
     unseen: Unseen,
-    /// Published frames, the latest last.
-    frames: VecDeque<Arc<Hull>>,
-    /// Frames that history has dropped: their memory is for the next ones, once they have no other owner.
+    latest: Option<Arc<Hull>>,
+    /// Past frames: their memory is for the next ones, once they have no other owner.
     retired: Vec<Arc<Hull>>,
     published: u64,
 }
@@ -41,7 +36,7 @@ impl Default for State {
             views: Vec::new(),
             bounds: None,
             unseen: Unseen::Outside,
-            frames: VecDeque::new(),
+            latest: None,
             retired: Vec::new(),
             published: 0,
         }
@@ -137,7 +132,17 @@ impl HullData {
     /// An index out of range; a mask of another size than the camera's image; a full mask, which says that the
     /// segmentation failed. The last good mask then stays. An empty mask is no error: the subject may have left.
     pub fn set_mask<'a>(&self, view: usize, mask: impl Into<MaskView<'a>>) -> Result<()> {
-        self.set(view, Mask::Bytes(mask.into()))
+        self.set(view, Mask::Bytes(mask.into()), None)
+    }
+
+    /// Gives a view its next mask, which was taken at `time` seconds. One without a time of its own counts as taken at
+    /// the time of the first frame that it is in.
+    ///
+    /// # Errors
+    /// A time that is not finite or lies before that of the view's last mask; otherwise as
+    /// [`set_mask`](Self::set_mask).
+    pub fn set_mask_at<'a>(&self, view: usize, mask: impl Into<MaskView<'a>>, time: f64) -> Result<()> {
+        self.set(view, Mask::Bytes(mask.into()), Some(time))
     }
 
     /// Gives a view its next mask, packed, and prepares it.
@@ -145,14 +150,24 @@ impl HullData {
     /// # Errors
     /// As [`set_mask`](Self::set_mask).
     pub fn set_packed(&self, view: usize, mask: &PackedMask) -> Result<()> {
-        self.set(view, Mask::Packed(mask))
+        self.set(view, Mask::Packed(mask), None)
     }
 
-    fn set(&self, view: usize, mask: Mask) -> Result<()> {
+    /// Gives a view its next mask, packed, which was taken at `time` seconds.
+    ///
+    /// # Errors
+    /// As [`set_mask_at`](Self::set_mask_at).
+    pub fn set_packed_at(&self, view: usize, mask: &PackedMask, time: f64) -> Result<()> {
+        self.set(view, Mask::Packed(mask), Some(time))
+    }
+
+    fn set(&self, view: usize, mask: Mask, time: Option<f64>) -> Result<()> {
         let (mut preparation, border) = {
             let mut state = self.lock();
             let border = border_of(state.unseen);
-            (state.slot_mut(view)?.take_buffers(), border)
+            let slot = state.slot_mut(view)?;
+            slot.check_time(time)?;
+            (slot.take_buffers(), border)
         };
         // Prepared outside the lock, so that cameras on several threads do not wait for one another.
         preparation.prepare(mask, border)?;
@@ -160,8 +175,7 @@ impl HullData {
         if border != border_of(state.unseen) {
             preparation.prepare(mask, border_of(state.unseen))?;
         }
-        state.slot_mut(view)?.commit(preparation);
-        Ok(())
+        state.slot_mut(view)?.commit(preparation, time)
     }
 
     /// Publishes the masks as the frame of `time` seconds, and returns it.
@@ -171,17 +185,16 @@ impl HullData {
     /// is not finite or lies before the last frame's. The last frame then stays in force.
     pub fn update(&self, time: f64) -> Result<Arc<Hull>> {
         let mut state = self.lock();
-        let hull = state.frame(time)?;
-        // Of two frames of one time the later one stands.
-        if state.frames.back().is_some_and(|last| last.time() == time) {
-            let replaced = state.frames.pop_back();
-            state.retired.extend(replaced);
+        if let Some(last) = state.latest.as_ref().map(|frame| frame.time()).filter(|&last| time < last) {
+            return Err(Error::argument(format!(
+                "expected a frame time not before the last frame's, {last} s, found {time} s; pass the times of one \
+                 clock"
+            )));
         }
-        state.frames.push_back(hull.clone());
-        while state.frames.len() > 2 && state.frames[1].time() < time - HISTORY {
-            let past = state.frames.pop_front();
-            state.retired.extend(past);
-        }
+        let hull = state.frame(time, Slot::next_view)?;
+        state.views.iter_mut().for_each(|slot| slot.publish(time));
+        let past = state.latest.replace(hull.clone());
+        state.retired.extend(past);
         state.recycle();
         state.published += 1;
         Ok(hull)
@@ -190,15 +203,18 @@ impl HullData {
     /// The latest frame and its serial number; `None` before the first.
     pub fn latest(&self) -> Option<(u64, Arc<Hull>)> {
         let state = self.lock();
-        Some((state.published, state.frames.back()?.clone()))
+        Some((state.published, state.latest.clone()?))
     }
 
-    /// The frames of the last tenth of a second and one before, the latest last.
+    /// What the views saw at `time` seconds: of each view the latest mask that was not taken after it, as far as masks are
+    /// kept, which are those of the view's last tenth of a second and one more; else the earliest that is kept.
     ///
-    /// All of them give the answers that they gave when they were new. The first query of a past frame may derive
-    /// the tables of its silhouettes again, about 0.03 ms a VGA view.
-    pub fn history(&self) -> Vec<Arc<Hull>> {
-        self.lock().frames.iter().cloned().collect()
+    /// The first query of a past mask may derive its tables again, about 0.03 ms a VGA view.
+    ///
+    /// # Errors
+    /// A time that is not finite; otherwise as [`update`](Self::update).
+    pub fn at(&self, time: f64) -> Result<Arc<Hull>> {
+        self.lock().frame(time, Slot::view_at)
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -217,7 +233,8 @@ impl State {
         self.views.get_mut(view).ok_or_else(|| no_such_view(view, count))
     }
 
-    fn frame(&mut self, time: f64) -> Result<Arc<Hull>> {
+    /// A frame of the views that `view` makes for the bounds and `time`.
+    fn frame(&mut self, time: f64, view: fn(&mut Slot, &Aabb, f64) -> Result<View>) -> Result<Arc<Hull>> {
         if self.views.is_empty() {
             return Err(Error::argument(
                 "expected at least one view, found none; add views before the update",
@@ -233,16 +250,10 @@ impl State {
                 "expected a finite frame time in seconds, found {time}; pass a clock's reading"
             )));
         }
-        if let Some(last) = self.frames.back().map(|frame| frame.time()).filter(|&last| time < last) {
-            return Err(Error::argument(format!(
-                "expected a frame time not before the last frame's, {last} s, found {time} s; pass the times of one \
-                 clock"
-            )));
-        }
         let mut hull = self.take_recycled_frame();
         let mut views = Arc::get_mut(&mut hull).map(Hull::take_views).unwrap_or_default();
         for slot in &mut self.views {
-            views.push(slot.view(&bounds)?);
+            views.push(view(slot, &bounds, time)?);
         }
         let frame = Hull::new(views, bounds, self.unseen, time);
         match Arc::get_mut(&mut hull) {
@@ -259,22 +270,14 @@ impl State {
         recycled.unwrap_or_else(|| Arc::new(Hull::new(Vec::new(), Aabb::EMPTY, self.unseen, 0.0)))
     }
 
-    /// Recycles the buffers of frames with no other owner: tables of past frames, silhouettes of dropped ones.
+    /// Recycles the memory of past frames with no other owner, and of the masks that they alone held.
     fn recycle(&mut self) {
-        // First the tables of the last frames, which are still in the caches. Those of older frames that were held
-        // for longer, or asked again since, stay until the frame is dropped.
-        let past = self.frames.iter_mut().rev().skip(1).take(2);
-        for frame in past.filter_map(Arc::get_mut) {
-            for (view, slot) in frame.views.iter_mut().zip(&mut self.views) {
-                slot.recycle_tables(|| view.take_tables());
-            }
-        }
-
         for frame in self.retired.iter_mut().filter_map(Arc::get_mut) {
             for (silhouette, slot) in frame.drain_silhouettes().zip(&mut self.views) {
                 slot.recycle(silhouette);
             }
         }
+        self.views.iter_mut().for_each(Slot::recycle_past_tables);
     }
 }
 

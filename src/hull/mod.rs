@@ -18,6 +18,7 @@ mod frustum;
 mod image_line;
 mod many;
 mod march;
+mod mask_ring;
 mod ray;
 pub mod reference;
 mod response;
@@ -66,8 +67,8 @@ impl Unseen {
         }
     }
 
-    /// Whether a point is inside that of `enabled` views `inside` see as subject and `outside` as background.
-    fn decides_inside(self, inside: usize, outside: usize, enabled: usize) -> bool {
+    /// Whether a point is inside that `inside` of `enabled` views see as subject and `outside` as background.
+    pub fn decides_inside(self, inside: usize, outside: usize, enabled: usize) -> bool {
         outside == 0 && inside >= self.min_views(enabled)
     }
 }

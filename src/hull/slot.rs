@@ -1,5 +1,6 @@
-//! One view of a data object: its camera, its latest silhouette, and memory recycled from past ones.
+//! One view of a data object: its camera, its latest silhouettes, and memory recycled from past ones.
 
+use super::mask_ring::{MaskRing, TimedMask};
 use super::{Aabb, View};
 use crate::camera::Camera;
 use crate::silhouette::{Border, MaskView, PackedMask, SUBJECT, Silhouette, Tables, TileMask, Undistortion};
@@ -10,11 +11,11 @@ use std::sync::Arc;
 /// As many silhouettes, and as many sets of tables, are kept for the next masks of a view.
 const MAX_RECYCLED: usize = 3;
 
-/// A view's camera and latest silhouette.
+/// A view's camera and latest silhouettes.
 #[derive(Debug)]
 pub(super) struct Slot {
     lens: Arc<Lens>,
-    silhouette: Option<Arc<Silhouette>>,
+    masks: MaskRing,
     pub(super) enabled: bool,
     /// Whether the camera sees some of the work volume given beside.
     sees: Option<(Aabb, bool)>,
@@ -79,7 +80,7 @@ impl Slot {
         let lens = Arc::new(Lens { camera, pinhole, undistortion, seen: seen.map(Arc::new) });
         Ok(Self {
             lens,
-            silhouette: None,
+            masks: MaskRing::default(),
             enabled: true,
             sees: None,
             recycled_silhouettes: Vec::new(),
@@ -108,50 +109,93 @@ impl Slot {
         Preparation { lens: self.lens.clone(), silhouette, scratch: std::mem::take(&mut self.scratch) }
     }
 
-    /// Takes a prepared silhouette into force, from the next frame on.
-    pub(super) fn commit(&mut self, preparation: Preparation) {
-        self.scratch = preparation.scratch;
-        if let Some(last) = self.silhouette.replace(preparation.silhouette) {
-            self.recycle(last);
+    /// Refuses the time of a mask that cannot be the next one.
+    ///
+    /// # Errors
+    /// A time that is not finite or lies before the last mask's.
+    pub(super) fn check_time(&self, time: Option<f64>) -> Result<()> {
+        self.masks.check_time(time).map_err(|e| Error::view(self.name(), e))
+    }
+
+    /// Takes a prepared silhouette of `time` into force, from the next frame on.
+    ///
+    /// # Errors
+    /// As [`Self::check_time`].
+    pub(super) fn commit(&mut self, preparation: Preparation, time: Option<f64>) -> Result<()> {
+        let Preparation { silhouette, scratch, .. } = preparation;
+        self.scratch = scratch;
+        if let Err(e) = self.check_time(time) {
+            self.recycle(silhouette);
+            return Err(e);
+        }
+        if let Some(replaced) = self.masks.push(TimedMask { silhouette, time }) {
+            self.recycle(replaced);
+        }
+        self.recycle_old();
+        Ok(())
+    }
+
+    /// Takes note that the latest mask is in the frame of `time`.
+    pub(super) fn publish(&mut self, time: f64) {
+        self.masks.publish(time);
+        self.recycle_old();
+    }
+
+    /// Recycles the masks that are too old.
+    fn recycle_old(&mut self) {
+        while let Some(old) = self.masks.pop_old() {
+            self.recycle(old);
+        }
+    }
+
+    /// Recycles the tables of past masks that no frame needs any more.
+    pub(super) fn recycle_past_tables(&mut self) {
+        // Of the last masks, which are still in the caches. Those that were held for longer stay.
+        for silhouette in self.masks.past().take(2).filter_map(Arc::get_mut) {
+            keep_tables(&mut self.recycled_tables, silhouette.take_tables());
         }
     }
 
     /// Keeps the memory of a silhouette that is no longer needed here, unless it has another owner.
     pub(super) fn recycle(&mut self, mut silhouette: Arc<Silhouette>) {
         let Some(unshared) = Arc::get_mut(&mut silhouette) else { return };
-        let tables = unshared.take_tables();
-        self.recycle_tables(|| tables);
+        keep_tables(&mut self.recycled_tables, unshared.take_tables());
         if self.recycled_silhouettes.len() < MAX_RECYCLED {
             self.recycled_silhouettes.push(silhouette);
         }
     }
 
-    /// Keeps the memory of the tables that `take` takes out of a past silhouette, if more of it is needed.
-    pub(super) fn recycle_tables(&mut self, take: impl FnOnce() -> Option<Tables>) {
-        if self.recycled_tables.len() < MAX_RECYCLED {
-            self.recycled_tables.extend(take());
-        }
-    }
-
-    /// Prepares the latest silhouette anew for another border: what the view does not see is then something else.
+    /// Prepares all silhouettes anew for another border: what the view does not see is then something else.
     pub(super) fn change_border(&mut self, border: Border) {
-        if let Some(silhouette) = &self.silhouette {
+        for silhouette in self.masks.all() {
             let mut mask = silhouette.to_mask();
             if let Some(lens) = &self.lens.undistortion {
                 let unseen = unseen_value(border);
                 let pixels = mask.iter_mut().zip(lens.seen().iter());
                 pixels.filter(|(_, seen)| **seen < SUBJECT).for_each(|(pixel, _)| *pixel = unseen);
             }
-            self.silhouette = Some(Arc::new(Silhouette::new(&mask, border)));
+            *silhouette = Arc::new(Silhouette::new(&mask, border));
         }
     }
 
-    /// The view of the next frame.
-    pub(super) fn view(&mut self, bounds: &Aabb) -> Result<View> {
-        let silhouette = match &self.silhouette {
-            Some(silhouette) => silhouette.clone(),
+    /// The view of the next frame, of `time`.
+    pub(super) fn next_view(&mut self, bounds: &Aabb, time: f64) -> Result<View> {
+        let latest = self.masks.latest().map(|mask| mask.silhouette.clone());
+        self.view(latest.zip(self.masks.time_in_frame(time)), bounds)
+    }
+
+    /// The view of what was to be seen at `time`.
+    pub(super) fn view_at(&mut self, bounds: &Aabb, time: f64) -> Result<View> {
+        let mask = self.masks.at(time).map(|mask| (mask.silhouette.clone(), mask.time.unwrap_or(time)));
+        self.view(mask, bounds)
+    }
+
+    /// The view of a silhouette and its time.
+    fn view(&mut self, mask: Option<(Arc<Silhouette>, f64)>, bounds: &Aabb) -> Result<View> {
+        let (silhouette, time) = match mask {
+            Some((silhouette, time)) => (silhouette, Some(time)),
             // Nobody asks a disabled view.
-            None if !self.enabled => Arc::new(Silhouette::blank(Border::Open)),
+            None if !self.enabled => (Arc::new(Silhouette::blank(Border::Open)), None),
             None => {
                 let problem =
                     "expected a mask before the first update, found none; set one, or disable the view";
@@ -159,7 +203,8 @@ impl Slot {
             }
         };
         let Lens { pinhole, seen, .. } = &*self.lens;
-        let view = View::new(pinhole.clone(), silhouette, seen.clone()).with_enabled(self.enabled);
+        let view = View::new(pinhole.clone(), silhouette, seen.clone());
+        let view = view.with_enabled(self.enabled).with_time(time);
         if self.enabled && !self.sees_some_of(&view, bounds) {
             let (centre, forward) = (self.camera().centre(), self.camera().forward());
             return Err(Error::view(
@@ -182,6 +227,13 @@ impl Slot {
             _ => *self.sees.insert((*bounds, view.sees_some_of(bounds))),
         };
         sees
+    }
+}
+
+/// Keeps the memory of tables, unless there is enough.
+fn keep_tables(recycled: &mut Vec<Tables>, tables: Option<Tables>) {
+    if recycled.len() < MAX_RECYCLED {
+        recycled.extend(tables);
     }
 }
 

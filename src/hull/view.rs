@@ -2,7 +2,7 @@
 
 use super::{Aabb, EdgeModel, frustum};
 use crate::camera::{Camera, MIN_DEPTH, Pixel};
-use crate::silhouette::{Border, Edge, HALF_COVERAGE, Rect, Silhouette, Tables};
+use crate::silhouette::{Border, Edge, HALF_COVERAGE, Rect, Silhouette};
 use nalgebra::{Matrix3, Matrix3x4, Point2, Point3, Vector2, Vector3};
 use std::sync::Arc;
 
@@ -25,6 +25,7 @@ pub struct View {
     silhouette: Arc<Silhouette>,
     field_of_view: Option<Arc<Silhouette>>,
     enabled: bool,
+    time: Option<f64>,
     centre: Point3<f64>,
     /// Holds every point of the silhouette, whichever way its edge is taken.
     rect: Rect,
@@ -92,13 +93,35 @@ impl View {
         let planes = frustum::planes(&projection, &rect);
         let centre = camera.centre();
         let footprint = Footprint::new(camera.intrinsics());
-        Self { camera, projection, silhouette, field_of_view, enabled: true, centre, rect, planes, footprint }
+        Self {
+            camera,
+            projection,
+            silhouette,
+            field_of_view,
+            enabled: true,
+            time: None,
+            centre,
+            rect,
+            planes,
+            footprint,
+        }
     }
 
     /// The view taken out, so that it abstains, or put back.
     pub fn with_enabled(mut self, enabled: bool) -> Self {
         self.enabled = enabled;
         self
+    }
+
+    /// This view with a mask that was taken at `time` seconds.
+    pub(super) fn with_time(mut self, time: Option<f64>) -> Self {
+        self.time = time;
+        self
+    }
+
+    /// When its mask was taken, in seconds; `None` where that is not known.
+    pub fn time(&self) -> Option<f64> {
+        self.time
     }
 
     /// The pinhole camera.
@@ -114,11 +137,6 @@ impl View {
     /// The prepared mask.
     pub fn silhouette(&self) -> &Silhouette {
         &self.silhouette
-    }
-
-    /// The memory of the silhouette's tables, if it has no other owner.
-    pub(super) fn take_tables(&mut self) -> Option<Tables> {
-        Arc::get_mut(&mut self.silhouette)?.take_tables()
     }
 
     pub(super) fn into_silhouette(self) -> Arc<Silhouette> {

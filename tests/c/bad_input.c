@@ -129,6 +129,9 @@ static void masks_and_updates_that_cannot_be(void) {
   CHECK_REFUSED(dGeomVisualHullDataSetMask(d, 0, mask, WIDTH - 1), 0, "rowStride");
   CHECK_REFUSED(dGeomVisualHullDataSetMask(d, 0, mask, 0), 0, "rowStride");
   CHECK_REFUSED(dGeomVisualHullDataSetMask(d, 0, mask, INT_MIN), 0, "rowStride");
+  CHECK_REFUSED(dGeomVisualHullDataSetMaskAt(d, 0, NULL, WIDTH, 0), 0, "mask");
+  CHECK_REFUSED(dGeomVisualHullDataSetMaskAt(d, 0, mask, WIDTH - 1, 0), 0, "rowStride");
+  CHECK_REFUSED(dGeomVisualHullDataSetMaskAt(d, 0, mask, WIDTH, NAN), 0, "finite time");
   CHECK_REFUSED(dGeomVisualHullDataLoadMask(d, 0, NULL), 0, "path");
   CHECK_REFUSED(dGeomVisualHullDataLoadMask(d, 0, "/no/such/mask.png"), 0, "/no/such/mask.png");
   CHECK_REFUSED(dGeomVisualHullDataLoadMask(d, 7, "/no/such/mask.png"), 0, "");

@@ -82,11 +82,8 @@ fn distance(hull: &Hull, maps: &[Map], p: &Point3<f64>, cell: f64) -> f64 {
             return 2.0 * cell;
         }
     }
-    let enough = match hull.unseen() {
-        Unseen::Outside => true,
-        Unseen::Abstain { min_views } => seeing >= min_views.max(1),
-    };
-    if enough { farthest.max(-2.0 * cell) } else { 2.0 * cell }
+    let is_bounded = hull.unseen().decides_inside(seeing, 0, maps.len());
+    if is_bounded { farthest.max(-2.0 * cell) } else { 2.0 * cell }
 }
 
 impl<'h> Map<'h> {

@@ -9,11 +9,13 @@ use image::RgbImage;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::hull::{Aabb, Hull, HullData};
+use ode_visual_hull::pipeline::Pipeline;
 use ode_visual_hull::segment::{CleanPlate, Segmenter, Thresholds};
+use ode_visual_hull::source::ImageSet;
 use ode_visual_hull::synthetic::{Hit, Paint, Placed, Room, Scene, Solid, Subject, clean_plate, render_over};
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::{Capture, FRAME_RATE, Form, Simulation, Window};
-use std::sync::Mutex;
+use std::sync::Arc;
 
 /// The real box, in metres.
 const REAL: Vector3<f64> = Vector3::new(0.5, 0.5, 0.35);
@@ -42,9 +44,10 @@ const ROUNDING: f64 = 1e-6;
 /// The synthetic studio.
 pub struct Studio {
     cameras: Vec<Camera>,
-    /// Per camera the empty room, as it is and as the segmentation knows it.
-    plates: Vec<(RgbImage, Mutex<CleanPlate>)>,
+    /// Per camera the empty room.
+    plates: Vec<RgbImage>,
     sensor: Sensor,
+    pipeline: Pipeline,
     /// What is before the cameras, and what they see of it without noise.
     scene: Scene,
     images: Vec<RgbImage>,
@@ -54,21 +57,17 @@ pub struct Studio {
 
 impl Studio {
     /// The studio with its empty room photographed, its cameras added to `data` and the first frame published.
-    pub fn new(seed: u32, data: &HullData) -> Result<Self> {
+    pub fn new(seed: u32, data: &Arc<HullData>) -> Result<Self> {
         let cameras = cameras()?;
         let room = Room::default();
-        let plates = in_parallel(&cameras, |_, camera| {
-            let plate = clean_plate(camera, &room);
-            let segmenter = CleanPlate::new(&plate, Thresholds::default())?;
-            Ok((plate, Mutex::new(segmenter)))
-        })?;
-        for camera in &cameras {
-            data.add_view(camera.clone())?;
-        }
+        let plates = in_parallel(&cameras, |_, camera| Ok(clean_plate(camera, &room)))?;
+        data.add_views(&cameras)?;
         data.set_bounds(Aabb::new(Point3::new(-0.8, -0.8, -0.1), Point3::new(0.8, 0.8, 1.2))?)?;
+        let segmenters = plates.iter().map(segmenter).collect::<Result<Vec<_>>>()?;
+        let pipeline = Pipeline::new(segmenters, data.clone())?;
         let sensor = Sensor::new(IMAGE, NOISE, u64::from(seed))?;
         let scene = Scene { subject: Subject::default(), room };
-        let mut studio = Self { cameras, plates, sensor, scene, images: Vec::new(), frame: None };
+        let mut studio = Self { cameras, plates, sensor, pipeline, scene, images: Vec::new(), frame: None };
         studio.publish(0.0, data)?;
         Ok(studio)
     }
@@ -87,7 +86,7 @@ impl Studio {
         if subject != self.scene.subject {
             self.scene.subject = subject;
             let scene = &self.scene;
-            let render = |view: usize, camera: &Camera| render_over(camera, scene, &self.plates[view].0);
+            let render = |view: usize, camera: &Camera| render_over(camera, scene, &self.plates[view]);
             self.images = in_parallel(&self.cameras, render)?;
         }
         Ok(())
@@ -119,20 +118,18 @@ impl Capture for Studio {
         [STILL_UNTIL - 0.1, MOVED_BY - 0.2, END]
     }
 
-    /// The whole way of a real system: image, noise, subtraction of the empty room, mask.
-    fn publish(&mut self, time: f64, data: &HullData) -> Result<()> {
+    /// The whole way of a real system: image, noise, subtraction of the empty room, mask. The data is the pipeline's.
+    fn publish(&mut self, time: f64, _: &HullData) -> Result<()> {
         let frame = (time * FRAME_RATE + ROUNDING) as usize;
         if self.frame.replace(frame) == Some(frame) {
             return Ok(());
         }
         self.move_real_box(frame)?;
-        in_parallel(&self.cameras, |view, _| {
+        let noisy = in_parallel(&self.cameras, |view, _| {
             let exposure = (frame * self.cameras.len() + view) as u32;
-            let image = self.sensor.expose(&self.images[view], exposure);
-            let mut segmenter = self.plates[view].1.lock().expect("no camera's work panics");
-            data.set_mask(view, &segmenter.segment(&image)?)
+            Ok(self.sensor.expose(&self.images[view], exposure))
         })?;
-        data.update(time_of(frame))?;
+        self.pipeline.publish(ImageSet::simultaneous(frame as u32, time_of(frame), noisy))?;
         Ok(())
     }
 
@@ -156,6 +153,10 @@ impl Capture for Studio {
     fn lamp(&self) -> Point3<f64> {
         self.scene.room.lamp()
     }
+}
+
+fn segmenter(empty: &RgbImage) -> Result<Box<dyn Segmenter>> {
+    Ok(Box::new(CleanPlate::new(empty, Thresholds::default())?))
 }
 
 /// Stacks the five virtual boxes, a hair apart.

@@ -7,6 +7,7 @@ use ode_visual_hull::hull::{Aabb, HullData};
 use ode_visual_hull::ode::{
     Amount, BodyId, GeomId, Mass, Ode, Shape, SpaceKind, Surface, World, set_random_seed,
 };
+use ode_visual_hull::pipeline::publish_masks;
 use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, layout};
 use std::sync::Arc;
 
@@ -54,10 +55,7 @@ pub fn data(cameras: &[Camera]) -> Arc<HullData> {
 
 /// Publishes `masks` as the frame of `time`.
 pub fn publish(data: &HullData, masks: &[GrayImage], time: f64) {
-    for (view, mask) in masks.iter().enumerate() {
-        data.set_mask(view, mask).expect("a mask of the camera's size");
-    }
-    data.update(time).expect("all views have masks");
+    publish_masks(data, masks, time).expect("a mask of the camera's size in every view");
 }
 
 pub fn masks(

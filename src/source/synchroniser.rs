@@ -3,6 +3,7 @@
 use super::queue::Taken;
 use super::{Frame, ReadAhead};
 use crate::{Error, Result};
+use image::RgbImage;
 use std::time::{Duration, Instant};
 
 /// What the cameras saw at one time.
@@ -17,6 +18,13 @@ pub struct ImageSet {
 }
 
 impl ImageSet {
+    /// Images that all cameras took at one instant, `time` in seconds: an image of each, in the cameras' order, all
+    /// with the number `number`.
+    pub fn simultaneous(number: u32, time: f64, images: impl IntoIterator<Item = RgbImage>) -> Self {
+        let frame = |image| Some(Frame { number, time, image });
+        Self { images: images.into_iter().map(frame).collect(), time, spread: 0.0 }
+    }
+
     /// Whether every camera has an image.
     pub fn is_complete(&self) -> bool {
         self.images.iter().all(Option::is_some)

@@ -2,6 +2,7 @@
 
 use crate::arguments::VolumeOptions;
 use ode_visual_hull::hull::{Hull, HullData};
+use ode_visual_hull::pipeline::publish_masks;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::{Error, Result};
 use std::path::Path;
@@ -30,11 +31,8 @@ impl RecordedHulls {
 
     /// The hull of a frame.
     pub fn hull(&self, frame: u32) -> Result<Arc<Hull>> {
-        for (view, mask) in self.recording.masks(frame)?.iter().enumerate() {
-            self.data.set_mask(view, mask)?;
-        }
         // Frames may be asked in any order, so none has a time of its own.
-        self.data.update(0.0)
+        publish_masks(&self.data, &self.recording.masks(frame)?, 0.0)
     }
 
     /// Refuses a frame of `--frame` that has no masks.

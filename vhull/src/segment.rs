@@ -8,13 +8,14 @@ use crate::arguments::{open_recording, parse_frames, parse_rate};
 use crate::{Outcome, progress};
 use clap::ValueEnum;
 use empty_room::EmptyRoom;
-use image::{GrayImage, RgbImage};
+use image::RgbImage;
 use masks::Masks;
+use ode_visual_hull::pipeline::Segmenters;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::segment::{
     ChromaKey, CleanPlate, Key, Learning, RunningGaussian, Segmenter, Thresholds,
 };
-use ode_visual_hull::source::ImageSet;
+use ode_visual_hull::silhouette::PackedMask;
 use ode_visual_hull::{Error, Result};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -103,7 +104,8 @@ pub fn run(options: &Options) -> Result<Outcome> {
     }
     let streaming = StreamOptions { first: 0, rate: options.rate, bound: options.bound };
     let mut masks = Masks::open(options, &recording, &streaming)?;
-    let mut segmenters = segmenters(options, &recording, &streaming)?;
+    let segmenters = segmenters(options, &recording, &streaming)?;
+    let mut segmenters = Segmenters::new(recording.rig().cameras(), segmenters)?;
 
     let mut sets = recording.synchronised(&StreamOptions { first: options.frames.start, ..streaming })?;
     let expected = sets.streams().filter_map(|stream| stream.frames_expected()).max();
@@ -122,7 +124,9 @@ pub fn run(options: &Options) -> Result<Outcome> {
                 tally.kept += 1;
             } else {
                 tally.frame_at_work = Some(number);
-                masks.write(number, set.time, &segment(&mut segmenters, &set)?)?;
+                let found = segmenters.segment(&set)?;
+                let found: Vec<_> = found.iter().flatten().map(PackedMask::to_mask).collect();
+                masks.write(number, set.time, &found)?;
                 tally.written(&set);
             }
             Ok(true)
@@ -185,19 +189,6 @@ fn learnt(empty: &[RgbImage]) -> Result<Box<dyn Segmenter>> {
     let mut room = RunningGaussian::new(Learning::default())?;
     empty.iter().try_for_each(|image| room.learn(image))?;
     Ok(Box::new(room))
-}
-
-/// The masks of a complete set, the cameras side by side.
-fn segment(segmenters: &mut [Box<dyn Segmenter>], set: &ImageSet) -> Result<Vec<GrayImage>> {
-    std::thread::scope(|scope| {
-        let pairs = segmenters.iter_mut().zip(set.images.iter().flatten());
-        let threads: Vec<_> =
-            pairs.map(|(segmenter, frame)| scope.spawn(|| segmenter.segment(&frame.image))).collect();
-        threads
-            .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
-    })
 }
 
 fn parse_colour(text: &str) -> std::result::Result<[u8; 3], String> {

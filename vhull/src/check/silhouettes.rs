@@ -3,11 +3,11 @@
 use super::{Options, Report};
 use crate::progress;
 use crate::recorded_hulls::RecordedHulls;
+use ode_visual_hull::Result;
 use ode_visual_hull::calibration_check::{Fit, Shift, Tangents};
 use ode_visual_hull::hull::{Emptiness, Hull, HullData};
+use ode_visual_hull::pipeline::publish_masks;
 use ode_visual_hull::rig::{Reading, Rig};
-use ode_visual_hull::{Error, Result};
-use std::sync::Arc;
 
 /// Every so many pixels and rows a ray is asked whether it meets the hull.
 const STEP: usize = 4;
@@ -186,9 +186,6 @@ fn fills(rig: &Rig, recorded: &RecordedHulls, frame: u32) -> Result<bool> {
     let data = HullData::new();
     data.add_views(rig.cameras())?;
     data.set_bounds(rig.work_volume()?)?;
-    for (view, mask) in recorded.recording.masks(frame)?.iter().enumerate() {
-        data.set_mask(view, mask)?;
-    }
-    let hull: Arc<Hull> = data.update(0.0).map_err(|e| Error::argument(e.to_string()))?;
+    let hull = publish_masks(&data, &recorded.recording.masks(frame)?, 0.0)?;
     Ok(hull.fits(2 * STEP).iter().any(|fit| fit.filled > 0))
 }

@@ -10,6 +10,7 @@ use image::RgbImage;
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::hull::{Aabb, Hull, HullData};
+use ode_visual_hull::pipeline::publish_masks;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::synthetic::Hit;
 use ode_visual_hull::{Error, Result};
@@ -160,11 +161,8 @@ impl Capture for Playback {
         let position = self.timeline.at(time);
         if self.published != Some(position) {
             let (frame, _) = self.frames[position];
-            for (view, mask) in self.recording.masks(frame)?.iter().enumerate() {
-                data.set_mask(view, mask)?;
-            }
+            publish_masks(data, &self.recording.masks(frame)?, self.timeline.start(position))?;
             self.published = Some(position);
-            data.update(self.timeline.start(position))?;
         }
         Ok(())
     }

@@ -1,0 +1,269 @@
+//! From the images of several cameras to masks, and to the hull.
+//!
+//! ```text
+//!              ┌───────────────── Pipeline ─────────────────┐
+//!   ImageSet ──┼─► Segmenters ─► PackedMask ─► HullData     ├─► Captured: images, masks and hull of one time
+//!              │   (a thread     of each                    │
+//!              │   per camera)   camera                     │
+//!              └────────────────────────────────────────────┘
+//! ```
+//!
+//! A [`Pipeline`] segments a set of images of one time, publishes the hull, and returns what belongs together.
+//! [`Segmenters`] alone make masks where no hull is wanted. [`publish_masks`] publishes the hull of masks that are there
+//! already, as those of a [`recording`](crate::recording).
+
+use crate::camera::Camera;
+use crate::hull::{Hull, HullData};
+use crate::segment::Segmenter;
+use crate::silhouette::{MaskView, PackedMask};
+use crate::source::{Frame, ImageSet};
+use crate::{Error, Result};
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Images in, hull out: segments the images of several cameras and publishes the frame of their masks.
+///
+/// ```
+/// use nalgebra::Point3;
+/// use ode_visual_hull::Result;
+/// use ode_visual_hull::hull::{Aabb, HullData};
+/// use ode_visual_hull::pipeline::Pipeline;
+/// use ode_visual_hull::segment::{CleanPlate, Segmenter, Thresholds};
+/// use ode_visual_hull::source::ImageSet;
+/// use ode_visual_hull::synthetic::{Scene, Subject, clean_plate, layout, render};
+/// use std::sync::Arc;
+///
+/// # fn main() -> Result<()> {
+/// let cameras = layout::ring(4, 3.5, 1.2, Point3::new(0.0, 0.0, 0.9), (160, 120), 0.9)?;
+/// let data = Arc::new(HullData::new());
+/// data.add_views(&cameras)?;
+/// data.set_bounds(Aabb::new(Point3::new(-1.0, -1.0, 0.0), Point3::new(1.0, 1.0, 2.2))?)?;
+///
+/// // Each camera photographed the empty room.
+/// let segmenter = |camera| -> Result<Box<dyn Segmenter>> {
+///     let empty = clean_plate(camera, &Scene::default().room);
+///     Ok(Box::new(CleanPlate::new(&empty, Thresholds::default())?))
+/// };
+/// let segmenters = cameras.iter().map(segmenter).collect::<Result<Vec<_>>>()?;
+/// let mut pipeline = Pipeline::new(segmenters, data)?;
+///
+/// // A person enters. Sets of a `source::Synchroniser` are taken likewise.
+/// let scene = Scene { subject: Subject::person_at(0.0), ..Scene::default() };
+/// let images = ImageSet::simultaneous(0, 0.0, cameras.iter().map(|camera| render(camera, &scene)));
+/// let captured = pipeline.publish(images)?;
+/// assert!(captured.hull.inside(&Point3::new(0.0, 0.0, 1.2)));
+/// assert_eq!(captured.masks.len(), 4);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Pipeline {
+    segmenters: Segmenters,
+    data: Arc<HullData>,
+}
+
+/// Images of one time, their masks, and the hull that was published of them.
+#[derive(Debug, Clone)]
+pub struct Captured {
+    /// What the cameras saw, in the order of the views.
+    pub images: ImageSet,
+    /// The silhouettes in the images; `None` of a camera without an image, whose view keeps its last mask in the hull.
+    pub masks: Vec<Option<PackedMask>>,
+    /// The frame of the images' time.
+    pub hull: Arc<Hull>,
+}
+
+impl Pipeline {
+    /// A pipeline that writes to `data`, with a segmenter for each of its views, in their order.
+    ///
+    /// # Errors
+    /// Another number of segmenters than views.
+    pub fn new(segmenters: Vec<Box<dyn Segmenter>>, data: Arc<HullData>) -> Result<Self> {
+        let cameras = (0..data.view_count()).map(|view| data.camera(view)).collect::<Result<Vec<_>>>()?;
+        let segmenters = Segmenters::new(cameras.iter().map(Arc::as_ref), segmenters)?;
+        Ok(Self { segmenters, data })
+    }
+
+    /// What the pipeline writes to.
+    pub fn data(&self) -> &Arc<HullData> {
+        &self.data
+    }
+
+    /// Segments `images` and publishes the masks as the frame of the images' time. The cameras are processed side by
+    /// side, a thread each; the result does not depend on which is ready first.
+    ///
+    /// A camera without an image keeps its last mask, as in [`HullData`].
+    ///
+    /// # Errors
+    /// As [`Segmenters::segment`]; a full mask, which says that the segmentation failed. No view then takes a new
+    /// mask. Also what [`HullData::set_packed`] and [`HullData::update`] refuse, such as a time before the last
+    /// frame's. In all cases the last frame stays in force. Messages name the view and the time.
+    pub fn publish(&mut self, images: ImageSet) -> Result<Captured> {
+        let masks = self.segmenters.segment(&images)?;
+
+        // Before any view takes its mask, so that later frames do not mix masks of a set that was refused.
+        self.segmenters.refuse_full_masks(&images, &masks)?;
+
+        let set = |(view, mask): (usize, &Option<PackedMask>)| match mask {
+            Some(mask) => self.data.set_packed(view, mask),
+            None => Ok(()),
+        };
+        let hull = side_by_side(masks.iter().enumerate(), set)
+            .and_then(|_| self.data.update(images.time))
+            .map_err(|e| with_time(e, images.time))?;
+        Ok(Captured { images, masks, hull })
+    }
+}
+
+/// A segmenter for each camera of a rig.
+pub struct Segmenters {
+    cameras: Vec<CameraSegmenter>,
+}
+
+struct CameraSegmenter {
+    name: String,
+    size: (u32, u32),
+    /// Never locked: the mutex makes the pipeline `Sync`, which a segmenter need not be.
+    segmenter: Mutex<Box<dyn Segmenter>>,
+}
+
+impl Segmenters {
+    /// A segmenter for each of `cameras`, in their order.
+    ///
+    /// # Errors
+    /// Another number of segmenters than cameras.
+    pub fn new<'a>(
+        cameras: impl IntoIterator<Item = &'a Camera>,
+        segmenters: Vec<Box<dyn Segmenter>>,
+    ) -> Result<Self> {
+        let cameras: Vec<_> = cameras.into_iter().collect();
+        if cameras.len() != segmenters.len() {
+            return Err(Error::argument(format!(
+                "expected {} segmenters, one per camera, found {}; pass them in the order of the cameras",
+                cameras.len(),
+                segmenters.len()
+            )));
+        }
+        let pair = |(camera, segmenter): (&Camera, Box<dyn Segmenter>)| CameraSegmenter {
+            name: camera.name().to_owned(),
+            size: camera.size(),
+            segmenter: Mutex::new(segmenter),
+        };
+        Ok(Self { cameras: cameras.into_iter().zip(segmenters).map(pair).collect() })
+    }
+
+    /// The masks of `images`, in the order of the cameras; `None` of a camera without an image. The cameras are
+    /// processed side by side, a thread each.
+    ///
+    /// # Errors
+    /// A set of another number of cameras; an image or a mask of another size than its camera's; what a segmenter refuses.
+    /// Of several errors that of the first camera is returned. Messages name the view, the image's number and its time.
+    pub fn segment(&mut self, images: &ImageSet) -> Result<Vec<Option<PackedMask>>> {
+        let (expected, found) = (self.cameras.len(), images.images.len());
+        if expected != found {
+            return Err(Error::argument(format!(
+                "images of {:.3} s: expected a set of {expected} cameras, found {found}; synchronise the streams of \
+                 all cameras, in their order",
+                images.time
+            )));
+        }
+        let pairs = self.cameras.iter_mut().zip(&images.images);
+        side_by_side(pairs, |(camera, frame)| frame.as_ref().map(|frame| camera.segment(frame)).transpose())
+    }
+
+    fn refuse_full_masks(&self, images: &ImageSet, masks: &[Option<PackedMask>]) -> Result<()> {
+        for ((camera, frame), mask) in self.cameras.iter().zip(&images.images).zip(masks) {
+            if let (Some(frame), Some(mask)) = (frame, mask)
+                && mask.is_full()
+            {
+                return Err(camera.error(
+                    frame,
+                    "expected some background, found a mask that is all subject; check the light and what the \
+                     segmentation knows of the empty room",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Debug for Segmenters {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.cameras.iter().map(|camera| &camera.name)).finish()
+    }
+}
+
+impl CameraSegmenter {
+    fn segment(&mut self, frame: &Frame) -> Result<PackedMask> {
+        self.check_size(frame, "image", frame.image.dimensions())?;
+        let mut mask = PackedMask::default();
+        let segmenter = self.segmenter.get_mut().unwrap_or_else(PoisonError::into_inner);
+        segmenter.segment_packed(&frame.image, &mut mask).map_err(|e| self.error(frame, e))?;
+        self.check_size(frame, "mask", mask.size())?;
+        Ok(mask)
+    }
+
+    fn check_size(&self, frame: &Frame, what: &str, (w, h): (u32, u32)) -> Result<()> {
+        let (width, height) = self.size;
+        if (w, h) == (width, height) {
+            return Ok(());
+        }
+        let problem = format!(
+            "{what}: expected {width} x {height} pixels as in the calibration, found {w} x {h}; calibrate at the size \
+             of the images, or scale them"
+        );
+        Err(self.error(frame, problem))
+    }
+
+    fn error(&self, frame: &Frame, problem: impl fmt::Display) -> Error {
+        Error::view(&self.name, format!("image {} of {:.3} s: {problem}", frame.number, frame.time))
+    }
+}
+
+/// Publishes `masks`, one for each view of `data` in their order, as the frame of `time` seconds, and returns it. The
+/// masks are prepared side by side, a thread each.
+///
+/// # Errors
+/// Another number of masks than views; what [`HullData::set_mask`] and [`HullData::update`] refuse. The last frame then
+/// stays in force.
+pub fn publish_masks<'a, M: Sync>(data: &HullData, masks: &'a [M], time: f64) -> Result<Arc<Hull>>
+where
+    &'a M: Into<MaskView<'a>>,
+{
+    let (expected, found) = (data.view_count(), masks.len());
+    if expected != found {
+        return Err(Error::argument(format!(
+            "masks of {time:.3} s: expected {expected}, one per view, found {found}; pass them in the order of the \
+             views"
+        )));
+    }
+    side_by_side(masks.iter().enumerate(), |(view, mask)| data.set_mask(view, mask))
+        .and_then(|_| data.update(time))
+        .map_err(|e| with_time(e, time))
+}
+
+/// Calls `work` for each item on a thread of its own; the results, or the first item's error, in the items' order.
+fn side_by_side<T: Send, R: Send>(
+    items: impl Iterator<Item = T>,
+    work: impl Fn(T) -> Result<R> + Sync,
+) -> Result<Vec<R>> {
+    std::thread::scope(|scope| {
+        let work = &work;
+        let threads: Vec<_> = items.map(|item| scope.spawn(move || work(item))).collect();
+        threads
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
+    })
+}
+
+/// `error`, which also tells the time of the frame, in seconds.
+fn with_time(error: Error, time: f64) -> Error {
+    match error {
+        Error::View { view, problem } => Error::view(view, format!("frame of {time:.3} s: {problem}")),
+        other => Error::argument(format!("frame of {time:.3} s: {other}")),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -97,7 +97,7 @@ impl Pipeline {
     /// # Errors
     /// As [`Segmenters::segment`]; a full mask, which says that the segmentation failed. No view then takes a new
     /// mask. Also what [`HullData::set_packed`] and [`HullData::update`] refuse, such as a time before the last
-    /// frame's. In all cases the last frame stays in force. Messages name the view and the time.
+    /// frame's. In all cases the last frame stays in force. Messages name the time, and the view where it is one's.
     pub fn publish(&mut self, images: ImageSet) -> Result<Captured> {
         let masks = self.segmenters.segment(&images)?;
 
@@ -115,7 +115,7 @@ impl Pipeline {
     }
 }
 
-/// A segmenter for each camera of a rig.
+/// A segmenter for each of several cameras, which work side by side: colour images in, masks out.
 pub struct Segmenters {
     cameras: Vec<CameraSegmenter>,
 }
@@ -233,13 +233,11 @@ where
     let (expected, found) = (data.view_count(), masks.len());
     if expected != found {
         return Err(Error::argument(format!(
-            "masks of {time:.3} s: expected {expected}, one per view, found {found}; pass them in the order of the \
-             views"
+            "expected {expected} masks, one per view, found {found}; pass them in the order of the views"
         )));
     }
-    side_by_side(masks.iter().enumerate(), |(view, mask)| data.set_mask(view, mask))
-        .and_then(|_| data.update(time))
-        .map_err(|e| with_time(e, time))
+    side_by_side(masks.iter().enumerate(), |(view, mask)| data.set_mask(view, mask))?;
+    data.update(time)
 }
 
 /// Calls `work` for each item on a thread of its own; the results, or the first item's error, in the items' order.

@@ -19,7 +19,7 @@ use crate::silhouette::{MaskView, PackedMask};
 use crate::source::{Frame, ImageSet};
 use crate::{Error, Result};
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// Images in, hull out: segments the images of several cameras and publishes the frame of their masks.
 ///
@@ -104,11 +104,12 @@ impl Pipeline {
         // Before any view takes its mask, so that later frames do not mix masks of a set that was refused.
         self.segmenters.refuse_full_masks(&images, &masks)?;
 
-        let set = |(view, mask): (usize, &Option<PackedMask>)| match mask {
-            Some(mask) => self.data.set_packed(view, mask),
-            None => Ok(()),
+        let set = |(view, (mask, frame)): (usize, (&Option<PackedMask>, &Option<Frame>))| match (mask, frame)
+        {
+            (Some(mask), Some(frame)) => self.data.set_packed_at(view, mask, frame.time),
+            _ => Ok(()),
         };
-        let hull = side_by_side(masks.iter().enumerate(), set)
+        let hull = side_by_side(masks.iter().zip(&images.images).enumerate(), set)
             .and_then(|_| self.data.update(images.time))
             .map_err(|e| with_time(e, images.time))?;
         Ok(Captured { images, masks, hull })
@@ -123,8 +124,7 @@ pub struct Segmenters {
 struct CameraSegmenter {
     name: String,
     size: (u32, u32),
-    /// Never locked: the mutex makes the pipeline `Sync`, which a segmenter need not be.
-    segmenter: Mutex<Box<dyn Segmenter>>,
+    segmenter: Box<dyn Segmenter>,
 }
 
 impl Segmenters {
@@ -147,7 +147,7 @@ impl Segmenters {
         let pair = |(camera, segmenter): (&Camera, Box<dyn Segmenter>)| CameraSegmenter {
             name: camera.name().to_owned(),
             size: camera.size(),
-            segmenter: Mutex::new(segmenter),
+            segmenter,
         };
         Ok(Self { cameras: cameras.into_iter().zip(segmenters).map(pair).collect() })
     }
@@ -197,8 +197,7 @@ impl CameraSegmenter {
     fn segment(&mut self, frame: &Frame) -> Result<PackedMask> {
         self.check_size(frame, "image", frame.image.dimensions())?;
         let mut mask = PackedMask::default();
-        let segmenter = self.segmenter.get_mut().unwrap_or_else(PoisonError::into_inner);
-        segmenter.segment_packed(&frame.image, &mut mask).map_err(|e| self.error(frame, e))?;
+        self.segmenter.segment_packed(&frame.image, &mut mask).map_err(|e| self.error(frame, e))?;
         self.check_size(frame, "mask", mask.size())?;
         Ok(mask)
     }

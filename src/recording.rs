@@ -6,6 +6,7 @@
 //!   <camera>/background.png     the place without the subject
 //!   <camera>/image/000000.*     colour images, one per frame
 //!   <camera>/mask/000000.*      masks: 0 background .. 255 subject
+//!   <camera>/mask.rle           masks of all frames as run lengths, instead of or beside the folder
 //!   <camera>/video.*            a video instead of images (mp4, avi, mov, ...); or videos/<camera>.*
 //!   frames.csv                  when the images were taken, see [`crate::source::frames_csv`]; mostly absent
 //! ```
@@ -17,7 +18,7 @@
 
 use crate::camera::Camera;
 use crate::rig::Rig;
-use crate::silhouette::load_mask;
+use crate::silhouette::{PackedMask, load_mask};
 use crate::{Error, Result, image_file};
 use image::{GrayImage, ImageBuffer, PixelWithColorType, RgbImage};
 use std::collections::BTreeMap;
@@ -28,6 +29,7 @@ const BACKGROUND: &str = "background.png";
 const IMAGE: &str = "image";
 const MASK: &str = "mask";
 const MASK_SUFFIX: &str = "_mask";
+const MASK_FILE: &str = "mask.rle";
 
 /// A recording on disk. Pictures are read when they are asked for.
 #[derive(Debug, Clone)]
@@ -35,7 +37,10 @@ pub struct Recording {
     dir: PathBuf,
     rig: Rig,
     images: Pictures,
+    /// Those in a mask file have its path.
     masks: Pictures,
+    /// Per camera.
+    mask_files: Vec<MaskFile>,
     /// Per camera, of those without images.
     videos: Vec<Option<PathBuf>>,
 }
@@ -98,13 +103,18 @@ impl Recording {
 
     /// What lies in folder `dir`.
     fn list(dir: &Path, rig: Rig) -> Result<Self> {
-        let (images, masks) = (Pictures::list(dir, &rig, IMAGE)?, Pictures::list(dir, &rig, MASK)?);
+        let (images, mut masks) = (Pictures::list(dir, &rig, IMAGE)?, Pictures::list(dir, &rig, MASK)?);
+        let mask_file = |camera: &Camera| {
+            MaskFile::open(dir.join(camera.name()).join(MASK_FILE)).map_err(|e| Error::view(camera.name(), e))
+        };
+        let mask_files = rig.cameras().iter().map(mask_file).collect::<Result<Vec<_>>>()?;
+        masks.add(&rig, &mask_files)?;
         let video = |(camera, files): (&Camera, &BTreeMap<_, _>)| {
             let video = if files.is_empty() { streams::video_of(dir, camera.name()) } else { Ok(None) };
             video.map_err(|e| Error::view(camera.name(), e))
         };
         let videos = rig.cameras().iter().zip(&images.files).map(video).collect::<Result<_>>()?;
-        Ok(Self { dir: dir.to_owned(), rig, images, masks, videos })
+        Ok(Self { dir: dir.to_owned(), rig, images, masks, mask_files, videos })
     }
 
     /// Starts an empty recording of `rig` in folder `dir`, which is made if need be.
@@ -160,7 +170,7 @@ impl Recording {
         &self.images.common
     }
 
-    /// The masks of one frame, one per camera, as [`load_mask`] reads them.
+    /// The masks of one frame, one per camera, as [`load_mask`] reads them, or from run lengths.
     ///
     /// # Errors
     /// A frame that is not in [`frames`](Self::frames), a file that [`load_mask`] refuses or of another size than the
@@ -169,7 +179,11 @@ impl Recording {
         (0..self.rig.len())
             .map(|camera| {
                 let path = self.masks.file(&self.rig, camera, frame)?;
-                let mask = load_mask(path).map_err(|e| Error::view(self.name(camera), e))?;
+                let coded = self.mask_files[camera].read(frame);
+                let mask = match coded.map_err(|e| Error::view(self.name(camera), e))? {
+                    Some(mask) => mask.to_mask(),
+                    None => load_mask(path).map_err(|e| Error::view(self.name(camera), e))?,
+                };
                 self.check_size(camera, path, mask.dimensions())?;
                 Ok(mask)
             })
@@ -205,7 +219,26 @@ impl Recording {
     /// Another number of masks than cameras, a mask of another size than its camera, a file that cannot be written.
     pub fn write_masks(&mut self, frame: u32, masks: &[GrayImage]) -> Result<()> {
         self.check_sizes("masks", masks.iter().map(GrayImage::dimensions))?;
-        self.masks.write(&self.dir, &self.rig, frame, masks)
+        self.masks.write(&self.dir, &self.rig, frame, masks)?;
+        self.mask_files.iter_mut().filter(|file| file.has(frame)).try_for_each(|file| file.write(frame, None))
+    }
+
+    /// Writes the masks of one frame, one per camera, as run lengths, each at the end of its camera's file, over any
+    /// that are there; all of them or none. They take a few hundred bytes each, those with coverage a few thousand.
+    ///
+    /// # Errors
+    /// As [`write_masks`](Self::write_masks).
+    pub fn write_packed_masks(&mut self, frame: u32, masks: &[PackedMask]) -> Result<()> {
+        self.check_sizes("masks", masks.iter().map(PackedMask::size))?;
+        for (written, mask) in masks.iter().enumerate() {
+            make_folder(&self.dir.join(self.name(written)))?;
+            if let Err(e) = self.mask_files[written].write(frame, Some(mask)) {
+                // What cannot be taken back either is told by the first error.
+                self.mask_files[..written].iter_mut().for_each(|file| drop(file.write(frame, None)));
+                return Err(Error::view(self.name(written), e));
+            }
+        }
+        self.masks.replace(frame, self.mask_files.iter().map(|file| file.path().to_owned()))
     }
 
     /// Writes the colour images of one frame, one per camera, over any that are there.
@@ -274,9 +307,14 @@ impl Pictures {
                 numbered_files(&dir.join(camera.name()), kind).map_err(|e| Error::view(camera.name(), e))
             })
             .collect::<Result<Vec<_>>>()?;
-        let in_all = |frame: &u32| files.iter().all(|of_camera| of_camera.contains_key(frame));
-        let common = files[0].keys().copied().filter(in_all).collect();
-        Ok(Self { kind, files, common })
+        let mut pictures = Self { kind, files, common: Vec::new() };
+        pictures.find_common();
+        Ok(pictures)
+    }
+
+    fn find_common(&mut self) {
+        let in_all = |frame: &u32| self.files.iter().all(|of_camera| of_camera.contains_key(frame));
+        self.common = self.files[0].keys().copied().filter(in_all).collect();
     }
 
     fn any(&self) -> bool {
@@ -309,13 +347,41 @@ impl Pictures {
             paths.push(folder.join(format!("{frame:06}.png")));
         }
         image_file::write_pngs(paths.iter().map(PathBuf::as_path).zip(pictures))?;
+        self.replace(frame, paths.into_iter())
+    }
+
+    /// Takes note of other files of one frame, one per camera, and removes those they replace.
+    fn replace(&mut self, frame: u32, paths: impl Iterator<Item = PathBuf>) -> Result<()> {
         for (files, path) in self.files.iter_mut().zip(paths) {
-            if let Some(old) = files.insert(frame, path.clone()).filter(|old| *old != path) {
+            let old =
+                files.insert(frame, path.clone()).filter(|old| *old != path && !old.ends_with(MASK_FILE));
+            if let Some(old) = old {
                 std::fs::remove_file(&old)
                     .map_err(|e| Error::file(old, format!("expected to replace it, found: {e}")))?;
             }
         }
         self.add_common(frame);
+        Ok(())
+    }
+
+    /// Adds the masks in mask files.
+    ///
+    /// # Errors
+    /// A frame that has another mask in a file of its own.
+    fn add(&mut self, rig: &Rig, mask_files: &[MaskFile]) -> Result<()> {
+        for ((camera, files), mask_file) in rig.cameras().iter().zip(&mut self.files).zip(mask_files) {
+            for frame in mask_file.frames() {
+                if let Some(other) = files.insert(frame, mask_file.path().to_owned()) {
+                    let problem = format!(
+                        "expected one mask of frame {frame}, found those in {} and {}; remove one",
+                        other.display(),
+                        mask_file.path().display()
+                    );
+                    return Err(Error::view(camera.name(), problem));
+                }
+            }
+        }
+        self.find_common();
         Ok(())
     }
 
@@ -388,8 +454,10 @@ fn make_folder(folder: &Path) -> Result<()> {
         .map_err(|e| Error::file(folder, format!("expected to make this folder, found: {e}")))
 }
 
+mod mask_file;
 mod streams;
 
+use mask_file::MaskFile;
 pub use streams::StreamOptions;
 
 #[cfg(test)]

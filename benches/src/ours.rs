@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Point3};
 use ode_visual_hull::contact::{self, BodyContacts, BodyResponse, Settings};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Inside, Points, Unseen, Workspace};
 use ode_visual_hull::sample::Samples;
+use ode_visual_hull::silhouette::PackedMask;
 use std::cell::Cell;
 use std::sync::Arc;
 
@@ -42,6 +43,18 @@ impl Rig {
         for (view, mask) in masks.iter().enumerate() {
             self.data.set_mask(view, mask).expect("a mask of the camera's size");
         }
+        self.update()
+    }
+
+    /// The frame of packed masks.
+    pub fn publish_packed(&self, masks: &[PackedMask]) -> Frame {
+        for (view, mask) in masks.iter().enumerate() {
+            self.data.set_packed(view, mask).expect("a mask of the camera's size");
+        }
+        self.update()
+    }
+
+    fn update(&self) -> Frame {
         self.time.set(self.time.get() + FRAME);
         Frame(self.data.update(self.time.get()).expect("all views have masks"))
     }

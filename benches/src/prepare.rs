@@ -3,6 +3,7 @@
 use crate::session::{Session, Start};
 use crate::timing::PairedBench;
 use image::GrayImage;
+use ode_visual_hull::silhouette::PackedMask;
 use ode_visual_hull_bench::ours::Rig;
 use ode_visual_hull_bench::scene::{FULL_HD, Scene, VGA, Who};
 
@@ -20,6 +21,22 @@ pub fn measure(session: &mut Session) {
         let ratio = times.ratio("prepare", "read");
         session.reported(&format!("prepare_over_memory_read_{name}"), ratio, Start::Masks, what);
     }
+    measure_packed(session);
+}
+
+/// Masks of segmentation on their way into the hull: packed, and by way of bytes.
+fn measure_packed(session: &mut Session) {
+    let scene = Scene::segmented(Who::Person, 7, VGA);
+    let rig = Rig::new(&scene);
+    let packed: Vec<_> = scene.masks.iter().map(PackedMask::new).collect();
+    let mut bytes = scene.masks.clone();
+    let bench = PairedBench::new().with("packed", || rig.publish_packed(&packed)).with("bytes", || {
+        packed.iter().zip(&mut bytes).for_each(|(packed, bytes)| packed.write_to(bytes));
+        rig.publish(&bytes)
+    });
+    let times = session.run(bench);
+    let what = "seven packed masks with coverage prepared, over doing so by way of bytes";
+    session.reported("packed_over_bytes", times.ratio("packed", "bytes"), Start::Masks, what);
 }
 
 /// Touches every byte and does next to nothing with it.

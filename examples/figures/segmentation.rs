@@ -11,6 +11,7 @@ use ode_visual_hull::hull::{HullData, Unseen};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::{Calibration, Hints, Rig};
 use ode_visual_hull::segment::{CleanPlate, Cleanup, Segmenter, Shadows, Thresholds};
+use ode_visual_hull::silhouette::PackedMask;
 use ode_visual_hull::source::{Reading, Source, Video};
 use ode_visual_hull::synthetic::{Scene, Subject, add_noise, clean_plate, layout, render_over, silhouette};
 use std::path::Path;
@@ -20,26 +21,60 @@ const EMPTY_FRAMES: u32 = 24;
 
 /// The figures of all captures that are there, and of the synthetic studio.
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
-    let mut figures = Vec::new();
+    let (mut figures, mut coded) = (Vec::new(), Vec::new());
     for (name, capture) in
         [("seated_person", seated as Capture), ("balancing_person", balancing), ("dino", dino)]
     {
         if let Some(dir) = data::find(name) {
             progress(name);
-            figures.extend(capture(&dir));
+            figures.extend(capture(&dir, &mut coded));
         }
     }
+    figures.extend(coded_sizes(&coded));
     progress("a moving shadow");
     figures.push(Figure::asked("segment_iou_mean", moving_shadow(), Bound::AtLeast(0.98)));
     figures
 }
 
-/// Measures one capture, in its folder.
-type Capture = fn(&Path) -> Vec<Figure>;
+/// Measures one capture, in its folder, and appends how long its masks are as run lengths.
+type Capture = fn(&Path, &mut Vec<Coded>) -> Vec<Figure>;
+
+/// Bytes that the mean mask of a capture takes as run lengths.
+struct Coded {
+    binary: f64,
+    with_coverage: f64,
+}
+
+impl Coded {
+    fn of<'a>(masks: impl Iterator<Item = &'a GrayImage>) -> Self {
+        let lengths: Vec<_> = masks
+            .map(|mask| {
+                let packed = PackedMask::new(mask);
+                let coded = packed.encode().expect("a mask of this size");
+                assert_eq!(PackedMask::decode(&coded).expect("what was coded"), packed);
+                [packed.encode_binary().expect("a mask of this size").len() as f64, coded.len() as f64]
+            })
+            .collect();
+        let mean = |k: usize| mean(&lengths.iter().map(|length| length[k]).collect::<Vec<_>>());
+        Self { binary: mean(0), with_coverage: mean(1) }
+    }
+}
+
+/// Bytes of seven masks, each the mean of two persons' as segmentation makes them.
+fn coded_sizes(captures: &[Coded]) -> Vec<Figure> {
+    if captures.is_empty() {
+        return Vec::new();
+    }
+    let seven = |length: fn(&Coded) -> f64| 7.0 * mean(&captures.iter().map(length).collect::<Vec<_>>());
+    vec![
+        Figure::asked("rle_bytes_vga_binary", seven(|coded| coded.binary), Bound::AtMost(10_000.0)),
+        Figure::asked("rle_bytes_vga_coverage", seven(|coded| coded.with_coverage), Bound::AtMost(22_000.0)),
+    ]
+}
 
 /// A man on a chair, in a room that was filmed empty: videos, the lenses of the XML files, and poses that were estimated
 /// anew. The given masks are a little wide, and hold the shadow beneath the chair.
-fn seated(dir: &Path) -> Vec<Figure> {
+fn seated(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     let recording = Recording::open(dir).expect("a recording");
     let cameras = seated_cameras(dir, recording.rig());
     let frames = recording.image_frames();
@@ -52,17 +87,19 @@ fn seated(dir: &Path) -> Vec<Figure> {
         (plate, clip("video.avi", frames))
     };
     let (mut segmenters, clips): (Vec<_>, Vec<_>) = cameras.iter().map(clips).unzip();
-    let (mut overlaps, mut volume) = (Vec::new(), f64::NAN);
+    let (mut overlaps, mut volume, mut found) = (Vec::new(), f64::NAN, Vec::new());
     for (k, &frame) in frames.iter().enumerate() {
         let images: Vec<_> = clips.iter().map(|clip| clip[k].clone()).collect();
         let masks = segment(&mut segmenters, &images);
         overlaps.extend(compare(&masks, &recording.masks(frame).expect("masks")));
+        found.extend(masks.clone());
         if frame == 0 {
             let data = hull_data(cameras.iter().cloned().zip(masks));
             data.set_bounds(SEATED).expect("a volume");
             volume = carve(&data.update(0.0).expect("masks in all views"), 0.02).0;
         }
     }
+    coded.push(Coded::of(found.iter()));
     vec![
         Figure::asked("seated_iou_mean", mean(&overlaps), Bound::AtLeast(0.93)),
         Figure::asked("seated_volume_m3", volume, Bound::Within(0.95 * 0.233, 1.05 * 0.233)),
@@ -94,7 +131,7 @@ fn decoded(path: &Path, size: (u32, u32), frames: &[u32]) -> Vec<RgbImage> {
 
 /// A person who balances in a crowded laboratory. The only photograph of it without the person shows another one, who
 /// has left: the recording itself tells where.
-fn balancing(dir: &Path) -> Vec<Figure> {
+fn balancing(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     let recording = Recording::open(dir).expect("a recording");
     let frames: Vec<_> = recording.image_frames().iter().map(|&frame| images(&recording, frame)).collect();
     let photographs = recording.rig().cameras().iter().map(|camera| {
@@ -115,6 +152,8 @@ fn balancing(dir: &Path) -> Vec<Figure> {
         });
         mean(&overlaps.collect::<Vec<_>>())
     };
+    let found: Vec<_> = frames.iter().flat_map(|images| segment(&mut mended, images)).collect();
+    coded.push(Coded::of(found.iter()));
     vec![
         Figure::asked("balancing_iou_mean", overlap(&mut mended), Bound::AtLeast(0.85)),
         Figure::reported("balancing_plate_with_ghost_iou_mean", overlap(&mut given)),
@@ -122,7 +161,7 @@ fn balancing(dir: &Path) -> Vec<Figure> {
 }
 
 /// A plaster dinosaur in the dark, in light from one side.
-fn dino(dir: &Path) -> Vec<Figure> {
+fn dino(dir: &Path, _: &mut Vec<Coded>) -> Vec<Figure> {
     let views = dino_cameras(dir).into_iter().map(|(number, camera)| {
         let image =
             image::open(dir.join(format!("image/dinoSR{number:04}.png"))).expect("an image").into_rgb8();

@@ -12,7 +12,7 @@ const SIZE: (u32, u32) = (160, 120);
 /// A segmenter made of a closure.
 struct Segment<F>(F);
 
-impl<F: FnMut(&RgbImage, &mut PackedMask) -> Result<()> + Send> Segmenter for Segment<F> {
+impl<F: FnMut(&RgbImage, &mut PackedMask) -> Result<()> + Send + Sync> Segmenter for Segment<F> {
     fn segment_packed(&mut self, image: &RgbImage, mask: &mut PackedMask) -> Result<()> {
         (self.0)(image, mask)
     }
@@ -219,7 +219,7 @@ fn a_set_of_an_earlier_time_is_refused_by_its_time() {
     let mut pipeline = Pipeline::new(plates(&cameras), data(&cameras)).unwrap();
     let good = pipeline.publish(images(&cameras, 3)).unwrap();
     let error = pipeline.publish(images(&cameras, 0)).unwrap_err().to_string();
-    assert!(error.contains("frame of 0.000 s") && error.contains("not before the last frame's"), "{error}");
+    assert!(error.contains("frame of 0.000 s") && error.contains("not before the last mask's"), "{error}");
     assert!(Arc::ptr_eq(&pipeline.data().latest().unwrap().1, &good.hull));
 }
 

@@ -218,3 +218,36 @@ fn masks_may_be_called_so_and_lie_beside_the_images() {
     assert_eq!(own.frames(), [5]);
     assert_eq!(own.masks(5).unwrap(), masks(200));
 }
+
+#[test]
+fn masks_as_run_lengths_are_a_recordings_masks_like_others() {
+    let folder = Folder::new("run-lengths");
+    let mut recording = written(&folder);
+    let packed: Vec<_> = masks(200).iter().map(PackedMask::new).collect();
+    recording.write_packed_masks(30, &packed).unwrap();
+    // Frame 12 has pictures, which these replace; then pictures replace run lengths.
+    recording.write_packed_masks(12, &packed).unwrap();
+    for recording in [recording.clone(), Recording::open(folder.join("r")).unwrap()] {
+        assert_eq!(recording.masks(30).unwrap(), masks(200));
+        assert_eq!(recording.masks(12).unwrap(), masks(200));
+        assert!(recording.frames().contains(&30) && recording.frames().contains(&12));
+    }
+    recording.write_masks(30, &masks(255)).unwrap();
+    assert_eq!(recording.masks(30).unwrap(), masks(255));
+    assert_eq!(Recording::open(folder.join("r")).unwrap().masks(30).unwrap(), masks(255));
+}
+
+#[test]
+fn two_masks_of_one_frame_are_refused() {
+    let folder = Folder::new("two-masks");
+    let mut recording = written(&folder);
+    let packed: Vec<_> = masks(200).iter().map(PackedMask::new).collect();
+    recording.write_packed_masks(30, &packed).unwrap();
+    let picture = folder.join("r/left/mask/000030.png");
+    masks(255)[0].save(&picture).unwrap();
+    let message = Recording::open(folder.join("r")).unwrap_err().to_string();
+    assert!(
+        message.contains("left") && message.contains("000030.png") && message.contains("mask.rle"),
+        "{message}"
+    );
+}

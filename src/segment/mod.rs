@@ -39,7 +39,7 @@ use crate::{Error, Result};
 use image::{GrayImage, RgbImage};
 
 /// A way from the colour images of one fixed camera to silhouettes.
-pub trait Segmenter: Send {
+pub trait Segmenter: Send + Sync {
     /// Writes the silhouette in `image` into `mask`, which takes the image's size: subject and background, and coverage
     /// along the outline.
     ///

@@ -138,6 +138,28 @@ fn images_and_videos_become_masks() {
 }
 
 #[test]
+fn masks_as_run_lengths_are_those_of_pictures_in_one_file_a_camera() {
+    let folder = Folder::new("rle");
+    let dir = record(&folder, 4);
+    let [pictures, runs] = ["pictures", "runs"].map(|name| folder.path(name));
+    succeeds(&vhull(&dir, &["--out", pictures.to_str().unwrap()]));
+    succeeds(&vhull(&dir, &["--rle", "--frames", "..2", "--out", runs.to_str().unwrap()]));
+    succeeds(&vhull(&dir, &["--rle", "--resume", "--out", runs.to_str().unwrap()]));
+    assert_eq!(files(&runs.join("left")), ["mask.rle"]);
+    let masks = |dir| {
+        let recording = Recording::open(dir).unwrap();
+        recording.frames().iter().map(|&frame| recording.masks(frame).unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!(masks(&runs), masks(&pictures));
+    assert_masks(&runs, &[0, 1, 2, 3]);
+
+    // What is no such file is told by its name.
+    std::fs::write(runs.join("right/mask.rle"), "no masks").unwrap();
+    let resumed = vhull(&dir, &["--rle", "--resume", "--out", runs.to_str().unwrap()]);
+    says(&resumed, 1, &["right", "mask.rle", "segment again, or move the file away"]);
+}
+
+#[test]
 fn masks_in_a_folder_of_their_own_keep_their_times_where_the_recording_tells_them() {
     let folder = Folder::new("own_times");
     let dir = record(&folder, 4);

@@ -2,9 +2,9 @@
 
 use super::Options;
 use crate::times::Times;
-use image::GrayImage;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::rig::Rig;
+use ode_visual_hull::silhouette::PackedMask;
 use ode_visual_hull::{Error, Result};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,6 +16,8 @@ pub struct Masks {
     recording: Option<Recording>,
     /// Frames that keep the masks they have.
     kept: BTreeSet<u32>,
+    /// Whether they are written as run lengths.
+    as_runs: bool,
     /// Of masks that are written elsewhere, where nothing else tells; only where the recording does.
     times: Option<Times>,
 }
@@ -47,7 +49,7 @@ impl Masks {
             }
             _ => None,
         };
-        Ok(Self { dir, rig: rig.clone(), recording, kept, times })
+        Ok(Self { dir, rig: rig.clone(), recording, kept, as_runs: options.rle, times })
     }
 
     pub fn dir(&self) -> &Path {
@@ -60,12 +62,17 @@ impl Masks {
     }
 
     /// Writes the masks of frame `number`, taken at `time` seconds.
-    pub fn write(&mut self, number: u32, time: f64, masks: &[GrayImage]) -> Result<()> {
+    pub fn write(&mut self, number: u32, time: f64, masks: &[PackedMask]) -> Result<()> {
         let recording = match &mut self.recording {
             Some(recording) => recording,
             none => none.insert(Recording::resume(&self.dir, &self.rig)?),
         };
-        recording.write_masks(number, masks)?;
+        if self.as_runs {
+            recording.write_packed_masks(number, masks)?;
+        } else {
+            let masks: Vec<_> = masks.iter().map(PackedMask::to_mask).collect();
+            recording.write_masks(number, &masks)?;
+        }
         self.times.as_mut().map_or(Ok(()), |times| times.add(number, time))
     }
 }

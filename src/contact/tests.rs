@@ -6,13 +6,18 @@ use crate::sample::{self, BodyShape};
 use crate::silhouette::{Border, Silhouette};
 use crate::synthetic::{Paint, Placed, Solid, Subject, coverage, layout};
 use nalgebra::{UnitQuaternion, point, vector};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// A pixel of the rig here at the table, in metres: 0.45 rad over 640 pixels at about 3 m.
 const PIXEL: f64 = 0.0022;
 
-/// A table of 0.5 x 0.5 x 0.4 m around the origin, seen with coverage.
-fn table() -> Hull {
+/// A table of 0.5 x 0.5 x 0.4 m around the origin, seen with coverage. Drawn once for all tests.
+fn table() -> &'static Hull {
+    static TABLE: LazyLock<Hull> = LazyLock::new(draw_table);
+    &TABLE
+}
+
+fn draw_table() -> Hull {
     let lengths = vector![0.5, 0.5, 0.4];
     let placed =
         Placed::new(Solid::cuboid(lengths).unwrap(), Isometry3::identity(), Paint::plain([200, 60, 40]));
@@ -35,7 +40,7 @@ fn at(x: f64, y: f64, z: f64) -> Isometry3<f64> {
 }
 
 fn contacts(body: &Samples, pose: &Isometry3<f64>) -> Vec<Contact> {
-    collide(&table(), body, pose, &Settings::default(), None).contacts().collect()
+    collide(table(), body, pose, &Settings::default(), None).contacts().collect()
 }
 
 /// A box turned a little about z stands 5 mm deep in the top at (0.03, -0.02).
@@ -82,7 +87,7 @@ fn depth_is_capped_but_in_paper_mode() {
     let hull = table();
     let deepest = |mode| {
         let settings = Settings { mode, ..Settings::default() };
-        let found = collide(&hull, &cube(), &deep, &settings, None);
+        let found = collide(hull, &cube(), &deep, &settings, None);
         found.points.iter().map(|point| point.depth).fold(0.0, f64::max)
     };
     assert_eq!(deepest(Mode::Clustered), 0.05);
@@ -123,12 +128,12 @@ fn a_pierced_body_is_led_out_one_way_and_keeps_it() {
     // The table stands through a wide plate: no sample's exit direction runs against the plate's own normal.
     let plate = sample::box_(vector![0.8, 0.8, 0.2], 0.05).unwrap();
     let (hull, settings) = (table(), Settings::default());
-    let first = collide(&hull, &plate, &at(0.0, 0.0, 0.0), &settings, None);
+    let first = collide(hull, &plate, &at(0.0, 0.0, 0.0), &settings, None);
     let way = first.escape.expect("none of its samples is supported");
     assert!(way.angle(&Vector3::z()) < 0.1, "up is shortest: {way}");
     assert!(first.contacts().all(|contact| contact.direction == way));
     // Another way stays preferred once taken, unless it is more than three times as long.
-    let second = collide(&hull, &plate, &at(0.0, 0.0, 0.0), &settings, Some(Vector3::x()));
+    let second = collide(hull, &plate, &at(0.0, 0.0, 0.0), &settings, Some(Vector3::x()));
     assert_eq!(second.escape, Some(Vector3::x()));
 }
 
@@ -145,7 +150,7 @@ fn reduction_keeps_the_deepest_and_the_spread_whatever_the_cap() {
     let tilted = at(0.0, 0.0, 0.293) * UnitQuaternion::from_euler_angles(0.001, 0.002, 0.0);
     let with_cap = |cap| {
         let settings = Settings { max_contacts: cap, ..Settings::default() };
-        collide(&hull, &cube(), &tilted, &settings, None).contacts().collect::<Vec<_>>()
+        collide(hull, &cube(), &tilted, &settings, None).contacts().collect::<Vec<_>>()
     };
     let all = with_cap(10_000);
     let deepest = all.iter().map(|contact| contact.depth).fold(0.0, f64::max);
@@ -168,7 +173,7 @@ fn the_choice_of_samples_does_not_flicker_while_a_box_trembles() {
         // At rest 3 mm deep; a tremble of 20 micrometres and of as many microradians.
         let pose = at(0.03 + tremble, -0.02, 0.297 - tremble)
             * UnitQuaternion::from_euler_angles(tremble, -0.5 * tremble, 0.3);
-        let found = collide(&hull, &body, &pose, &Settings::default(), None);
+        let found = collide(hull, &body, &pose, &Settings::default(), None);
         found.points.iter().map(|point| pose.inverse_transform_point(&point.point)).collect()
     };
     let still = chosen(0.0);
@@ -182,7 +187,7 @@ fn the_choice_of_samples_does_not_flicker_while_a_box_trembles() {
 #[test]
 fn the_same_question_has_the_same_bits_as_answer() {
     let hull = table();
-    let ask = || collide(&hull, &cube(), &standing(), &Settings::default(), None);
+    let ask = || collide(hull, &cube(), &standing(), &Settings::default(), None);
     assert_eq!(ask(), ask());
 }
 
@@ -191,7 +196,7 @@ fn the_body_response_moves_the_body_out() {
     let hull = table();
     for (x, z) in [(0.0, 0.29), (0.34, 0.05), (0.33, 0.26)] {
         let pose = at(x, 0.0, z);
-        let response = body_response(&hull, &cube(), &pose);
+        let response = body_response(hull, &cube(), &pose);
         assert!(response.colliding > 0);
         let moved = Isometry3::translation(response.vector.x, response.vector.y, response.vector.z) * pose;
         let left = cube().points().iter().filter(|s| hull.inside(&(moved * s.point))).count();
@@ -232,7 +237,7 @@ fn bodies_get_the_same_contacts_side_by_side_as_alone() {
         [(Mode::Clustered, 8), (Mode::Clustered, 3), (Mode::Paper, 8), (Mode::Point, 8), (Mode::Single, 8)]
     {
         let settings = Settings { mode, max_contacts, ..Settings::default() };
-        collide_many(&hull, &bodies, &settings, &mut found);
+        collide_many(hull, &bodies, &settings, &mut found);
         assert_eq!(found.len(), bodies.len());
         let mut escapes = 0;
         for (k, (found, Body { samples, hull_from_body, last_escape })) in
@@ -240,7 +245,7 @@ fn bodies_get_the_same_contacts_side_by_side_as_alone() {
         {
             assert_eq!(
                 *found,
-                collide(&hull, samples, hull_from_body, &settings, *last_escape),
+                collide(hull, samples, hull_from_body, &settings, *last_escape),
                 "{k}, {mode:?}"
             );
             escapes += usize::from(found.escape.is_some());
@@ -258,7 +263,7 @@ fn every_shape_on_the_table_is_pushed_up() {
         let samples = shape.sample(0.03).unwrap();
         for mode in [Mode::Clustered, Mode::Paper, Mode::Point, Mode::Single] {
             let settings = Settings { mode, ..Settings::default() };
-            let found = collide(&hull, &samples, &at(0.0, 0.01, 0.296), &settings, None);
+            let found = collide(hull, &samples, &at(0.0, 0.01, 0.296), &settings, None);
             let found: Vec<_> = found.contacts().collect();
             assert!(!found.is_empty(), "{shape:?} {mode:?}");
             // The paper's 5x5 normals are off by up to 6.6 degrees, and more in single samples.

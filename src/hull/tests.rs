@@ -6,7 +6,7 @@ use crate::camera::{Camera, Ray};
 use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
 use nalgebra::{Vector3, point, vector};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A small fixed-seed generator: splitmix64.
 pub(super) struct Random(pub u64);
@@ -65,6 +65,14 @@ fn sees_subject(ray: &Ray, with_slab: bool) -> bool {
     (nearest - point![0.05, 0.0, 0.35]).norm() < 0.3 || (with_slab && on_slab)
 }
 
+/// What the cameras see of the subject, by `samples` times `samples` rays a pixel, at most 8 times 8. Drawn once for all
+/// tests, since it takes longer than most of them.
+fn masks(samples: u32) -> &'static [GrayImage] {
+    static MASKS: [OnceLock<Vec<GrayImage>>; 9] = [const { OnceLock::new() }; 9];
+    let draw = || cameras().iter().map(|camera| mask(camera, samples)).collect();
+    MASKS[samples as usize].get_or_init(draw)
+}
+
 fn mask(camera: &Camera, samples: u32) -> GrayImage {
     let (width, height) = camera.size();
     GrayImage::from_fn(width, height, |i, j| {
@@ -80,11 +88,10 @@ fn mask(camera: &Camera, samples: u32) -> GrayImage {
 
 pub(super) fn hull(unseen: Unseen, samples: u32) -> Hull {
     let border = if unseen == Unseen::Outside { Border::Background } else { Border::Open };
-    let view = |camera: Camera| {
-        let silhouette = Silhouette::new(&mask(&camera, samples), border);
-        View::new(Arc::new(camera), Arc::new(silhouette), None)
+    let view = |(camera, mask): (Camera, &GrayImage)| {
+        View::new(Arc::new(camera), Arc::new(Silhouette::new(mask, border)), None)
     };
-    Hull::new(cameras().into_iter().map(view).collect(), bounds(), unseen, 0.0)
+    Hull::new(cameras().into_iter().zip(masks(samples)).map(view).collect(), bounds(), unseen, 0.0)
 }
 
 pub(super) const POLICIES: [Unseen; 2] = [Unseen::Outside, Unseen::Abstain { min_views: 3 }];

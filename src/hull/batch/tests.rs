@@ -6,7 +6,7 @@ use super::*;
 use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
 use nalgebra::{point, vector};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// What a hull's views are like.
 #[derive(Debug, Clone, Copy)]
@@ -20,8 +20,13 @@ struct Kind {
 }
 
 /// Hulls with and without coverage; and of masks full of specks and holes, some of them up to the image's border, by
-/// both policies, with and without lenses.
-fn hulls() -> Vec<Hull> {
+/// both policies, with and without lenses. Drawn once for all tests.
+fn hulls() -> &'static [Hull] {
+    static HULLS: LazyLock<Vec<Hull>> = LazyLock::new(draw_hulls);
+    &HULLS
+}
+
+fn draw_hulls() -> Vec<Hull> {
     let plain = POLICIES.into_iter().flat_map(|unseen| [1, 4].map(|samples| hull(unseen, samples)));
     let both = [false, true];
     let kinds = POLICIES.into_iter().flat_map(|unseen| {
@@ -145,7 +150,7 @@ fn the_first_few_rays_are_the_first_of_all() {
     let (mut scratch, mut places, mut all, mut few) =
         (Scratch::default(), Vec::new(), Vec::new(), Vec::new());
     for hull in hulls() {
-        let points = points(&hull, 1003);
+        let points = points(hull, 1003);
         hull.exit_rays(&points, EdgeModel::Coverage, usize::MAX, &mut scratch, &mut places, &mut all);
         for most in [0, 1, 7, 40] {
             hull.exit_rays(&points, EdgeModel::Coverage, most, &mut scratch, &mut places, &mut few);
@@ -185,7 +190,7 @@ fn many_exits_have_the_bits_of_single_ones() {
 fn what_provably_exits_before_has_a_shorter_exit() {
     let (mut scratch, mut places, mut rays, mut random) =
         (Scratch::default(), Vec::new(), Vec::new(), Random(11));
-    for hull in &hulls() {
+    for hull in hulls() {
         for edge in [EdgeModel::Pixel, EdgeModel::Coverage] {
             hull.exit_rays(&points(hull, 1003), edge, usize::MAX, &mut scratch, &mut places, &mut rays);
             let (mut proven, mut shorter) = (0, 0);

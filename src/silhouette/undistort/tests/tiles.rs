@@ -101,7 +101,8 @@ fn masks_drawn_by_tiles_are_those_that_apply_makes_whatever_was_in_their_memory(
     let mut random = Random(3);
     let (mut silhouette, mut tiles) = (Silhouette::blank(Border::Open), TileMask::default());
     let mut filled = 0;
-    for k in 0..112 {
+    // Each kind of size seven times, by each kind of mask and border.
+    for k in 0..56 {
         let camera = random_camera(&mut random, k);
         let Some(lens) = Undistortion::new(&camera) else { continue };
         for n in 0..9 {
@@ -110,7 +111,7 @@ fn masks_drawn_by_tiles_are_those_that_apply_makes_whatever_was_in_their_memory(
             filled += check(&mut silhouette, &mut tiles, &lens, &mask, &what);
         }
     }
-    assert!(filled > 500, "{filled}");
+    assert!(filled > 250, "{filled}");
 }
 
 #[test]

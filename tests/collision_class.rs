@@ -177,6 +177,8 @@ fn the_hull_works_in_nested_spaces() {
 #[test]
 fn a_frame_published_between_two_collides_takes_effect_with_the_next() {
     let cameras = table_cameras();
+    let lifted = masks_of(&cameras, &Subject::new(vec![cuboid(TABLE, at(0.0, 0.0, 0.18))]));
+    let gone = masks_of(&cameras, &Subject::new(Vec::new()));
     for kind in space_kinds() {
         let data = table();
         let mut world = world(kind);
@@ -195,10 +197,9 @@ fn a_frame_published_between_two_collides_takes_effect_with_the_next() {
             found
         };
         assert_eq!(touching(&mut world), 0);
-        let lifted = Subject::new(vec![cuboid(TABLE, at(0.0, 0.0, 0.18))]);
-        show(&data, &cameras, &lifted, 1.0);
+        publish(&data, &lifted, 1.0);
         assert!(touching(&mut world) > 0, "{kind:?}");
-        show(&data, &cameras, &Subject::new(Vec::new()), 2.0);
+        publish(&data, &gone, 2.0);
         assert_eq!(touching(&mut world), 0, "{kind:?}");
     }
 }

@@ -41,10 +41,20 @@ pub fn data_with(cameras: &[Camera]) -> Arc<HullData> {
     Arc::new(data)
 }
 
+/// What each camera sees of `subject`, with coverage.
+pub fn masks_of(cameras: &[Camera], subject: &Subject) -> Vec<GrayImage> {
+    cameras.iter().map(|camera| coverage(camera, subject)).collect()
+}
+
 /// Shows `subject` to all views and publishes it.
 pub fn show(data: &HullData, cameras: &[Camera], subject: &Subject, time: f64) {
-    for (view, camera) in cameras.iter().enumerate() {
-        data.set_mask(view, &coverage(camera, subject)).unwrap();
+    publish(data, &masks_of(cameras, subject), time);
+}
+
+/// Publishes a mask for each view as the frame of `time`.
+pub fn publish(data: &HullData, masks: &[GrayImage], time: f64) {
+    for (view, mask) in masks.iter().enumerate() {
+        data.set_mask(view, mask).unwrap();
     }
     data.update(time).unwrap();
 }
@@ -53,17 +63,14 @@ pub fn show(data: &HullData, cameras: &[Camera], subject: &Subject, time: f64) {
 pub fn table_masks() -> &'static [GrayImage] {
     static MASKS: LazyLock<Vec<GrayImage>> = LazyLock::new(|| {
         let table = Subject::new(vec![cuboid(TABLE, Isometry3::identity())]);
-        table_cameras().iter().map(|camera| coverage(camera, &table)).collect()
+        masks_of(&table_cameras(), &table)
     });
     &MASKS
 }
 
 /// Publishes the table as the frame of `time`.
 pub fn show_table(data: &HullData, time: f64) {
-    for (view, mask) in table_masks().iter().enumerate() {
-        data.set_mask(view, mask).unwrap();
-    }
-    data.update(time).unwrap();
+    publish(data, table_masks(), time);
 }
 
 /// The table, seen and published at time 0.

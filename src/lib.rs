@@ -27,8 +27,8 @@
 //! | [`ode`] | a safe wrapper of ODE, and the hull as a geometry class |
 //!
 //! Beside them: [`source`] brings colour images from folders, videos and cameras, [`segment`] makes silhouettes of
-//! them, [`pipeline`] takes the images of all cameras through both to the hull, [`recording`] reads and writes what cameras saw, [`calibration_check`] tells whether silhouettes fit one
-//! another, and [`synthetic`] renders subjects of known geometry, to try a camera layout before buying cameras.
+//! them, [`pipeline`] takes the images of all cameras through both to the hull, [`recording`] reads and writes what
+//! cameras saw, [`calibration_check`] tells whether silhouettes fit one another, and [`synthetic`] renders subjects of known geometry, to try a camera layout before buying cameras.
 //!
 //! # Features
 //!

@@ -1,4 +1,4 @@
-//! A mask in somebody else's memory.
+//! A mask in memory of the caller's.
 
 use crate::{Error, Result};
 use image::GrayImage;

@@ -1,10 +1,10 @@
 //! The views, masks and frames of one subject: what cameras write and simulations read.
 
-use super::slot::{Mask, Slot};
+use super::slot::Slot;
 use super::{Aabb, Hull, Unseen, View};
 use crate::camera::Camera;
 use crate::lock::lock;
-use crate::silhouette::{Border, MaskView, PackedMask};
+use crate::silhouette::{Border, IncomingMask, MaskView, PackedMask};
 use crate::{Error, Result};
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -132,7 +132,7 @@ impl HullData {
     /// An index out of range; a mask of another size than the camera's image; a full mask, which says that the
     /// segmentation failed. The last good mask then stays. An empty mask is no error: the subject may have left.
     pub fn set_mask<'a>(&self, view: usize, mask: impl Into<MaskView<'a>>) -> Result<()> {
-        self.set(view, Mask::Bytes(mask.into()), None)
+        self.set(view, IncomingMask::Bytes(mask.into()), None)
     }
 
     /// Gives a view its next mask, which was taken at `time` seconds. One without a time of its own counts as taken at
@@ -142,7 +142,7 @@ impl HullData {
     /// A time that is not finite or lies before that of the view's last mask; otherwise as
     /// [`set_mask`](Self::set_mask).
     pub fn set_mask_at<'a>(&self, view: usize, mask: impl Into<MaskView<'a>>, time: f64) -> Result<()> {
-        self.set(view, Mask::Bytes(mask.into()), Some(time))
+        self.set(view, IncomingMask::Bytes(mask.into()), Some(time))
     }
 
     /// Gives a view its next mask, packed, and prepares it.
@@ -150,7 +150,7 @@ impl HullData {
     /// # Errors
     /// As [`set_mask`](Self::set_mask).
     pub fn set_packed(&self, view: usize, mask: &PackedMask) -> Result<()> {
-        self.set(view, Mask::Packed(mask), None)
+        self.set(view, IncomingMask::Packed(mask), None)
     }
 
     /// Gives a view its next mask, packed, which was taken at `time` seconds.
@@ -158,10 +158,10 @@ impl HullData {
     /// # Errors
     /// As [`set_mask_at`](Self::set_mask_at).
     pub fn set_packed_at(&self, view: usize, mask: &PackedMask, time: f64) -> Result<()> {
-        self.set(view, Mask::Packed(mask), Some(time))
+        self.set(view, IncomingMask::Packed(mask), Some(time))
     }
 
-    fn set(&self, view: usize, mask: Mask, time: Option<f64>) -> Result<()> {
+    fn set(&self, view: usize, mask: IncomingMask, time: Option<f64>) -> Result<()> {
         let (mut preparation, border) = {
             let mut state = self.lock();
             let border = border_of(state.unseen);

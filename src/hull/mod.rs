@@ -18,7 +18,6 @@ mod frustum;
 mod image_line;
 mod many;
 mod march;
-mod mask_ring;
 mod ray;
 pub mod reference;
 mod response;

@@ -1,11 +1,11 @@
 //! One view of a data object: its camera, its latest silhouettes, and memory recycled from past ones.
 
-use super::mask_ring::{MaskRing, TimedMask};
 use super::{Aabb, View};
 use crate::camera::Camera;
-use crate::silhouette::{Border, MaskView, PackedMask, SUBJECT, Silhouette, Tables, TileMask, Undistortion};
+use crate::silhouette::{
+    Border, IncomingMask, MaskRing, MaskScratch, SUBJECT, Silhouette, Tables, TimedMask, Undistortion,
+};
 use crate::{Error, Result};
-use image::GrayImage;
 use std::sync::Arc;
 
 /// As many silhouettes, and as many sets of tables, are kept for the next masks of a view.
@@ -23,7 +23,7 @@ pub(super) struct Slot {
     recycled_silhouettes: Vec<Arc<Silhouette>>,
     /// Tables of past silhouettes: memory for those of the next masks, nine tenths of all.
     recycled_tables: Vec<Tables>,
-    scratch: Scratch,
+    scratch: MaskScratch,
 }
 
 /// What never changes of a view.
@@ -40,25 +40,7 @@ pub(super) struct Lens {
 pub(super) struct Preparation {
     lens: Arc<Lens>,
     silhouette: Arc<Silhouette>,
-    scratch: Scratch,
-}
-
-/// A mask as it comes in.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Mask<'a> {
-    Bytes(MaskView<'a>),
-    Packed(&'a PackedMask),
-}
-
-/// Memory for a mask on its way to a silhouette.
-#[derive(Debug, Default)]
-struct Scratch {
-    /// Of bytes that a pinhole saw.
-    packed: PackedMask,
-    /// Of packed pixels that a lens saw.
-    bytes: GrayImage,
-    /// Of what a lens saw, as its pinhole would see it.
-    tiles: TileMask,
+    scratch: MaskScratch,
 }
 
 impl Slot {
@@ -85,7 +67,7 @@ impl Slot {
             sees: None,
             recycled_silhouettes: Vec::new(),
             recycled_tables: Vec::new(),
-            scratch: Scratch::default(),
+            scratch: MaskScratch::default(),
         })
     }
 
@@ -242,7 +224,7 @@ impl Preparation {
     ///
     /// # Errors
     /// As [`HullData::set_mask`](super::HullData::set_mask).
-    pub(super) fn prepare(&mut self, mask: Mask, border: Border) -> Result<()> {
+    pub(super) fn prepare(&mut self, mask: IncomingMask, border: Border) -> Result<()> {
         self.lens.check_size(mask.size())?;
 
         // A silhouette that has another owner too stays as it is.
@@ -253,7 +235,7 @@ impl Preparation {
             unreachable!("a new silhouette has one owner");
         };
 
-        let Scratch { packed, bytes, tiles } = &mut self.scratch;
+        let MaskScratch { packed, bytes, tiles } = &mut self.scratch;
         let is_full = match &self.lens.undistortion {
             Some(lens) => !silhouette.refill_undistorted(&mask.bytes(bytes), lens, border, tiles)?,
             None => {
@@ -265,37 +247,6 @@ impl Preparation {
             }
         };
         if is_full { Err(self.lens.full_mask()) } else { Ok(()) }
-    }
-}
-
-impl<'a> Mask<'a> {
-    fn size(self) -> (u32, u32) {
-        match self {
-            Self::Bytes(view) => view.size(),
-            Self::Packed(packed) => packed.size(),
-        }
-    }
-
-    /// The mask as bytes, for which there is `memory`.
-    fn bytes(self, memory: &'a mut GrayImage) -> MaskView<'a> {
-        match self {
-            Self::Bytes(view) => view,
-            Self::Packed(packed) => {
-                packed.write_to(memory);
-                MaskView::from(&*memory)
-            }
-        }
-    }
-
-    /// The mask packed, for which there is `memory`.
-    fn packed(self, memory: &'a mut PackedMask) -> &'a PackedMask {
-        match self {
-            Self::Bytes(view) => {
-                memory.pack(view);
-                memory
-            }
-            Self::Packed(packed) => packed,
-        }
     }
 }
 

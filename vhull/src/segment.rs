@@ -68,7 +68,7 @@ pub struct Options {
     /// Write over the masks that are there.
     #[arg(long)]
     force: bool,
-    /// Write the masks as run lengths, one file CAMERA/mask.rle a camera: about a fortieth of the bytes.
+    /// Write the masks as run lengths, one file CAMERA/mask.rle a camera, in less than half the bytes of pictures.
     #[arg(long)]
     rle: bool,
 }

@@ -73,7 +73,7 @@ impl Recording {
         check_folder(dir)?;
         check_names(&rig)?;
         let recording = Self::list(dir, rig)?;
-        let Self { rig, images, masks, videos, .. } = &recording;
+        let Self { rig, images, masks, mask_files, videos, .. } = &recording;
         for (camera, video) in rig.cameras().iter().zip(videos) {
             let folder = dir.join(camera.name());
             if !folder.is_dir() && video.is_none() {
@@ -86,7 +86,11 @@ impl Recording {
             !images.common.is_empty() || (videos.iter().any(Option::is_some) && recording.has_images());
         if masks.common.is_empty() && (masks.any() || !shows) {
             let wanted = if masks.any() || !images.any() { masks } else { images };
-            return Err(Error::file(dir, wanted.nothing_in_common(rig)));
+            let mut problem = wanted.nothing_in_common(rig);
+            for (file, frame) in mask_files.iter().filter_map(|file| Some((file, file.cut_off()?))) {
+                problem += &format!("; {} ends within the mask of frame {frame}", file.path().display());
+            }
+            return Err(Error::file(dir, problem));
         }
         Ok(recording)
     }

@@ -26,6 +26,8 @@ pub(super) struct MaskFile {
     places: BTreeMap<u32, (u64, u32)>,
     /// Where the next record goes.
     end: u64,
+    /// The frame of a last record that is cut off.
+    cut_off: Option<u32>,
 }
 
 impl MaskFile {
@@ -34,7 +36,7 @@ impl MaskFile {
     /// # Errors
     /// A file that cannot be read, or that is none of masks.
     pub(super) fn open(path: PathBuf) -> Result<Self> {
-        let mut file = Self { path, places: BTreeMap::new(), end: 0 };
+        let mut file = Self { path, places: BTreeMap::new(), end: 0, cut_off: None };
         match File::open(&file.path) {
             Ok(opened) => file.list(opened).map_err(|e| file.unreadable(&e))?,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(file),
@@ -71,6 +73,7 @@ impl MaskFile {
             let (frame, bytes) = (u32::from_le_bytes(*frame), u32::from_le_bytes(*bytes));
             let start = self.end + RECORD as u64;
             if start + u64::from(bytes) > length {
+                self.cut_off = Some(frame);
                 break;
             }
             file.seek_relative(i64::from(bytes))?;
@@ -90,6 +93,11 @@ impl MaskFile {
 
     pub(super) fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The frame whose mask is cut off at the file's end, if any is.
+    pub(super) fn cut_off(&self) -> Option<u32> {
+        self.cut_off
     }
 
     /// The frames that have a mask, ascending.
@@ -139,6 +147,7 @@ impl MaskFile {
             file.write_all(&bytes)
         };
         write().map_err(|e| Error::unwritten(&self.path, &e))?;
+        self.cut_off = None;
         self.place(frame, self.end + (bytes.len() - coded.len()) as u64, coded.len() as u32);
         Ok(())
     }

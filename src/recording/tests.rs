@@ -251,3 +251,16 @@ fn two_masks_of_one_frame_are_refused() {
         "{message}"
     );
 }
+
+#[test]
+fn a_mask_that_is_cut_off_is_told_where_no_frame_is_left() {
+    let folder = Folder::new("cut-off");
+    let mut recording = Recording::create(folder.join("r"), &rig()).unwrap();
+    let packed: Vec<_> = masks(200).iter().map(PackedMask::new).collect();
+    recording.write_packed_masks(7, &packed).unwrap();
+    let path = folder.join("r/right/mask.rle");
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+    let message = Recording::open(folder.join("r")).unwrap_err().to_string();
+    assert!(message.contains("mask.rle ends within the mask of frame 7"), "{message}");
+}

@@ -52,7 +52,7 @@ pub(super) struct Region {
     is_open: bool,
     /// A row of bits and what lies beyond the image on both sides.
     long_row: Vec<u64>,
-    /// The same of a mask drawn by tiles.
+    /// A row of a mask drawn by tiles, with what lies beyond the image.
     row: Vec<u8>,
 }
 

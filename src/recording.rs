@@ -224,11 +224,15 @@ impl Recording {
     /// As [`write_masks`](Self::write_masks).
     pub fn write_packed_masks(&mut self, frame: u32, masks: &[PackedMask]) -> Result<()> {
         self.check_sizes("masks", masks.iter().map(PackedMask::size))?;
+        let states: Vec<_> = self.mask_files.iter().map(|file| file.state(frame)).collect();
         for (written, mask) in masks.iter().enumerate() {
             make_folder(&self.dir.join(self.name(written)))?;
             if let Err(e) = self.mask_files[written].write(frame, Some(mask)) {
                 // What cannot be taken back either is told by the first error.
-                self.mask_files[..written].iter_mut().for_each(|file| drop(file.write(frame, None)));
+                self.mask_files[..written]
+                    .iter_mut()
+                    .zip(states)
+                    .for_each(|(file, state)| drop(file.undo(state)));
                 return Err(Error::view(self.name(written), e));
             }
         }

@@ -2,8 +2,8 @@
 //!
 //! The file begins with a mark. Then come records: a frame's number and the length of what follows in bytes, each as a
 //! number of 32 bits, the lower byte first, and a mask as [`PackedMask::encode`] writes it. Of two records of one frame the
-//! later one counts; one without any bytes takes the frame's mask away. A last record that is cut off, as where writing
-//! was interrupted, counts as not there.
+//! later one counts; one without any bytes takes the frame's mask away. A mark or a last record that is cut off, as where
+//! writing was interrupted, counts as not there.
 
 use crate::silhouette::PackedMask;
 use crate::{Error, Result};
@@ -30,6 +30,14 @@ pub(super) struct MaskFile {
     cut_off: Option<u32>,
 }
 
+/// Where a mask file ends, and the mask of a frame in it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct State {
+    frame: u32,
+    place: Option<(u64, u32)>,
+    end: u64,
+}
+
 impl MaskFile {
     /// The file at `path`, which need not be there yet.
     ///
@@ -37,33 +45,30 @@ impl MaskFile {
     /// A file that cannot be read, or that is none of masks.
     pub(super) fn open(path: PathBuf) -> Result<Self> {
         let mut file = Self { path, places: BTreeMap::new(), end: 0, cut_off: None };
-        match File::open(&file.path) {
-            Ok(opened) => file.list(opened).map_err(|e| file.unreadable(&e))?,
+        let opened = match File::open(&file.path) {
+            Ok(opened) => opened,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(file),
             Err(e) => return Err(file.unreadable(&e)),
+        };
+        if file.list(opened).map_err(|e| file.unreadable(&e))? {
+            return Ok(file);
         }
-        if file.end == 0 {
-            let problem = format!(
-                "expected masks as run lengths, which begin with {:?}, found something else; segment again, or move \
-                 the file away",
-                String::from_utf8_lossy(&MARK)
-            );
-            return Err(Error::file(&file.path, problem));
-        }
-        Ok(file)
+        let problem = format!(
+            "expected masks as run lengths, which begin with {:?}, found something else; segment again, or move the \
+             file away",
+            String::from_utf8_lossy(&MARK)
+        );
+        Err(Error::file(&file.path, problem))
     }
 
-    /// Finds the records; the end stays zero where the mark is missing.
-    fn list(&mut self, file: File) -> io::Result<()> {
+    /// Finds the records; returns whether the file is one of masks.
+    fn list(&mut self, file: File) -> io::Result<bool> {
         let length = file.metadata()?.len();
         let mut file = BufReader::new(file);
-        let mut mark = [0; MARK.len()];
-        if length < MARK.len() as u64 {
-            return Ok(());
-        }
-        file.read_exact(&mut mark)?;
+        let mut mark = Vec::new();
+        file.by_ref().take(MARK.len() as u64).read_to_end(&mut mark)?;
         if mark != MARK {
-            return Ok(());
+            return Ok(MARK.starts_with(&mark));
         }
         self.end = MARK.len() as u64;
         while self.end + RECORD as u64 <= length {
@@ -79,7 +84,7 @@ impl MaskFile {
             file.seek_relative(i64::from(bytes))?;
             self.place(frame, start, bytes);
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Takes note of a record.
@@ -150,6 +155,22 @@ impl MaskFile {
         self.cut_off = None;
         self.place(frame, self.end + (bytes.len() - coded.len()) as u64, coded.len() as u32);
         Ok(())
+    }
+
+    /// Where the file stands for a frame, to come back to by [`Self::undo`].
+    pub(super) fn state(&self, frame: u32) -> State {
+        State { frame, place: self.places.get(&frame).copied(), end: self.end }
+    }
+
+    /// Forgets what was written since `state`, which the next record is written over.
+    pub(super) fn undo(&mut self, state: State) -> Result<()> {
+        self.end = state.end;
+        match state.place {
+            Some(place) => self.places.insert(state.frame, place),
+            None => self.places.remove(&state.frame),
+        };
+        let file = OpenOptions::new().write(true).open(&self.path);
+        file.and_then(|file| file.set_len(self.end)).map_err(|e| Error::unwritten(&self.path, &e))
     }
 
     fn unreadable(&self, error: &io::Error) -> Error {

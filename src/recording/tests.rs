@@ -264,3 +264,24 @@ fn a_mask_that_is_cut_off_is_told_where_no_frame_is_left() {
     let message = Recording::open(folder.join("r")).unwrap_err().to_string();
     assert!(message.contains("mask.rle ends within the mask of frame 7"), "{message}");
 }
+
+#[test]
+fn where_one_mask_cannot_be_written_as_run_lengths_the_others_stay_as_they_were() {
+    let folder = Folder::new("all-or-none");
+    let mut recording = Recording::create(folder.join("r"), &rig()).unwrap();
+    let packed = |value| masks(value).iter().map(PackedMask::new).collect::<Vec<_>>();
+    recording.write_packed_masks(7, &packed(200)).unwrap();
+    let path = folder.join("r/left/mask.rle");
+    let before = std::fs::read(&path).unwrap();
+
+    // A folder in the place of the second camera's file.
+    let other = folder.join("r/right/mask.rle");
+    std::fs::remove_file(&other).unwrap();
+    std::fs::create_dir(&other).unwrap();
+    for frame in [7, 8] {
+        let message = recording.write_packed_masks(frame, &packed(150)).unwrap_err().to_string();
+        assert!(message.contains("right") && message.contains("mask.rle"), "{message}");
+        assert_eq!(std::fs::read(&path).unwrap(), before);
+    }
+    assert_eq!(recording.frames(), [7]);
+}

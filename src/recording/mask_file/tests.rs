@@ -32,6 +32,13 @@ fn a_last_mask_that_is_cut_off_counts_as_not_there_and_is_written_over() {
     let whole = std::fs::metadata(&path).unwrap().len();
     file.write(1, Some(&mask(200))).unwrap();
     let bytes = std::fs::read(&path).unwrap();
+    for length in 0..MARK.len() {
+        std::fs::write(&path, &bytes[..length]).unwrap();
+        let mut file = MaskFile::open(path.clone()).unwrap();
+        assert_eq!(file.frames().count(), 0, "{length}");
+        file.write(2, Some(&mask(140))).unwrap();
+        assert_eq!(MaskFile::open(path.clone()).unwrap().read(2).unwrap(), Some(mask(140)), "{length}");
+    }
     for length in whole as usize + 1..bytes.len() {
         std::fs::write(&path, &bytes[..length]).unwrap();
         let mut file = MaskFile::open(path.clone()).unwrap();
@@ -46,7 +53,7 @@ fn a_last_mask_that_is_cut_off_counts_as_not_there_and_is_written_over() {
 fn another_kind_of_file_and_changed_masks_are_refused_by_name() {
     let folder = Folder::new("mask-file-bad");
     let path = folder.join("mask.rle");
-    for content in [&b""[..], b"VHR", b"\x89PNG\r\n\x1a\n...."] {
+    for content in [&b"VHRX"[..], b"VHRMASK2", b"\x89PNG\r\n\x1a\n...."] {
         std::fs::write(&path, content).unwrap();
         let message = MaskFile::open(path.clone()).unwrap_err().to_string();
         assert!(message.contains("mask.rle") && message.contains("VHRMASK1"), "{message}");

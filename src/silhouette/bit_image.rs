@@ -111,11 +111,6 @@ impl BitImage {
         Rect { x0: left.unwrap_or(0) as i32, y0: first as i32, x1: right as i32, y1: last as i32 + 1 }
     }
 
-    /// Bytes of memory behind it.
-    pub(crate) fn memory(&self) -> usize {
-        8 * self.words.capacity()
-    }
-
     /// Makes this a copy of `other`.
     pub(crate) fn copy(&mut self, other: &Self) {
         self.resize(other.width, other.height);

@@ -157,11 +157,6 @@ impl PackedMask {
         }
     }
 
-    /// Bytes of memory that it takes.
-    pub fn memory(&self) -> usize {
-        self.subject.memory() + self.coverage.memory()
-    }
-
     pub(crate) fn subject(&self) -> &BitImage {
         &self.subject
     }
@@ -222,10 +217,6 @@ impl Coverage {
             Some([.., start, end]) => *start as usize..*end as usize,
             _ => 0..0,
         }
-    }
-
-    fn memory(&self) -> usize {
-        4 * (self.ends.capacity() + self.columns.capacity()) + self.bytes.capacity()
     }
 }
 

@@ -36,9 +36,6 @@ const BEFORE: usize = 1;
 /// Words behind a row: the margin and what the region's width is rounded up by, and one that is read beside the last.
 const BEHIND: usize = 3;
 
-/// Words that are read beyond a row.
-const BLOCK: usize = 8;
-
 /// Bits and bytes of a region, row-major.
 #[derive(Debug, Default)]
 pub(super) struct Region {
@@ -185,9 +182,9 @@ impl Region {
         self.rect().width().div_ceil(WORD)
     }
 
-    /// Words before the first row's, and behind the last one's: a block and a row.
+    /// Words before the first row's, and behind the last one's: a row and a word.
     fn pad(&self) -> usize {
-        self.words() + BLOCK
+        self.words() + 1
     }
 
     pub(super) fn subject(&self) -> &[Word] {
@@ -197,8 +194,7 @@ impl Region {
 
     /// The same with a row and a word of background before and behind; not for an empty region.
     pub(super) fn subject_and_around(&self) -> &[Word] {
-        let beside = self.pad() - self.words() - 1;
-        &self.subject[beside..self.subject.len() - beside]
+        &self.subject
     }
 
     /// Rows of subject bits from pixel `(i, j)` on, of which the caller reads none that leaves the region.

@@ -31,7 +31,7 @@ fn none(path: &Path, found: &dyn std::fmt::Display) -> Error {
     )
 }
 
-/// Writes a PNG, whole or not at all: under another name first, which nobody reads.
+/// Writes a PNG, whole or not at all: under another name first, under which it is not read.
 pub(crate) fn write_png<P, C>(path: &Path, image: &ImageBuffer<P, C>) -> Result<()>
 where
     P: PixelWithColorType<Subpixel = u8>,

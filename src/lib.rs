@@ -7,7 +7,7 @@
 //! ```text
 //!      cam0 >- - - - - - .#####. - - - - - < cam2         a sample of a body's surface that all
 //!                        #  o--#-->                       silhouettes hold (o) collides; the nearest
-//!                        '#####'                          silhouette edge tells the way out
+//!                        '#####'                          silhouette edge tells which way and how far
 //!                           ^
 //!                         cam1
 //! ```

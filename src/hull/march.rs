@@ -206,7 +206,7 @@ impl<'a> March<'a> {
     }
 
     /// Whether the line, as it leaves `cells` at `t`, surely stays in the region for a pixel more, and before the
-    /// camera: then nobody need ask when exactly it leaves that.
+    /// camera: then it need not be asked when exactly it leaves that.
     fn goes_on(&self, cells: &Rect, t: f64) -> bool {
         let region = &self.region;
         let inner =

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Nothing is reconstructed. Each question is answered in the images: a point is projected into the views, the
-//! nearest silhouette edge is found there, its normal is taken back to the world, and the way out along it is walked
+//! nearest silhouette edge is found there, its normal is taken back to the world, and the line along it is walked
 //! through the masks (paper, section 4). [`mod@reference`] is the same algorithm written to be read.
 
 mod batch;

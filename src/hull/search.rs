@@ -53,7 +53,7 @@ impl Hull {
 
 /// Half-width of the window at iteration `k`, in pixels.
 pub(super) fn window_half_width(k: i64, growth: f64) -> i32 {
-    // Rounds down: what is negative is the window at k = -1, which nobody looks at.
+    // Rounds down: what is negative is the window at k = -1, which is not looked at.
     1 + (k as f64 * growth) as i32
 }
 

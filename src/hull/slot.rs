@@ -176,7 +176,7 @@ impl Slot {
     fn view(&mut self, mask: Option<(Arc<Silhouette>, f64)>, bounds: &Aabb) -> Result<View> {
         let (silhouette, time) = match mask {
             Some((silhouette, time)) => (silhouette, Some(time)),
-            // Nobody asks a disabled view.
+            // A disabled view is never asked.
             None if !self.enabled => (Arc::new(Silhouette::blank(Border::Open)), None),
             None => {
                 let problem =
@@ -240,10 +240,11 @@ impl Preparation {
             Some(lens) => !silhouette.refill_undistorted(&mask.bytes(bytes), lens, border, tiles)?,
             None => {
                 let packed = mask.packed(packed);
-                if !packed.is_full() {
+                let is_full = packed.is_full();
+                if !is_full {
                     silhouette.refill_packed(packed, border);
                 }
-                packed.is_full()
+                is_full
             }
         };
         if is_full { Err(self.lens.full_mask()) } else { Ok(()) }

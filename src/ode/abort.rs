@@ -19,7 +19,7 @@ thread_local! {
     static GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// What ODE said, on its way out.
+/// What ODE said, as it is unwound.
 struct Refusal(String);
 
 /// The result of `call`, or ODE's words where ODE would have aborted.

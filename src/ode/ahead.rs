@@ -28,7 +28,7 @@ use ode_sys::{
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-/// Steps in which nothing is asked ahead after most answers went unused: somebody moves bodies between questions.
+/// Steps in which nothing is asked ahead after most answers went unused: the program moves bodies between questions.
 const REST: u32 = 16;
 
 /// Geoms that are remembered of a step: enough for any, and few enough for a program that never asks for one twice.

@@ -1,4 +1,4 @@
-//! A mask in memory of the caller's.
+//! A mask that is borrowed from whatever holds its bytes.
 
 use crate::{Error, Result};
 use image::GrayImage;

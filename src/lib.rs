@@ -103,7 +103,6 @@
 #![cfg_attr(not(feature = "ode"), doc = "\n[`ode`]: #features")]
 #![deny(unsafe_code)]
 
-mod aabb;
 pub mod calibration_check;
 pub mod camera;
 #[cfg(feature = "ode")]
@@ -125,7 +124,6 @@ pub mod segment;
 pub mod silhouette;
 pub mod source;
 pub mod synthetic;
-mod vectorised;
 
 pub use error::{Error, Result, Untold};
 

@@ -13,8 +13,15 @@
 //! the principal point by one half. Lengths in metres, images in pixels.
 
 mod distortion;
+mod floor;
+mod footprint;
+pub(crate) mod frustum;
+mod image_line;
 
 pub use distortion::Distortion;
+pub(crate) use floor::{floor, floor_pixel};
+pub(crate) use footprint::Footprint;
+pub(crate) use image_line::{ImageLine, Leave};
 
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3, Matrix3x4, Point2, Point3, Rotation3, UnitQuaternion, Vector3};

@@ -12,30 +12,18 @@
 
 mod batch;
 mod cull;
-mod data;
-mod exit;
-mod frustum;
-mod image_line;
+mod live;
 mod many;
-mod march;
-mod ray;
+mod query;
 pub mod reference;
-mod response;
-mod search;
-mod sighting;
-mod slot;
-mod sweep;
 mod view;
 
-pub use crate::aabb::Aabb;
+pub use crate::math::aabb::Aabb;
 pub use crate::math::point_cloud::Points;
 pub(crate) use batch::{ExitRay, Scratch};
-pub use data::HullData;
+pub use live::HullData;
 pub use many::{Inside, PointResponse, Workspace};
-pub use march::EdgeModel;
-pub use ray::RayHit;
-pub use response::{Push, Response};
-pub use search::NearestEdge;
+pub use query::{EdgeModel, NearestEdge, Push, RayHit, Response};
 pub use view::{Verdict, View};
 
 use crate::silhouette::{Border, Silhouette};

@@ -3,7 +3,7 @@
 //! It reads masks pixel by pixel. What it shares with the code in use is the camera, the normals of an edge pixel and
 //! the policy for unseen points; the search, the distances and the walk are its own.
 
-use super::search::window_half_width;
+use super::query::window_half_width;
 use super::{Hull, Unseen, View};
 use crate::camera::MIN_DEPTH;
 use crate::silhouette::Rect;

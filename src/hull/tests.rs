@@ -167,29 +167,6 @@ fn exits_in_any_direction_agree_with_the_reference() {
 }
 
 #[test]
-fn an_exit_has_the_same_bits_whether_views_walk_alone_or_in_step() {
-    let mut asked = 0;
-    for (unseen, samples) in POLICIES.into_iter().flat_map(|unseen| [(unseen, 1), (unseen, 4)]) {
-        let hull = hull(unseen, samples);
-        let mut random = Random(8);
-        for k in 0..6000 {
-            let (p, direction) = (random.point(&bounds().grown(0.02)), random.direction());
-            let edge = if k % 2 == 0 { EdgeModel::Pixel } else { EdgeModel::Coverage };
-            if k % 3 != 0 && !hull.inside_by(&p, edge) {
-                continue;
-            }
-            let in_step =
-                sweep::Sweep::new(&hull, &p, &direction, edge).map_or(0.0, |mut sweep| sweep.exit().t);
-            assert_eq!(hull.exit(&p, &direction, edge).to_bits(), in_step.to_bits(), "{p} {direction}");
-            let within = hull.exit_within(&p, &direction, edge, 0.07);
-            assert_eq!(within.to_bits(), in_step.min(0.07).to_bits(), "{p} {direction}");
-            asked += usize::from(in_step > 0.0);
-        }
-    }
-    assert!(asked > 1000, "{asked}");
-}
-
-#[test]
 fn coverage_exits_are_where_bilinear_coverage_falls_below_one_half() {
     let hull = hull(Unseen::Outside, 8);
     let mut random = Random(5);

@@ -1,9 +1,9 @@
 //! One camera of a hull with its silhouette: a pinhole and a prepared mask.
 
-use super::{Aabb, EdgeModel, frustum};
-use crate::camera::{Camera, MIN_DEPTH, Pixel};
+use super::{Aabb, EdgeModel};
+use crate::camera::{Camera, Footprint, MIN_DEPTH, Pixel, floor_pixel, frustum};
 use crate::silhouette::{Border, Edge, HALF_COVERAGE, Rect, Silhouette};
-use nalgebra::{Matrix3, Matrix3x4, Point2, Point3, Vector2, Vector3};
+use nalgebra::{Matrix3x4, Point2, Point3, Vector2, Vector3};
 use std::sync::Arc;
 
 /// What one view says of a point.
@@ -31,50 +31,6 @@ pub struct View {
     rect: Rect,
     planes: [Vector3<f64>; 4],
     footprint: Footprint,
-}
-
-/// How many metres a pixel covers.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Footprint {
-    fx: f64,
-    fy: f64,
-    /// One pixel down moves (-s / (fx fy), 1 / fy) on the plane at depth 1: this many times 1 / fy. The skew s is zero
-    /// for most cameras.
-    down_stretch: f64,
-    /// Whether the step to the right is the smaller one at every depth.
-    is_right: bool,
-}
-
-impl Footprint {
-    fn new(k: &Matrix3<f64>) -> Self {
-        let (fx, fy) = (k[(0, 0)], k[(1, 1)]);
-        let down_stretch = (k[(0, 1)] / fx).hypot(1.0);
-        // The same bits, or far from them.
-        let is_right = (fx == fy && down_stretch == 1.0) || fx * down_stretch > fy * (1.0 + 1e-9);
-        Self { fx, fy, down_stretch, is_right }
-    }
-
-    /// [`Self::at`] each of many depths.
-    #[inline(always)]
-    pub(super) fn at_each<const N: usize>(&self, depths: &[f64; N], footprints: &mut [f64; N]) {
-        if self.is_right {
-            for (footprint, depth) in footprints.iter_mut().zip(depths) {
-                *footprint = depth / self.fx;
-            }
-        } else {
-            for (footprint, depth) in footprints.iter_mut().zip(depths) {
-                *footprint = self.at(*depth);
-            }
-        }
-    }
-
-    /// At a depth: the smaller of the steps to the right and down (design: d_i of the window search).
-    #[inline(always)]
-    pub(super) fn at(&self, depth: f64) -> f64 {
-        let right = depth / self.fx;
-        let down = depth / self.fy * self.down_stretch;
-        if down < right { down } else { right }
-    }
 }
 
 impl View {
@@ -262,19 +218,4 @@ impl View {
     pub(super) fn footprint(&self) -> &Footprint {
         &self.footprint
     }
-}
-
-/// The pixel `(floor u, floor v)`, kept within `i32` for points far outside the image.
-#[inline]
-pub(super) fn floor_pixel(u: f64, v: f64) -> (i32, i32) {
-    (floor(u), floor(v))
-}
-
-/// The whole number below, kept within `i32`: `as` saturates, so that a point near the camera's plane lands far
-/// outside every image.
-#[inline]
-pub(super) fn floor(x: f64) -> i32 {
-    // `as` rounds towards zero; on a processor without SSE 4.1, the least that is built for, `floor` is a call.
-    let towards_zero = x as i32;
-    if f64::from(towards_zero) > x { towards_zero.saturating_sub(1) } else { towards_zero }
 }

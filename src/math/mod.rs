@@ -1,4 +1,9 @@
-//! What loops over many points are made of.
+//! Boxes, rectangles, points in blocks, and what loops over many points are made of.
 
+pub(crate) mod aabb;
 pub(crate) mod lanes;
 pub(crate) mod point_cloud;
+pub(crate) mod rect;
+mod vectorised;
+
+pub(crate) use vectorised::vectorised;

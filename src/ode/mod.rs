@@ -47,10 +47,8 @@
 #![allow(unsafe_code)]
 
 mod abort;
-mod ahead;
 mod arena;
 mod body;
-mod body_samples;
 mod check;
 mod collide;
 mod convert;
@@ -59,16 +57,11 @@ mod convex;
 pub(crate) mod fault;
 mod geom;
 mod hull;
-mod hull_class;
-mod hull_collider;
-mod hull_geom;
 mod init;
 mod joint;
 mod mass;
-mod open_class;
 mod panic;
 mod parameters;
-mod raw_hull;
 mod shape;
 mod space;
 mod step;
@@ -93,8 +86,8 @@ pub use surface::{Approximation, Surface};
 pub use trimesh::TriMesh;
 pub use world::World;
 
-pub(crate) use body_samples::{give as give_samples, take_away as take_samples_away};
-pub(crate) use hull_geom::take_told;
-pub(crate) use open_class::{close as close_class, number as open_class_number, open as open_class};
+pub(crate) use hull::{
+    RawHull, adopt_everywhere, close_class, create_hull_in, give_samples, open_class, open_class_number,
+    take_samples_away, take_told,
+};
 pub(crate) use panic::{catch, is_fenced, take_parked as take_parked_panic};
-pub(crate) use raw_hull::{RawHull, adopt_everywhere, create_in as create_hull_in};

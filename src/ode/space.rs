@@ -8,8 +8,9 @@ use ode_sys::{
 };
 
 use super::arena::{GeomId, Key, SpaceId};
+use super::hull::take_samples_away;
 use super::world::World;
-use super::{body_samples, check, convert};
+use super::{check, convert};
 use crate::{Error, Result};
 
 /// How a space finds the pairs that may touch. All kinds find the same pairs.
@@ -193,7 +194,7 @@ impl World {
     /// Removes a geom; false if it was gone already.
     pub fn remove_geom(&mut self, id: GeomId) -> bool {
         let Some(record) = self.geoms.remove(id.0) else { return false };
-        body_samples::take_away(record.raw);
+        take_samples_away(record.raw);
         // SAFETY: the record was alive, and is gone now, so that this happens once. What the geom borrows is in the
         // record, which is dropped after.
         unsafe { dGeomDestroy(record.raw) };

@@ -16,9 +16,9 @@ use ode_sys::{
 
 use super::arena::{Arena, BodyId, GeomId, Key, SpaceId};
 use super::body::{Body, BodyMut};
-use super::body_samples;
 use super::collide::ContactGeom;
 use super::geom::{Geom, GeomMut, GeomRecord};
+use super::hull::take_samples_away;
 use super::init::Ode;
 use super::joint::{GroupRecord, JointRecord};
 use super::space::{SpaceKind, SpaceRecord};
@@ -63,7 +63,7 @@ pub(super) struct Buffers {
 // SAFETY: ODE's objects belong to no thread (what ODE keeps per thread is allocated in each collide and step), all of
 // them are reached through this one value, and the world steps with a threading object of its own. What is left
 // global in ODE is atomic (the random numbers), or locked (`Ode`, and the cache for meshes, see `collide`). The
-// data of hull geoms is `Send`, see `hull_geom`.
+// data of hull geoms is `Send`, see `hull::geom`.
 unsafe impl Send for World {}
 
 impl World {
@@ -297,7 +297,7 @@ impl Drop for World {
             }
             dJointGroupDestroy(self.contacts);
             for (_, geom) in self.geoms.iter() {
-                body_samples::take_away(geom.raw);
+                take_samples_away(geom.raw);
                 dGeomDestroy(geom.raw);
             }
             dSpaceDestroy(self.spaces.expect(self.root).raw);

@@ -1,8 +1,8 @@
 //! What a rig sees: the spot its cameras look at, the volume around it, and how many cameras see how much of that.
 
 use super::Rig;
-use crate::aabb::Aabb;
 use crate::camera::Camera;
+use crate::math::aabb::Aabb;
 use crate::{Error, Result};
 use nalgebra::{Matrix3, Point3, Vector3};
 

@@ -7,9 +7,9 @@ use super::Segmenter;
 use super::cleanup::Cleanup;
 use super::difference::{BYTES, padded, whole};
 use super::outline::{Colours, Outline};
+use crate::math::vectorised;
 use crate::silhouette::PackedMask;
 use crate::silhouette::bit_image::{WORD, pack};
-use crate::vectorised::vectorised;
 use crate::{Error, Result};
 use image::RgbImage;
 

@@ -4,8 +4,8 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::shadows::Shadows;
+use crate::math::vectorised;
 use crate::silhouette::bit_image::{BitImage, WORD, pack};
-use crate::vectorised::vectorised;
 use image::RgbImage;
 
 /// The empty room as one camera sees it: a colour for each pixel, and how far each channel may be from it. Channels

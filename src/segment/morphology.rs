@@ -6,8 +6,8 @@
 //!           .#.             ###
 //! ```
 
+use crate::math::vectorised;
 use crate::silhouette::bit_image::{BitImage, WORD};
-use crate::vectorised::vectorised;
 
 /// Which neighbours of a pixel count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,8 +8,8 @@ use super::difference::Room;
 use super::outline::{Colours, Outline};
 use super::shadows::Shadows;
 use super::{Segmenter, check_size};
+use crate::math::vectorised;
 use crate::silhouette::PackedMask;
-use crate::vectorised::vectorised;
 use crate::{Error, Result};
 use image::RgbImage;
 

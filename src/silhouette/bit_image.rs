@@ -5,7 +5,7 @@
 
 use super::Rect;
 use crate::math::lanes::set_bits;
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 
 /// Pixels in a word, the first in the lowest bit.
 pub(crate) const WORD: usize = 64;

@@ -2,7 +2,7 @@
 
 use super::distance::DistanceTable;
 use super::region::Region;
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 
 /// Distances over a region with coverage, by the upper left of the four pixels; none without.
 #[derive(Debug, Default)]

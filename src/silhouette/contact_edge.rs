@@ -6,7 +6,7 @@
 
 use super::edge::{Edge, EdgePixel, SHORTEST_MEAN};
 use super::{HALF_COVERAGE, Silhouette};
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 use nalgebra::{Point2, Vector2};
 
 /// Half-width of the window, in pixels.

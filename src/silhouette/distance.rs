@@ -15,7 +15,7 @@
 
 use super::region::{MARGIN, Region, WORD, Word};
 use super::tiles::{Lookup, Tiles};
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 
 /// The distance where no background exists: an open border and a silhouette without an edge.
 pub(crate) const NO_EDGE: u16 = u16::MAX;

@@ -3,7 +3,7 @@
 use super::neighbours::Neighbours;
 use super::region::{Region, WORD, Word};
 use super::{Silhouette, contact_edge};
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 use nalgebra::{Point2, Vector2};
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 

@@ -1,7 +1,7 @@
 //! Bits of the pixels around the subject: those near it, and the background pixels at its edge.
 
 use super::region::{Region, WORD, Word};
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 
 /// Bits of a region, row-major, in as many words a row as the subject's.
 #[derive(Debug, Default)]

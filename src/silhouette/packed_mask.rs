@@ -6,7 +6,7 @@
 use super::bit_image::{BitImage, WORD, pack};
 use super::{MaskView, Rect, SUBJECT};
 use crate::math::lanes::set_bits;
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 use image::GrayImage;
 use std::ops::Range;
 

@@ -13,7 +13,7 @@ use super::bit_image::{self, BitImage};
 use super::packed_mask::Coverage;
 use super::undistort::TileMask;
 use super::{Border, PackedMask, Rect};
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 
 /// Pixels kept around the subject's rectangle: a contact normal's window around an edge pixel reaches 7 beyond it.
 pub(super) const MARGIN: i32 = 8;

@@ -13,7 +13,7 @@
 
 use super::region::WORD;
 use super::{Border, Rect, Silhouette};
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 use std::ops::Range;
 
 /// Rows to the nearest pixel of the other kind where a column has none. Rows can be added to it.

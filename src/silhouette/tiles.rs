@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::region::{LOW, Region, WORD, Word};
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 
 /// Pixels on a tile's side.
 const SIDE: usize = 8;

@@ -7,7 +7,7 @@
 
 use super::region::{WORD, Word};
 use crate::lock::lock;
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 use std::sync::{Mutex, OnceLock};
 
 /// Squares side by side that are turned together.

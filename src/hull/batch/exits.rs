@@ -13,7 +13,7 @@ use super::projection::ViewKernel;
 use super::{ExitRay, Wide};
 use crate::math::lanes::{lane_mask, select};
 use crate::math::point_cloud::LANES;
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 
 /// Points on their way, in blocks; the last block is filled up with its last point.
 #[derive(Debug, Default)]

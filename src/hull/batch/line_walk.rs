@@ -4,16 +4,15 @@
 //! walk ends in background, where an edge crosses its cell, or at its limit; where something rare comes up, [`March`]
 //! goes on with it. Most have ended after two steps; others take their lanes.
 
-use super::super::image_line::ImageLine;
-use super::super::march::March;
+use super::super::query::March;
 use super::Wide;
 use super::image_lines::ImageLines;
 use super::projection::ViewKernel;
-use crate::camera::MIN_DEPTH;
+use crate::camera::{ImageLine, MIN_DEPTH};
 use crate::math::lanes::{floor, index, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
+use crate::math::vectorised;
 use crate::silhouette::HALF_COVERAGE;
-use crate::vectorised::vectorised;
 use nalgebra::Vector3;
 
 /// So few rays are sooner walked one by one.

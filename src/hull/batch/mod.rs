@@ -21,15 +21,14 @@ mod line_walk;
 mod nearest_edge;
 mod projection;
 mod rejection;
-mod ring_search;
 
-use super::view::floor_pixel;
 use super::{EdgeModel, Hull, View};
+use crate::camera::floor_pixel;
 use crate::math::lanes::set_bits;
 use crate::math::point_cloud::LANES;
+use crate::math::vectorised;
 use crate::recycle::recycle;
 use crate::silhouette::HALF_COVERAGE;
-use crate::vectorised::vectorised;
 use exits::Exits;
 use nalgebra::{Point3, Vector3};
 use nearest_edge::EdgeQueries;

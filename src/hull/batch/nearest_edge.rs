@@ -3,16 +3,14 @@
 //! Points that one view decides are put together, so that its silhouette is asked for many of them at a time.
 
 use super::super::EdgeModel;
-use super::super::response::towards;
-use super::super::search::window_half_width;
+use super::super::query::{towards, window_half_width};
 use super::projection::{PointBlock, ViewKernel};
-use super::ring_search::{NEAR, Pixels, nearest};
 use super::{ExitRay, Wide};
 use crate::math::lanes::{floor, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
-use crate::silhouette::Bits;
-use crate::silhouette::{self, Edge, EdgePixel, SHORTEST_MEAN, Silhouette};
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
+use crate::silhouette::ring_search::{NEAR, Pixels, nearest};
+use crate::silhouette::{self, Bits, Edge, EdgePixel, SHORTEST_MEAN, Silhouette};
 use nalgebra::{Point2, Vector3};
 
 /// Points inside, by the view that decides the window search, and by how their background is looked for.

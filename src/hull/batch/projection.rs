@@ -1,13 +1,11 @@
 //! Where the views see many points.
 
-use super::super::view::Footprint;
 use super::super::{Aabb, EdgeModel, Hull, Unseen, View};
 use super::Wide;
-use crate::camera::MIN_DEPTH;
+use crate::camera::{Footprint, MIN_DEPTH};
 use crate::math::lanes::{floor, index, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
-use crate::silhouette::Distances;
-use crate::silhouette::{HALF_COVERAGE, NO_EDGE};
+use crate::silhouette::{Distances, HALF_COVERAGE, NO_EDGE};
 use nalgebra::Point3;
 
 /// The distance of a pixel without any background, and of a point that the view does not see: it decides no search.

@@ -5,8 +5,8 @@ use super::{ExitRay, Wide};
 use crate::camera::MIN_DEPTH;
 use crate::math::lanes::{floor, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
+use crate::math::vectorised;
 use crate::silhouette::HALF_COVERAGE;
-use crate::vectorised::vectorised;
 
 /// Far more than rounding, in pixels.
 const RIM: f64 = 1e-6;

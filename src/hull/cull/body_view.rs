@@ -13,8 +13,7 @@ use super::super::{Hull, View};
 use super::filter::MaskDilation;
 use crate::math::lanes::{floor_clamped, lane_mask, select};
 use crate::math::point_cloud::{Block, LANES, Points};
-use crate::silhouette::{Bits, Distances};
-use crate::silhouette::{Lookup, TableSlices};
+use crate::silhouette::{Bits, Distances, Lookup, TableSlices};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Point3, Translation3, Vector3};
 

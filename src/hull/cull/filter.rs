@@ -4,7 +4,7 @@ use super::super::Unseen;
 use super::body_view::{BodyPlacement, BodyView, NEAREST, Volume};
 use crate::math::lanes::{floor_clamped, lane_mask, select, set_bits};
 use crate::math::point_cloud::{BLOCKS_PER_GROUP, Block, BoundingSpheres, LANES, Points};
-use crate::vectorised::vectorised;
+use crate::math::vectorised;
 
 /// So few blocks are sooner asked point by point than in further views by the spheres around them.
 const FEW: u32 = 2;

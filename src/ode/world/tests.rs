@@ -20,7 +20,6 @@ const BALL: Shape = Shape::Sphere { radius: 0.5 };
 fn a_world_may_be_sent_to_another_thread() {
     fn assert_send<T: Send>() {}
     assert_send::<World>();
-    assert_send::<crate::ode::hull_geom::HullGeom>();
     let mut world = world();
     let body = world.add_body();
     let world = std::thread::spawn(move || {

@@ -8,8 +8,8 @@
 //!   . . . . . . . . # # # #                              +-------+
 //! ```
 
+use crate::math::vectorised;
 use crate::silhouette::{MaskView, SUBJECT};
-use crate::vectorised::vectorised;
 use std::ops::Range;
 
 /// Width and height of a block in pixels.

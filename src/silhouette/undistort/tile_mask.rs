@@ -9,9 +9,9 @@
 use super::Undistortion;
 use super::source_blocks::{BACKGROUND, FOREGROUND, MIXED, SourceBlocks};
 use super::tile_map::{NO_PATCH, PIXELS, SIDE, TileRect, pixels_of};
+use crate::math::vectorised;
 use crate::silhouette::bit_image::top_bits;
 use crate::silhouette::{MaskView, Rect};
-use crate::vectorised::vectorised;
 use std::ops::Range;
 
 /// The bytes of a tile, row-major.

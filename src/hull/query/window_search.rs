@@ -1,8 +1,8 @@
 //! The window search (paper, section 4.2): which view's silhouette edge is nearest to a point inside.
 
-use super::sighting::{Sighting, Sightings};
-use super::{Hull, View};
+use super::projection::{Sighting, Sightings};
 use crate::camera::Pixel;
+use crate::hull::{Hull, View};
 
 /// The silhouette edge nearest to a point, by the search over growing windows.
 #[derive(Debug, Clone, Copy)]
@@ -52,7 +52,7 @@ impl Hull {
 }
 
 /// Half-width of the window at iteration `k`, in pixels.
-pub(super) fn window_half_width(k: i64, growth: f64) -> i32 {
+pub(in crate::hull) fn window_half_width(k: i64, growth: f64) -> i32 {
     // Rounds down: what is negative is the window at k = -1, which is not looked at.
     1 + (k as f64 * growth) as i32
 }

@@ -1,9 +1,10 @@
 //! Rays against the hull: for ODE's ray class, for picking, and to draw what stands before what.
 
-use super::march::EdgeModel;
-use super::sweep::{Crossing, Sweep};
-use super::{Hull, NearestEdge};
-use crate::camera::Ray;
+use super::interval_merge::{Crossing, Sweep};
+use super::line_walk::EdgeModel;
+use super::window_search::NearestEdge;
+use crate::camera::{Ray, floor_pixel};
+use crate::hull::{Hull, View};
 use nalgebra::{Point3, Vector3};
 
 /// Where a ray crosses the hull's surface.
@@ -35,9 +36,9 @@ impl Hull {
 }
 
 /// The edge beside a point on the surface.
-fn nearest_edge_in<'a>(view: &'a super::View, p: &Point3<f64>) -> Option<NearestEdge<'a>> {
+fn nearest_edge_in<'a>(view: &'a View, p: &Point3<f64>) -> Option<NearestEdge<'a>> {
     let a = view.project(p)?;
-    let (i, j) = super::view::floor_pixel(a.u, a.v);
+    let (i, j) = floor_pixel(a.u, a.v);
     // A crossing lies in an edge pixel or beside one.
     let b = view.silhouette().nearest_background(i, j, 2)?;
     Some(NearestEdge { view, a, b })

@@ -1,6 +1,6 @@
-use super::super::tests::{Random, bounds, cameras};
-use super::super::{EdgeModel, Push};
 use super::*;
+use crate::hull::tests::{Random, bounds, cameras};
+use crate::hull::{EdgeModel, Push};
 use image::{GrayImage, Luma};
 use nalgebra::{Point3, Vector3};
 use std::sync::Barrier;

@@ -1,11 +1,11 @@
 //! Hull geoms in a world.
 
-use super::arena::{GeomId, SpaceId};
-use super::raw_hull::RawHull;
-use super::world::World;
-use super::{body_samples, hull_class, hull_geom, raw_hull};
+use super::raw::{self, RawHull};
+use super::{body_samples, class, geom};
 use crate::contact::{BodyResponse, Mode, Settings};
 use crate::hull::{Hull, HullData};
+use crate::ode::arena::{GeomId, SpaceId};
+use crate::ode::world::World;
 use crate::sample::Samples;
 use crate::{Error, Result};
 use nalgebra::{Point3, Vector3};
@@ -21,10 +21,10 @@ impl World {
     ///
     /// [`Error::Argument`] if the space is gone, [`Error::Ode`] if ODE's table of user classes is full.
     pub fn add_hull(&mut self, space: SpaceId, data: &Arc<HullData>) -> Result<GeomId> {
-        let number = hull_class::number()?;
+        let number = class::number()?;
         // SAFETY: ODE is open as long as the world lives, and the number is one of its classes; the class's boxes are
         // finite.
-        unsafe { self.insert_geom(space, raw_hull::create(number, data.clone())) }
+        unsafe { self.insert_geom(space, raw::create(number, data.clone())) }
     }
 
     /// A hull geom to ask.
@@ -81,11 +81,11 @@ impl World {
     }
 
     /// Brings the latest published frames into force. Runs before each collide, when no space is locked.
-    pub(super) fn adopt_frames(&mut self) {
+    pub(in crate::ode) fn adopt_frames(&mut self) {
         for (_, record) in self.geoms.iter() {
-            if let Some(hull) = hull_class::find(record.raw) {
+            if let Some(hull) = class::find(record.raw) {
                 // SAFETY: the record is alive, and the world is borrowed mutably, so that nothing collides.
-                unsafe { hull_geom::adopt(record.raw, &hull) };
+                unsafe { geom::adopt(record.raw, &hull) };
             }
         }
     }

@@ -7,9 +7,8 @@
 //!
 //! Inside the silhouette a step jumps the largest square of subject pixels, which the distance table gives.
 
-use super::image_line::{ImageLine, Leave};
-use super::view::{Verdict, View, floor};
-use crate::camera::MIN_DEPTH;
+use crate::camera::{ImageLine, Leave, MIN_DEPTH, floor};
+use crate::hull::{Verdict, View};
 use crate::silhouette::{HALF_COVERAGE, Rect};
 use nalgebra::{Point3, Vector3};
 
@@ -24,7 +23,7 @@ pub enum EdgeModel {
 
 /// A view's walk along a half-line: the verdict that holds now, and until when it surely holds.
 #[derive(Debug)]
-pub(super) struct March<'a> {
+pub(in crate::hull) struct March<'a> {
     view: &'a View,
     line: ImageLine,
     /// Cells are pixels (0), or the squares between four pixel centres (one half).
@@ -57,7 +56,7 @@ struct Walk {
 }
 
 impl<'a> March<'a> {
-    pub(super) fn new(
+    pub(in crate::hull) fn new(
         view: &'a View,
         origin: &Point3<f64>,
         direction: &Vector3<f64>,
@@ -68,14 +67,14 @@ impl<'a> March<'a> {
     }
 
     /// The walk along a line whose image is known.
-    pub(super) fn from_start(view: &'a View, line: ImageLine, edge: EdgeModel) -> Self {
+    pub(in crate::hull) fn from_start(view: &'a View, line: ImageLine, edge: EdgeModel) -> Self {
         let mut march = Self::before_start(view, line, edge);
         march.take_up(0.0);
         march
     }
 
     /// The walk from where it enters cell `(i, j)`, `t` metres on; so far it has been inside.
-    pub(super) fn from_cell(
+    pub(in crate::hull) fn from_cell(
         view: &'a View,
         line: ImageLine,
         (i, j): (i32, i32),
@@ -108,23 +107,23 @@ impl<'a> March<'a> {
         })
     }
 
-    pub(super) fn view(&self) -> &'a View {
+    pub(in crate::hull) fn view(&self) -> &'a View {
         self.view
     }
 
     /// What the view says from the last step on.
-    pub(super) fn verdict(&self) -> Verdict {
+    pub(in crate::hull) fn verdict(&self) -> Verdict {
         self.verdict
     }
 
     /// The verdict holds up to this `t`, and may change there.
-    pub(super) fn until(&self) -> f64 {
+    pub(in crate::hull) fn until(&self) -> f64 {
         self.until
     }
 
     /// Goes on as long as the verdict is inside: where it began to be another, at most `limit`; `from` where it is from the
     /// start.
-    pub(super) fn exit_by(&mut self, from: f64, limit: f64) -> f64 {
+    pub(in crate::hull) fn exit_by(&mut self, from: f64, limit: f64) -> f64 {
         let mut left = from;
         while self.verdict == Verdict::Inside && self.until < limit {
             left = self.until;
@@ -134,7 +133,7 @@ impl<'a> March<'a> {
     }
 
     /// Goes on to what holds after `until`.
-    pub(super) fn step(&mut self) {
+    pub(in crate::hull) fn step(&mut self) {
         let t = self.until;
         match self.walk.take() {
             Some(walk) if walk.crossings[0].is_some() => {
@@ -295,8 +294,8 @@ fn roots_within_unit(c: f64, b: f64, a: f64) -> [Option<f64>; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{Random, cameras};
     use super::*;
+    use crate::hull::tests::{Random, cameras};
     use crate::silhouette::{Border, Silhouette};
     use image::{GrayImage, Luma};
     use std::sync::Arc;

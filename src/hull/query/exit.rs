@@ -1,11 +1,11 @@
 //! Where a half-line from a point inside leaves the hull: the nearest exit over the views and the work volume.
 //!
-//! For one line all views walk in step, whatever they see. Many lines go through [`batch`](super::batch), bit by bit
+//! For one line all views walk in step, whatever they see. Many lines go through [`batch`](crate::hull::batch), bit by bit
 //! the same: a view walks alone here too, and the first to leave ends it.
 
-use super::Hull;
-use super::march::EdgeModel;
-use super::sweep::Sweep;
+use super::interval_merge::Sweep;
+use super::line_walk::EdgeModel;
+use crate::hull::Hull;
 use nalgebra::{Point3, Vector3};
 
 impl Hull {

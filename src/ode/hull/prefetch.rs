@@ -12,12 +12,13 @@
 //! Geoms are remembered by their addresses, which are compared and never followed: those to ask for ahead are met in
 //! the space that ODE is colliding.
 
-use super::hull_geom::{Collidable, HullGeom};
-use super::{body_samples, convert};
+use super::body_samples;
+use super::geom::{Collidable, HullGeom};
 use crate::Result;
 use crate::contact::{self, Body, BodyContacts, Settings};
 use crate::hull::Hull;
 use crate::lock::lock;
+use crate::ode::convert;
 use crate::recycle::recycle;
 use crate::sample::Samples;
 use nalgebra::{Isometry3, Vector3};

@@ -1,12 +1,12 @@
 //! What a hull geom knows: its data object, the frame it collides with, its settings, and what it touched last.
 
-use super::ahead::Ahead;
-use super::convert;
+use super::prefetch::Ahead;
 use crate::Error;
 use crate::contact::Settings;
 use crate::contact::tuning::{MIN_FEATURE, WAKE_PX};
 use crate::hull::{Aabb, Hull, HullData};
 use crate::lock::lock;
+use crate::ode::convert;
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{dGeomCopyPosition, dGeomGetQuaternion, dGeomID, dGeomMoved};
 use std::cell::RefCell;
@@ -249,4 +249,13 @@ pub(super) unsafe fn pose(geom: dGeomID) -> Isometry3<f64> {
         dGeomGetQuaternion(geom, quaternion.as_mut_ptr());
     }
     convert::pose(&position, &quaternion)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_data_of_a_hull_geom_may_be_used_and_freed_on_any_thread() {
+        fn assert_send_and_sync<T: Send + Sync>() {}
+        assert_send_and_sync::<super::HullGeom>();
+    }
 }

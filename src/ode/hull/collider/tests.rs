@@ -1,8 +1,8 @@
 //! What only a caller of ODE's own functions sees: strides, room, order, and geoms inside geom transforms.
 
-use super::super::{Ode, Shape, World};
 use super::*;
 use crate::hull::{Aabb, HullData};
+use crate::ode::{Ode, Shape, World};
 use crate::synthetic::{Paint, Placed, Solid, Subject, layout, silhouette};
 use nalgebra::{point, vector};
 use ode_sys::{

@@ -3,10 +3,11 @@
 //! ODE has room for four user classes in a process, no way to give one back, and forgets all of them when it closes.
 //! So this crate registers one, at most once for each time that ODE is open, whoever opened it.
 
-use super::hull_geom::HullGeom;
-use super::panic::fence;
-use super::{abort, hull_collider};
+use super::collider;
+use super::geom::HullGeom;
 use crate::lock::lock;
+use crate::ode::abort;
+use crate::ode::panic::fence;
 use crate::{Error, Result};
 use ode_sys::{
     dCollide, dColliderFn, dContactGeom, dCreateGeomClass, dCreateRay, dGeomClass, dGeomDestroy,
@@ -146,8 +147,8 @@ extern "C" fn collide_body(
     // the low 16 bits of `flags` say, `skip` bytes apart.
     fence(0, || unsafe {
         #[cfg(test)]
-        super::fault::strike();
-        hull_collider::collide_body(hull, body, flags, contacts, skip)
+        crate::ode::fault::strike();
+        collider::collide_body(hull, body, flags, contacts, skip)
     })
 }
 
@@ -160,14 +161,14 @@ extern "C" fn collide_ray(
 ) -> c_int {
     let _ = (flags, skip);
     // SAFETY: as in `collide_body`; ODE asks for at least one contact.
-    fence(0, || unsafe { hull_collider::collide_ray(hull, ray, contacts) })
+    fence(0, || unsafe { collider::collide_ray(hull, ray, contacts) })
 }
 
 /// ODE's order: min x, max x, min y, max y, min z, max z. Never NaN, which aborts a hash space.
 extern "C" fn aabb(geom: dGeomID, into: *mut dReal) {
     let bounds = fence([0.0; 6], || {
         #[cfg(test)]
-        super::fault::strike();
+        crate::ode::fault::strike();
         // SAFETY: ODE passes a living geom of the class; its data may not be filled in yet.
         unsafe { data(geom).map_or([0.0; 6], |hull| hull.world_aabb(geom)) }
     });

@@ -1,11 +1,12 @@
 //! The collider of the class: a hull against a body's samples, and against a ray.
 
-use super::ahead::{self, InForce, Question};
-use super::hull_geom::HullGeom;
-use super::{convert, hull_class, hull_geom};
+use super::class;
+use super::geom::{self, HullGeom};
+use super::prefetch::{self, InForce, Question};
 use crate::camera::Ray;
 use crate::contact::{self, BodyContacts, Contact};
 use crate::hull::Hull;
+use crate::ode::convert;
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{
     CONTACTS_UNIMPORTANT, dBodyEnable, dBodyIsEnabled, dContactGeom, dGeomGetBody, dGeomID, dGeomRayGet,
@@ -37,8 +38,8 @@ pub(super) unsafe fn collide_body(
 ) -> c_int {
     // SAFETY: the caller vouches for both geoms.
     let (geom, hull_from_world) = unsafe {
-        let Some(geom) = hull_class::data(hull) else { return 0 };
-        (geom, hull_geom::pose(hull).inverse())
+        let Some(geom) = class::data(hull) else { return 0 };
+        (geom, geom::pose(hull).inverse())
     };
     let Some(mut now) = geom.begin() else { return 0 };
     let flags = flags as u32;
@@ -59,7 +60,7 @@ pub(super) unsafe fn collide_body(
     } else {
         // SAFETY: the caller vouches for the geoms, and ODE for those in the spaces that it collides.
         unsafe {
-            ahead::answer(&in_force, other, question, &mut found);
+            prefetch::answer(&in_force, other, question, &mut found);
             wake(geom, other, &now.hull, &found, &hull_from_other);
         }
     }
@@ -129,11 +130,11 @@ fn in_ode_terms(
 pub(super) unsafe fn collide_ray(hull: dGeomID, ray: dGeomID, contacts: *mut dContactGeom) -> c_int {
     // SAFETY: the caller vouches for the geoms; both arrays hold four numbers.
     let (frame, world_from_hull, start, direction, length, cull) = unsafe {
-        let Some(frame) = hull_class::data(hull).and_then(HullGeom::hull) else { return 0 };
+        let Some(frame) = class::data(hull).and_then(HullGeom::hull) else { return 0 };
         let (mut start, mut direction) = ([0.0; 4], [0.0; 4]);
         dGeomRayGet(ray, start.as_mut_ptr(), direction.as_mut_ptr());
         let cull = dGeomRayGetBackfaceCull(ray) != 0;
-        (frame, hull_geom::pose(hull), start, direction, dGeomRayGetLength(ray), cull)
+        (frame, geom::pose(hull), start, direction, dGeomRayGetLength(ray), cull)
     };
     let (start, direction) = (Point3::from(convert::vector(&start)), convert::vector(&direction));
     let hull_from_world = world_from_hull.inverse();

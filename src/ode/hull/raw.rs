@@ -1,9 +1,10 @@
 //! A hull geom by ODE's own id: what it can be asked and told, whoever owns the world that it is in.
 
-use super::hull_geom::{self, HullGeom};
-use super::{body_samples, check, convert, hull_class};
+use super::geom::{self, HullGeom};
+use super::{body_samples, class};
 use crate::contact::{self, BodyResponse, Mode, Settings};
 use crate::hull::{Hull, HullData};
+use crate::ode::{check, convert};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{dCreateGeom, dGeomID, dSpaceAdd, dSpaceID};
@@ -24,7 +25,7 @@ pub(super) unsafe fn create(number: i32, data: Arc<HullData>) -> dGeomID {
     // SAFETY: the caller vouches for the number; the data is given before the geom comes into a space.
     unsafe {
         let raw = dCreateGeom(number);
-        hull_class::give_data(raw, HullGeom::new(data));
+        class::give_data(raw, HullGeom::new(data));
         raw
     }
 }
@@ -44,8 +45,8 @@ pub(crate) unsafe fn create_in(space: dSpaceID, data: Arc<HullData>) -> Result<d
         if !space.is_null() {
             dSpaceAdd(space, raw);
         }
-        if let Some(geom) = hull_class::data(raw) {
-            hull_geom::adopt(raw, geom);
+        if let Some(geom) = class::data(raw) {
+            geom::adopt(raw, geom);
         }
         Ok(raw)
     }
@@ -57,11 +58,11 @@ pub(crate) unsafe fn create_in(space: dSpaceID, data: Arc<HullData>) -> Result<d
 /// No space that holds one of them is being collided, nor is one of them being destroyed. Geoms bound to other data
 /// may be.
 pub(crate) unsafe fn adopt_everywhere(data: &Arc<HullData>) {
-    for (raw, geom) in hull_class::living() {
+    for (raw, geom) in class::living() {
         if Arc::ptr_eq(&geom.data(), data) {
             // SAFETY: the geom is on the list of the living; the caller vouches that it stays there, and for its
             // space.
-            unsafe { hull_geom::adopt(raw, &geom) };
+            unsafe { geom::adopt(raw, &geom) };
         }
     }
 }
@@ -72,7 +73,7 @@ impl RawHull {
     /// # Errors
     /// An address at which no hull geom lives; it is not followed.
     pub(crate) fn find(raw: dGeomID) -> Result<Self> {
-        let geom = hull_class::find(raw).ok_or_else(|| {
+        let geom = class::find(raw).ok_or_else(|| {
             let found =
                 if raw.is_null() { "NULL" } else { "a geom of another class, or one that was destroyed" };
             Error::argument(format!("geom: expected a visual hull, found {found}"))
@@ -134,7 +135,7 @@ impl RawHull {
     fn pose(&self) -> Isometry3<f64> {
         // SAFETY: the geom was found among the living, and its owner does not destroy it meanwhile; the class is
         // placeable.
-        unsafe { hull_geom::pose(self.raw) }
+        unsafe { geom::pose(self.raw) }
     }
 
     pub(crate) fn set_mode(&self, mode: Mode) {

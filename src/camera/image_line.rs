@@ -1,7 +1,7 @@
 //! The image of a half-line in one view.
 
-use super::view::floor;
-use crate::silhouette::Rect;
+use super::floor;
+use crate::math::rect::Rect;
 use nalgebra::Vector3;
 
 /// A half-line `origin + t direction` in homogeneous image coordinates, `x(t) = x0 + t x1`.
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// Its image is a line and `u(t)`, `v(t)` are monotonic, so that the `t` at which it crosses a column or row
 /// boundary has a closed form.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ImageLine {
+pub(crate) struct ImageLine {
     x0: Vector3<f64>,
     x1: Vector3<f64>,
     rightwards: bool,
@@ -18,8 +18,8 @@ pub(super) struct ImageLine {
 
 /// Where a line leaves a rectangle of cells, and the cell it enters.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Leave {
-    pub(super) t: f64,
+pub(crate) struct Leave {
+    pub(crate) t: f64,
     side: Side,
 }
 
@@ -30,7 +30,7 @@ enum Side {
 }
 
 impl ImageLine {
-    pub(super) fn new(x0: Vector3<f64>, x1: Vector3<f64>) -> Self {
+    pub(crate) fn new(x0: Vector3<f64>, x1: Vector3<f64>) -> Self {
         // The signs of du/dt and dv/dt: the depth squared that divides both is positive.
         let rightwards = x1.x * x0.z - x0.x * x1.z > 0.0;
         let downwards = x1.y * x0.z - x0.y * x1.z > 0.0;
@@ -38,14 +38,14 @@ impl ImageLine {
     }
 
     /// The image position at `t`.
-    pub(super) fn at(&self, t: f64) -> (f64, f64) {
+    pub(crate) fn at(&self, t: f64) -> (f64, f64) {
         let x = self.x0 + self.x1 * t;
         (x.x / x.z, x.y / x.z)
     }
 
     /// The one interval of `t >= 0` in which the line is at least `min_depth` before the camera and its image
     /// inside `[low, high]`; `None` where there is none.
-    pub(super) fn interval(&self, min_depth: f64, low: (f64, f64), high: (f64, f64)) -> Option<(f64, f64)> {
+    pub(crate) fn interval(&self, min_depth: f64, low: (f64, f64), high: (f64, f64)) -> Option<(f64, f64)> {
         // Each condition times the depth is linear in t: constant + slope t >= 0.
         let conditions = [
             (self.x0.z - min_depth, self.x1.z),
@@ -68,22 +68,22 @@ impl ImageLine {
     }
 
     /// The depth at `t`.
-    pub(super) fn depth(&self, t: f64) -> f64 {
+    pub(crate) fn depth(&self, t: f64) -> f64 {
         self.x0.z + self.x1.z * t
     }
 
     /// The `t` at which the image crosses column position `u`.
-    pub(super) fn at_column(&self, u: f64) -> f64 {
+    pub(crate) fn at_column(&self, u: f64) -> f64 {
         (u * self.x0.z - self.x0.x) / (self.x1.x - u * self.x1.z)
     }
 
     /// The `t` at which the image crosses row position `v`.
-    pub(super) fn at_row(&self, v: f64) -> f64 {
+    pub(crate) fn at_row(&self, v: f64) -> f64 {
         (v * self.x0.z - self.x0.y) / (self.x1.y - v * self.x1.z)
     }
 
     /// Where the image leaves `cells`, whose corners lie at whole numbers plus `shift`, not before `t`.
-    pub(super) fn leave(&self, cells: &Rect, shift: f64, t: f64) -> Leave {
+    pub(crate) fn leave(&self, cells: &Rect, shift: f64, t: f64) -> Leave {
         let column = if self.rightwards { cells.x1 } else { cells.x0 };
         let row = if self.downwards { cells.y1 } else { cells.y0 };
         let by_column = self.ahead(self.at_column(f64::from(column) + shift));
@@ -105,7 +105,7 @@ impl ImageLine {
 
     /// The cell that the line enters as it leaves `cells`. The side fixes one coordinate and `cells` bounds the
     /// other, so that rounding can neither hold a walk up nor throw it off its line.
-    pub(super) fn entered(&self, leave: &Leave, cells: &Rect, shift: f64) -> (i32, i32) {
+    pub(crate) fn entered(&self, leave: &Leave, cells: &Rect, shift: f64) -> (i32, i32) {
         let (u, v) = self.at(leave.t);
         match leave.side {
             Side::Column(i) => (i, floor(v - shift).clamp(cells.y0, cells.y1 - 1)),

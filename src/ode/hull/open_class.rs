@@ -1,8 +1,9 @@
 //! The class held open by callers who own ODE themselves.
 
-use super::init::Ode;
-use super::{abort, hull_class};
+use super::class;
 use crate::lock::lock;
+use crate::ode::abort;
+use crate::ode::init::Ode;
 use crate::{Error, Result};
 use ode_sys::{dAllocateMaskAll, dAllocateODEDataForThread};
 use std::sync::{Mutex, MutexGuard};
@@ -25,7 +26,7 @@ impl Openings {
     /// class. They may have opened it again since, so that giving ours back would close theirs.
     fn drop_if_stolen(&mut self) {
         if self.ode.is_some()
-            && !(ode_is_open() && hull_class::is_still_registered())
+            && !(ode_is_open() && class::is_still_registered())
             && let Some(ode) = self.ode.take()
         {
             ode.forget();
@@ -42,7 +43,7 @@ pub(crate) fn open() -> Result<()> {
     openings.drop_if_stolen();
     if openings.ode.is_none() {
         let ode = Ode::init()?;
-        hull_class::number()?;
+        class::number()?;
         openings.ode = Some(ode);
     }
     openings.count += 1;
@@ -80,7 +81,7 @@ pub(crate) fn number() -> Result<i32> {
                 .into(),
         ));
     }
-    hull_class::number()
+    class::number()
 }
 
 fn ode_is_open() -> bool {

@@ -1,7 +1,7 @@
 //! One view of a data object: its camera, its latest silhouettes, and memory recycled from past ones.
 
-use super::{Aabb, View};
 use crate::camera::Camera;
+use crate::hull::{Aabb, View};
 use crate::silhouette::{
     Border, IncomingMask, MaskRing, MaskScratch, SUBJECT, Silhouette, Tables, TimedMask, Undistortion,
 };
@@ -223,7 +223,7 @@ impl Preparation {
     /// Prepares `mask`; what the view does not see is subject where it abstains, so that it has no edge.
     ///
     /// # Errors
-    /// As [`HullData::set_mask`](super::HullData::set_mask).
+    /// As [`HullData::set_mask`](crate::hull::HullData::set_mask).
     pub(super) fn prepare(&mut self, mask: IncomingMask, border: Border) -> Result<()> {
         self.lens.check_size(mask.size())?;
 

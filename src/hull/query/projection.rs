@@ -1,8 +1,7 @@
 //! A point as every view sees it: projected once, asked for the verdict and the nearest edge.
 
-use super::view::{Verdict, floor_pixel};
-use super::{EdgeModel, Hull, View};
-use crate::camera::Pixel;
+use crate::camera::{Pixel, floor_pixel};
+use crate::hull::{EdgeModel, Hull, Verdict, View};
 use crate::silhouette::HALF_COVERAGE;
 use nalgebra::Point3;
 use std::cell::Cell;

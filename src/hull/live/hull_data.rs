@@ -1,8 +1,8 @@
 //! The views, masks and frames of one subject: what cameras write and simulations read.
 
-use super::slot::Slot;
-use super::{Aabb, Hull, Unseen, View};
+use super::view_state::Slot;
 use crate::camera::Camera;
+use crate::hull::{Aabb, Hull, Unseen, View};
 use crate::lock::lock;
 use crate::silhouette::{Border, IncomingMask, MaskView, PackedMask};
 use crate::{Error, Result};

@@ -1,13 +1,13 @@
 //! Planes through a camera's centre: behind an image line, and around a silhouette's rectangle (paper, section 4.1).
 
-use super::Aabb;
-use crate::camera::{Camera, MIN_DEPTH};
-use crate::silhouette::Rect;
+use super::{Camera, MIN_DEPTH};
+use crate::math::aabb::Aabb;
+use crate::math::rect::Rect;
 use nalgebra::{Matrix3x4, Point2, Point3, Vector2, Vector3};
 
 /// The outward normal of the plane through the camera's centre and the image line through `point` with image normal
 /// `normal`.
-pub(super) fn backproject_normal(
+pub(crate) fn backproject_normal(
     projection: &Matrix3x4<f64>,
     point: &Point2<f64>,
     normal: &Vector2<f64>,
@@ -18,7 +18,7 @@ pub(super) fn backproject_normal(
 }
 
 /// The outward normals of the four planes through the camera's centre and the sides of `rect`.
-pub(super) fn planes(projection: &Matrix3x4<f64>, rect: &Rect) -> [Vector3<f64>; 4] {
+pub(crate) fn planes(projection: &Matrix3x4<f64>, rect: &Rect) -> [Vector3<f64>; 4] {
     let upper_left = Point2::new(f64::from(rect.x0), f64::from(rect.y0));
     let lower_right = Point2::new(f64::from(rect.x1), f64::from(rect.y1));
     [
@@ -33,7 +33,7 @@ pub(super) fn planes(projection: &Matrix3x4<f64>, rect: &Rect) -> [Vector3<f64>;
 ///
 /// The corners of a convex body that is a box cut by planes lie on the box's faces, except where planes meet inside
 /// it: for a frustum that is the camera's centre alone.
-pub(super) fn clipped_box(bounds: &Aabb, camera: &Camera, planes: &[Vector3<f64>; 4]) -> Aabb {
+pub(crate) fn clipped_box(bounds: &Aabb, camera: &Camera, planes: &[Vector3<f64>; 4]) -> Aabb {
     let centre = camera.centre();
     let near = (camera.forward() * -1.0, centre + camera.forward() * MIN_DEPTH);
     let cuts = || planes.iter().map(|&outward| (outward, centre)).chain([near]);

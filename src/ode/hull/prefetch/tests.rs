@@ -1,10 +1,9 @@
 //! What the collider hands out is what each body gets alone, whatever was asked ahead.
 
+use super::super::class;
 use super::*;
 use crate::hull::{Aabb, HullData};
-use crate::ode::{
-    BodyId, Convex, GeomId, Ode, Shape, SpaceId, SpaceKind, SweepAxes, TriMesh, World, hull_class,
-};
+use crate::ode::{BodyId, Convex, GeomId, Ode, Shape, SpaceId, SpaceKind, SweepAxes, TriMesh, World};
 use crate::synthetic::{Subject, layout, silhouette};
 use nalgebra::{Point3, Translation3, UnitQuaternion, point, vector};
 use ode_sys::{dAllocateMaskAll, dAllocateODEDataForThread, dCollide, dContactGeom};
@@ -89,7 +88,7 @@ impl Flight {
     fn ahead<R>(&self, read: impl FnOnce(&Ahead) -> R) -> R {
         // SAFETY: the world outlives the id, which is not followed.
         let raw = unsafe { self.world.geom(self.hull).raw() };
-        let geom = hull_class::find(raw).unwrap();
+        let geom = class::find(raw).unwrap();
         read(lock(&geom.ahead).as_ref().unwrap())
     }
 }
@@ -119,7 +118,7 @@ fn shapes() -> [Shape; 6] {
 /// # Safety
 /// Both are living.
 unsafe fn alone(hull: dGeomID, other: dGeomID) -> Vec<(Point3<f64>, f64)> {
-    let geom = hull_class::find(hull).unwrap();
+    let geom = class::find(hull).unwrap();
     // SAFETY: the caller vouches for the geom, of which the pose is its own.
     let (pose, samples) = unsafe {
         let pose = convert::any_pose(other);

@@ -7,18 +7,17 @@
 //!     +---------+
 //! ```
 
+use super::{Bits, Distances, TableSlices};
 use crate::math::point_cloud::LANES;
-use crate::silhouette::TableSlices;
-use crate::silhouette::{Bits, Distances};
 
 /// Whole numbers of as many points as are asked together.
 type Whole = [i32; LANES];
 
 /// Pixels of one view, from the corner of its silhouette's region.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Pixels {
-    pub(super) column: Whole,
-    pub(super) row: Whole,
+pub(crate) struct Pixels {
+    pub(crate) column: Whole,
+    pub(crate) row: Whole,
 }
 
 /// No ring: farther than a window in a silhouette of 60,000 pixels reaches. Its square, twice, fits.
@@ -26,7 +25,7 @@ const FAR: i32 = 30_000;
 
 /// Up to this Chebyshev distance the nearest background pixel is in sight of a row's word: it lies at most 14 pixels
 /// away.
-pub(super) const NEAR: i32 = 10;
+pub(crate) const NEAR: i32 = 10;
 
 /// Pixels left of the middle one in a word around it.
 const SIGHT: i32 = 15;
@@ -64,7 +63,7 @@ struct Search<'a> {
 /// The background pixel nearest to each middle (Euclidean, then row-major) within its window of half-width `half`,
 /// where `first` is the Chebyshev distance of the nearest ones.
 #[inline(always)]
-pub(super) fn nearest(tables: &TableSlices, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
+pub(crate) fn nearest(tables: &TableSlices, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
     let rows = Bits::new(tables.subject, tables.words);
     if first.iter().all(|&first| first <= NEAR) {
         return nearest_in_sight(rows, middle, half);
@@ -202,9 +201,9 @@ fn is_in_question(radius: i32, offset: i32, squared: i32) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::tests::Random;
+    use super::super::tests::Random;
+    use super::super::{Border, Silhouette};
     use super::*;
-    use crate::silhouette::{Border, Silhouette};
     use image::{GrayImage, Luma};
 
     /// Some pixel of the masks.

@@ -1,8 +1,10 @@
 //! The exit vector of one point (paper, section 4.2).
 
-use super::march::EdgeModel;
-use super::sighting::Sightings;
-use super::{Hull, NearestEdge};
+use super::line_walk::EdgeModel;
+use super::projection::Sightings;
+use super::window_search::NearestEdge;
+use crate::camera::floor_pixel;
+use crate::hull::Hull;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 /// The paper's response of a point inside: `w = c - a`, from the point to where it leaves the hull along the normal
@@ -83,12 +85,12 @@ impl Hull {
 
 /// The image direction from a's pixel to b's, where the mean over a window has none.
 fn towards_b(nearest: &NearestEdge) -> Vector2<f64> {
-    let (i, j) = super::view::floor_pixel(nearest.a.u, nearest.a.v);
+    let (i, j) = floor_pixel(nearest.a.u, nearest.a.v);
     towards(nearest.b.0 - i, nearest.b.1 - j)
 }
 
 /// The unit direction of an offset in the image; upwards where there is none.
-pub(super) fn towards(across: i32, down: i32) -> Vector2<f64> {
+pub(in crate::hull) fn towards(across: i32, down: i32) -> Vector2<f64> {
     let offset = Vector2::new(f64::from(across), f64::from(down));
     offset.try_normalize(0.0).unwrap_or_else(|| -Vector2::y())
 }

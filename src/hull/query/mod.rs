@@ -1,0 +1,19 @@
+//! Questions about one point, one half-line or one ray, plain and in double precision.
+//!
+//! They are what the [`batch`](super::batch) is tested against, bit by bit, and what it falls back to for rare cases.
+
+mod exit;
+mod interval_merge;
+mod line_walk;
+mod projection;
+mod ray_cast;
+mod response;
+mod window_search;
+
+pub use line_walk::EdgeModel;
+pub(super) use line_walk::March;
+pub use ray_cast::RayHit;
+pub(super) use response::towards;
+pub use response::{Push, Response};
+pub use window_search::NearestEdge;
+pub(super) use window_search::window_half_width;

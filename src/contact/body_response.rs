@@ -1,24 +1,10 @@
 //! The paper's response of whole bodies (section 5).
 
 use super::pipeline::ContactPipeline;
-use super::{Body, share_out};
+use super::{Body, BodyResponse, share_out};
 use crate::hull::{EdgeModel, Hull};
 use crate::sample::Samples;
-use nalgebra::{Isometry3, Vector3};
-
-/// The paper's response of a body: the vector that moves it out of the hull.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BodyResponse {
-    /// In metres, in the hull's frame; zero where nothing collides.
-    pub vector: Vector3<f64>,
-    /// How many samples collide.
-    pub colliding: usize,
-}
-
-impl BodyResponse {
-    /// That of a body that does not touch the hull.
-    pub(crate) const NONE: Self = Self { vector: Vector3::new(0.0, 0.0, 0.0), colliding: 0 };
-}
+use nalgebra::Isometry3;
 
 /// The paper's response of a body (section 5): the mean of its colliding samples' responses gives the direction, the
 /// longest exit along it the length. Where the responses cancel out, the deepest sample's stands in.

@@ -17,7 +17,7 @@ mod share_out;
 mod tilt;
 pub(crate) mod tuning;
 
-pub use body_response::{BodyResponse, body_response, body_responses};
+pub use body_response::{body_response, body_responses};
 
 use crate::hull::{EdgeModel, ExitRay, Hull};
 use crate::sample::Samples;
@@ -134,6 +134,20 @@ impl BodyContacts {
         self.points.clone_from(&other.points);
         self.escape = other.escape;
     }
+}
+
+/// The paper's response of a body: the vector that moves it out of the hull.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyResponse {
+    /// In metres, in the hull's frame; zero where nothing collides.
+    pub vector: Vector3<f64>,
+    /// How many samples collide.
+    pub colliding: usize,
+}
+
+impl BodyResponse {
+    /// That of a body that does not touch the hull.
+    pub(crate) const NONE: Self = Self { vector: Vector3::new(0.0, 0.0, 0.0), colliding: 0 };
 }
 
 /// A body to collide.

@@ -23,8 +23,8 @@ pub use crate::math::point_cloud::Points;
 pub(crate) use batch::{ExitRay, Scratch};
 pub use live::HullData;
 pub use many::{Inside, PointResponse, Workspace};
-pub use query::{EdgeModel, NearestEdge, Push, RayHit, Response};
-pub use view::{Verdict, View};
+pub use query::{NearestEdge, Push, RayHit, Response};
+pub use view::{EdgeModel, Verdict, View};
 
 use crate::silhouette::{Border, Silhouette};
 use nalgebra::Point3;

@@ -1,7 +1,7 @@
 //! One camera of a hull with its silhouette: a pinhole and a prepared mask.
 
-use super::{Aabb, EdgeModel};
 use crate::camera::{Camera, Footprint, MIN_DEPTH, Pixel, floor_pixel, frustum};
+use crate::math::aabb::Aabb;
 use crate::silhouette::{Border, Edge, HALF_COVERAGE, Rect, Silhouette};
 use nalgebra::{Matrix3x4, Point2, Point3, Vector2, Vector3};
 use std::sync::Arc;
@@ -15,6 +15,15 @@ pub enum Verdict {
     Outside,
     /// It lies behind the camera or outside the image.
     Unseen,
+}
+
+/// Where a silhouette's edge is taken to lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EdgeModel {
+    /// At the sides of its pixels, as the inside test has it.
+    Pixel,
+    /// Where bilinear coverage crosses one half; for a mask without coverage the same as `Pixel`.
+    Coverage,
 }
 
 /// A pinhole camera and the silhouette it saw. Cheap to clone.

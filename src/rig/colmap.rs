@@ -13,7 +13,7 @@
 
 mod lens;
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::image_names;
 use super::lines::{self, Line, is_number};
 use super::source::{self, Source};

@@ -1,6 +1,6 @@
 //! Lengths of formats that name no unit.
 
-use super::calibration::{Found, Hints};
+use super::format::{Found, Hints};
 use crate::{Error, Result, Untold};
 
 /// A camera that stands farther than this from the world's origin was hardly measured in metres.

@@ -1,6 +1,6 @@
 //! Text files of words and numbers, line by line, with what an error message about a line needs.
 
-use super::calibration::pixels;
+use super::format::pixels;
 use crate::{Error, Result};
 use std::collections::HashMap;
 

@@ -14,7 +14,7 @@
 //! matrix each, which then are called like the files. Lengths are taken as metres, pixel centres as whole numbers,
 //! without distortion; sizes are not in it.
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::length;
 use super::lines::{self, Line, is_number};
 use super::projections::pinholes;

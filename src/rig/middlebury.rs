@@ -12,7 +12,7 @@
 //! (their hull is 0.3 % larger than with pixel corners). A camera is called like its image, without the extension.
 //! Sizes are those of the images, beside the file or in `image/` beside it.
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::lines::{self, Line, is_number};
 use super::source::Source;
 use super::{image_names, pose};

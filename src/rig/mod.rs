@@ -9,6 +9,7 @@ mod colmap;
 mod coverage;
 mod document;
 mod easymocap;
+mod format;
 mod image_names;
 mod kalibr;
 mod length;
@@ -31,7 +32,8 @@ mod testing;
 mod toml;
 mod voxelpose;
 
-pub use calibration::{Calibration, Hints};
+pub use calibration::Calibration;
+pub use format::Hints;
 pub use reading::Reading;
 
 use crate::camera::Camera;

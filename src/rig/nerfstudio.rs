@@ -13,8 +13,8 @@
 //! middle. The first pixel's centre is (0.5, 0.5), as nerfstudio casts its rays and as COLMAP, where such files
 //! mostly come from, has it. The scale of the world is arbitrary.
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
 use super::document::{self, Entry, Node};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::source::Source;
 use super::{image_names, lines, pose};
 use crate::camera::Distortion;

@@ -9,8 +9,8 @@
 //! World to camera, OpenCV's axes and coefficients (k1 k2 p1 p2 k3), centimetres, pixel centres at whole numbers (as
 //! the studio's own tools draw). The y axis of its worlds points down.
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
 use super::document::{self, Entry};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::lines;
 use super::source::Source;
 use crate::Result;

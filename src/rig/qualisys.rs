@@ -16,7 +16,7 @@
 //! backwards, so that with the matrix M of `r11 .. r33` `x_cam = diag(1, -1, -1) M (X - C)`. The export does not say
 //! where a pixel's centre lies; whole numbers are assumed, as Pose2Sim does. A camera is called by its serial number.
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres, pixels};
+use super::format::{Contents, Format, Found, Hints, PixelCentres, pixels};
 use super::source::Source;
 use super::{document, lines, pose};
 use crate::camera::Distortion;

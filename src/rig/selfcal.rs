@@ -13,7 +13,7 @@
 
 mod lens;
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::lines::{self, Line};
 use super::matrices;
 use super::projections::{Pinhole, pinholes};

@@ -15,7 +15,7 @@
 //! to camera, the rotation a Rodrigues vector, lengths are taken as metres. Pixel *centres* are whole numbers in the
 //! file, pixel corners in a [`Camera`]: the principal point moves by one half on the way in and back on the way out.
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres, pixels};
+use super::format::{Contents, Format, Found, Hints, PixelCentres, pixels};
 use super::source::Source;
 use super::{Rig, pose};
 use crate::camera::{Camera, Distortion};

@@ -9,8 +9,8 @@
 //! axes and coefficients (k1 k2 k3, p1 p2), millimetres, pixel centres at whole numbers. Sizes are not in it: Campus
 //! has 360 x 288 pixels, Shelf 1032 x 776.
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
 use super::document::{self, Entry};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::source::Source;
 use crate::Result;
 use crate::camera::Distortion;

@@ -3,7 +3,7 @@
 // A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
 #![allow(clippy::needless_range_loop)]
 
-use super::shadows::Shadows;
+use super::shadows::{Limits, Shadows};
 use crate::math::vectorised;
 use crate::silhouette::bit_image::{BitImage, WORD, pack};
 use image::RgbImage;
@@ -56,14 +56,6 @@ impl Room {
             }
         }
     }
-}
-
-/// Squares and ratios, ready to compare with.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Limits {
-    pub(super) darkest: f32,
-    pub(super) brightest: f32,
-    pub(super) chroma_squared: f32,
 }
 
 vectorised! {

@@ -29,8 +29,9 @@ mod shadows;
 mod testing;
 
 pub use chroma_key::{ChromaKey, Key};
-pub use clean_plate::{CleanPlate, Thresholds};
+pub use clean_plate::CleanPlate;
 pub use cleanup::Cleanup;
+pub use plate::Thresholds;
 pub use running_gaussian::{Learning, RunningGaussian};
 pub use shadows::Shadows;
 

@@ -1,8 +1,42 @@
 //! The empty room's colours and their noise, from images of it.
 
-use super::clean_plate::Thresholds;
 use super::difference::Room;
+use crate::{Error, Result};
 use image::RgbImage;
+
+/// When a pixel counts as the subject.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Thresholds {
+    /// A pixel differs from the clean plate when one of its channels differs by more than this many grey levels.
+    ///
+    /// Default 20: more than four deviations of the difference of two images with noise of 3 grey levels each.
+    pub difference: f64,
+    /// And by more than this many times the noise of that pixel, where several images of the room tell it. Default 4.
+    pub deviations: f64,
+    /// And by more than an edge in the room's image brings forth that is displaced by this many pixels: compression,
+    /// a camera that shakes. Default 0.1.
+    pub edge_shift_px: f64,
+}
+
+impl Default for Thresholds {
+    fn default() -> Self {
+        Self { difference: 20.0, deviations: 4.0, edge_shift_px: 0.1 }
+    }
+}
+
+impl Thresholds {
+    pub(super) fn check(&self) -> Result<()> {
+        let Self { difference, deviations, edge_shift_px } = *self;
+        let is_fine = |value: f64| value >= 0.0 && value.is_finite();
+        if [difference, deviations, edge_shift_px].into_iter().all(is_fine) {
+            return Ok(());
+        }
+        Err(Error::argument(format!(
+            "expected thresholds of 0 or more, found a difference of {difference}, {deviations} deviations and an edge \
+             shift of {edge_shift_px} px"
+        )))
+    }
+}
 
 /// Frames of a recording agree on a pixel where this share of them is within so many grey levels of their median.
 const AGREE_SHARE: f64 = 0.9;

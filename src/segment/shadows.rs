@@ -1,6 +1,5 @@
 //! When a pixel that differs from the room is the room in a shadow.
 
-use super::difference::Limits;
 use crate::{Error, Result};
 
 /// What a shadow may look like.
@@ -20,6 +19,14 @@ pub struct Shadows {
     pub brightest: f64,
     /// How far the colour may be from the room's times the ratio, in grey levels. Default 6.
     pub hue_tolerance: f64,
+}
+
+/// Squares and ratios, ready to compare with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    pub(super) darkest: f32,
+    pub(super) brightest: f32,
+    pub(super) chroma_squared: f32,
 }
 
 impl Shadows {

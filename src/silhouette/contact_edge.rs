@@ -4,7 +4,8 @@
 //! A window of 13x13 pixels is dear, and its sums have to be taken in order. So several windows are summed side by
 //! side, and so are the half-coverage crossings found.
 
-use super::edge::{Edge, EdgePixel, SHORTEST_MEAN};
+use super::edge::{Edge, SHORTEST_MEAN};
+use super::edge_table::EdgePixel;
 use super::{HALF_COVERAGE, Silhouette};
 use crate::math::vectorised;
 use nalgebra::{Point2, Vector2};
@@ -47,6 +48,32 @@ type Bytes = [[[u64; ABREAST]; 2]; SIDE];
 
 /// Where the last eight bytes of a row of a window begin.
 const LAST_EIGHT: usize = SIDE - 8;
+
+impl Silhouette {
+    /// The contact normal and edge point at background pixel `(i, j)`, computed once a pixel.
+    pub fn edge(&self, i: i32, j: i32) -> Option<Edge> {
+        self.edge_at(&self.edge_pixel((i, j)))
+    }
+
+    /// A background pixel whose edge is to be asked for more than once.
+    #[inline(always)]
+    pub(crate) fn edge_pixel(&self, at: (i32, i32)) -> EdgePixel {
+        let tables = self.derived_tables();
+        EdgePixel { at, rank: tables.edges.rank(&tables.neighbours, &self.region, at) }
+    }
+
+    /// [`Self::edge`] at a pixel.
+    #[inline(always)]
+    pub(crate) fn edge_at(&self, pixel: &EdgePixel) -> Option<Edge> {
+        self.derived_tables().edges.get(pixel, || at(self, pixel.at))
+    }
+
+    /// Whether the caller is the first to ask for the edge at a pixel, and should see to it that it becomes known.
+    #[inline(always)]
+    pub(crate) fn claim_edge(&self, pixel: &EdgePixel) -> bool {
+        pixel.rank.is_some_and(|rank| self.derived_tables().edges.claim(rank))
+    }
+}
 
 /// Finds the edges at some background pixels of a silhouette, which remembers them.
 pub(crate) fn compute_edges(silhouette: &Silhouette, pixels: &[EdgePixel]) {

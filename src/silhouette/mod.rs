@@ -10,6 +10,7 @@ mod cell_distance;
 mod contact_edge;
 mod distance;
 mod edge;
+mod edge_table;
 mod incoming;
 mod lookup;
 mod mask;
@@ -18,6 +19,7 @@ mod mask_view;
 mod nearest;
 mod neighbours;
 mod packed_mask;
+mod paper_normal;
 mod region;
 pub(crate) mod ring_search;
 mod run_length;
@@ -31,7 +33,8 @@ pub use crate::math::rect::Rect;
 pub(crate) use contact_edge::compute_edges;
 pub(crate) use distance::NO_EDGE;
 pub use edge::Edge;
-pub(crate) use edge::{EdgePixel, SHORTEST_MEAN};
+pub(crate) use edge::SHORTEST_MEAN;
+pub(crate) use edge_table::EdgePixel;
 pub(crate) use incoming::{IncomingMask, MaskScratch};
 pub(crate) use lookup::{Bits, Distances};
 pub use mask::load_mask;
@@ -260,7 +263,7 @@ impl Silhouette {
     }
 
     /// The table of contact edges.
-    fn edge_table(&self) -> &edge::EdgeTable {
+    fn edge_table(&self) -> &edge_table::EdgeTable {
         &self.derived_tables().edges
     }
 

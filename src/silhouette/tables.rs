@@ -2,7 +2,7 @@
 
 use super::cell_distance::CellDistances;
 use super::distance::DistanceTable;
-use super::edge::EdgeTable;
+use super::edge_table::EdgeTable;
 use super::neighbours::Neighbours;
 use super::region::{Region, Word};
 use super::tiles::Tiles;

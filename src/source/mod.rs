@@ -34,7 +34,8 @@ mod video;
 
 pub use device::{Device, DeviceOptions};
 pub use folder::ImageFolder;
-pub use read_ahead::{ReadAhead, WhenFull};
+pub use queue::WhenFull;
+pub use read_ahead::ReadAhead;
 pub use synchroniser::{ImageSet, Synchroniser};
 pub use times::Times;
 pub use video::Video;

@@ -1,11 +1,20 @@
 //! A bounded queue between a thread that reads images and one that wants them.
 
-use super::{Frame, WhenFull};
+use super::Frame;
 use crate::Result;
 use crate::lock::lock;
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
+
+/// What a thread that reads does when nobody takes what it has read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WhenFull {
+    /// It waits: nothing is lost. For recordings.
+    Wait,
+    /// It drops the oldest image and counts it: what is taken next is fresh. For live cameras.
+    DropOldest,
+}
 
 pub(super) struct Queue {
     state: Mutex<State>,

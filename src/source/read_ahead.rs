@@ -1,20 +1,11 @@
 //! A source on a thread of its own.
 
-use super::queue::{Queue, Taken};
+use super::queue::{Queue, Taken, WhenFull};
 use super::{Frame, Source, Stopper};
 use crate::{Error, Result};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Instant;
-
-/// What a thread that reads does when nobody takes what it has read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WhenFull {
-    /// It waits: nothing is lost. For recordings.
-    Wait,
-    /// It drops the oldest image and counts it: what is taken next is fresh. For live cameras.
-    DropOldest,
-}
 
 /// Reads a source on a thread of its own, some images ahead.
 ///

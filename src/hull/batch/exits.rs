@@ -7,10 +7,10 @@
 //! ```
 
 use super::super::{EdgeModel, Hull};
-use super::image_lines::ImageLines;
+use super::ExitRay;
+use super::image_lines::{ImageLines, RayBlock};
 use super::line_walk::{NearestExits, RayQueue};
 use super::projection::ViewKernel;
-use super::{ExitRay, Wide};
 use crate::math::lanes::{lane_mask, select};
 use crate::math::point_cloud::LANES;
 use crate::math::vectorised;
@@ -27,17 +27,6 @@ pub(super) struct Exits {
     deciders: Vec<u32>,
     lines: ImageLines,
     queue: RayQueue,
-}
-
-/// Where points are, and where they go.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct RayBlock {
-    pub(super) point: [Wide; 3],
-    pub(super) direction: [Wide; 3],
-    /// The place of each point's first view among the kernels.
-    first: [u32; LANES],
-    /// How many points are no filling.
-    count: usize,
 }
 
 impl Exits {
@@ -175,11 +164,5 @@ vectorised! {
                 exits[k] = select((ahead != 0.0) & (t < exits[k]), t, exits[k]);
             }
         }
-    }
-}
-
-impl RayBlock {
-    fn empty(count: usize) -> Self {
-        Self { point: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3], first: [0; LANES], count }
     }
 }

@@ -2,11 +2,27 @@
 //! subject along them.
 
 use super::Wide;
-use super::exits::RayBlock;
 use super::projection::ViewKernel;
 use crate::camera::MIN_DEPTH;
 use crate::math::lanes::{floor, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
+
+/// Where points are, and where they go.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RayBlock {
+    pub(super) point: [Wide; 3],
+    pub(super) direction: [Wide; 3],
+    /// The place of each point's first view among the kernels.
+    pub(super) first: [u32; LANES],
+    /// How many points are no filling.
+    pub(super) count: usize,
+}
+
+impl RayBlock {
+    pub(super) fn empty(count: usize) -> Self {
+        Self { point: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3], first: [0; LANES], count }
+    }
+}
 
 /// Lines in one view: where they are at `t` metres is `start + t ahead`, in homogeneous image coordinates.
 #[derive(Debug, Clone, Copy)]

@@ -10,12 +10,27 @@
 //! the error stays below a thousandth of a pixel.
 
 use super::super::{Hull, View};
-use super::filter::MaskDilation;
 use crate::math::lanes::{floor_clamped, lane_mask, select};
 use crate::math::point_cloud::{Block, LANES, Points};
 use crate::silhouette::{Bits, Distances, Lookup, TableSlices};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Point3, Translation3, Vector3};
+
+/// What counts as subject.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum MaskDilation {
+    /// A subject pixel.
+    None,
+    /// A subject pixel or one beside it: nothing that any edge model calls inside is missed.
+    OnePixel,
+}
+
+impl MaskDilation {
+    /// By how many pixels.
+    pub(super) fn pixels(self) -> f32 {
+        f32::from(u8::from(self == Self::OnePixel))
+    }
+}
 
 /// Depths below this, in metres, count as behind the camera.
 pub(super) const NEAREST: f32 = 1e-6;

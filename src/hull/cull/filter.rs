@@ -1,22 +1,13 @@
 //! Which of many points are inside, as many at a time as a vector register holds.
 
 use super::super::Unseen;
-use super::body_view::{BodyPlacement, BodyView, NEAREST, Volume};
+use super::body_view::{BodyPlacement, BodyView, MaskDilation, NEAREST, Volume};
 use crate::math::lanes::{floor_clamped, lane_mask, select, set_bits};
 use crate::math::point_cloud::{BLOCKS_PER_GROUP, Block, BoundingSpheres, LANES, Points};
 use crate::math::vectorised;
 
 /// So few blocks are sooner asked point by point than in further views by the spheres around them.
 const FEW: u32 = 2;
-
-/// What counts as subject.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum MaskDilation {
-    /// A subject pixel.
-    None,
-    /// A subject pixel or one beside it: nothing that any edge model calls inside is missed.
-    OnePixel,
-}
 
 /// Points inside.
 #[derive(Debug, Default)]
@@ -43,13 +34,6 @@ struct ViewVerdict {
     admitted: u32,
     /// It sees them inside.
     seen_inside: u32,
-}
-
-impl MaskDilation {
-    /// By how many pixels.
-    fn pixels(self) -> f32 {
-        f32::from(u8::from(self == Self::OnePixel))
-    }
 }
 
 vectorised! {

@@ -1,8 +1,8 @@
 //! A hull as bodies see it: its enabled views and its work volume, and which points of a body are inside.
 
 use super::super::Hull;
-use super::body_view::{BodyPlacement, BodyView, Volume};
-use super::filter::{self, Filter, Found, MaskDilation};
+use super::body_view::{BodyPlacement, BodyView, MaskDilation, Volume};
+use super::filter::{self, Filter, Found};
 use crate::Result;
 use crate::math::point_cloud::Points;
 use nalgebra::Isometry3;

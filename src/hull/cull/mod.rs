@@ -21,7 +21,8 @@ use crate::Result;
 use crate::math::point_cloud::Points;
 use crate::recycle::recycle;
 use body_view::BodyView;
-use filter::{Found, MaskDilation};
+use body_view::MaskDilation;
+use filter::Found;
 use hull_in_body::HullInBody;
 use nalgebra::Isometry3;
 

@@ -4,8 +4,7 @@
 //! the same: a view walks alone here too, and the first to leave ends it.
 
 use super::interval_merge::Sweep;
-use super::line_walk::EdgeModel;
-use crate::hull::Hull;
+use crate::hull::{EdgeModel, Hull};
 use nalgebra::{Point3, Vector3};
 
 impl Hull {

@@ -1,7 +1,7 @@
 //! All views' walks along one half-line, merged in the order of their changes: where the hull begins and ends on it.
 
-use super::line_walk::{EdgeModel, March};
-use crate::hull::{Hull, Verdict, View};
+use super::line_walk::March;
+use crate::hull::{EdgeModel, Hull, Verdict, View};
 use nalgebra::{Point3, Vector3};
 
 /// Where a half-line crosses the hull's surface.

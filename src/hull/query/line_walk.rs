@@ -8,18 +8,9 @@
 //! Inside the silhouette a step jumps the largest square of subject pixels, which the distance table gives.
 
 use crate::camera::{ImageLine, Leave, MIN_DEPTH, floor};
-use crate::hull::{Verdict, View};
+use crate::hull::{EdgeModel, Verdict, View};
 use crate::silhouette::{HALF_COVERAGE, Rect};
 use nalgebra::{Point3, Vector3};
-
-/// Where a silhouette's edge is taken to lie.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EdgeModel {
-    /// At the sides of its pixels, as the inside test has it.
-    Pixel,
-    /// Where bilinear coverage crosses one half; for a mask without coverage the same as `Pixel`.
-    Coverage,
-}
 
 /// A view's walk along a half-line: the verdict that holds now, and until when it surely holds.
 #[derive(Debug)]

@@ -10,7 +10,6 @@ mod ray_cast;
 mod response;
 mod window_search;
 
-pub use line_walk::EdgeModel;
 pub(super) use line_walk::March;
 pub use ray_cast::RayHit;
 pub(super) use response::towards;

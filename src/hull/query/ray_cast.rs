@@ -1,10 +1,9 @@
 //! Rays against the hull: for ODE's ray class, for picking, and to draw what stands before what.
 
 use super::interval_merge::{Crossing, Sweep};
-use super::line_walk::EdgeModel;
 use super::window_search::NearestEdge;
 use crate::camera::{Ray, floor_pixel};
-use crate::hull::{Hull, View};
+use crate::hull::{EdgeModel, Hull, View};
 use nalgebra::{Point3, Vector3};
 
 /// Where a ray crosses the hull's surface.

@@ -1,10 +1,9 @@
 //! The exit vector of one point (paper, section 4.2).
 
-use super::line_walk::EdgeModel;
 use super::projection::Sightings;
 use super::window_search::NearestEdge;
 use crate::camera::floor_pixel;
-use crate::hull::Hull;
+use crate::hull::{EdgeModel, Hull};
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 /// The paper's response of a point inside: `w = c - a`, from the point to where it leaves the hull along the normal

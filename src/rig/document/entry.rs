@@ -1,6 +1,6 @@
 //! What calibrations hold under their keys: numbers, matrices, rotations, lenses, sizes.
 
-use super::super::calibration::pixels;
+use super::super::format::pixels;
 use super::super::pose;
 use super::{Node, Value};
 use crate::camera::Distortion;

@@ -15,8 +15,8 @@
 //! checkerboard that was used, by its documentation metres; the world's z is up. Pixel *centres* are whole numbers.
 //! Source: EasyMocap's documentation of calibration and its camera files.
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
 use super::document::{self, Entry, Node};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::length;
 use super::source::{self, Source};
 use crate::camera::Distortion;

@@ -18,8 +18,8 @@
 //! the corner finders that Kalibr builds on. `T_cam_imu` and the rest are passed over. Source: Kalibr's wiki, "Yaml
 //! formats" and "Supported models".
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
 use super::document::{self, Entry, Node};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::source::Source;
 use crate::camera::Distortion;
 use crate::{Error, Result};

@@ -8,7 +8,7 @@
 //! A file that tells no pose (intrinsics, a checkerboard) is passed over where another tells all; where none does, the
 //! files of the folder are taken together.
 
-use super::super::calibration::Found;
+use super::super::format::Found;
 use super::super::source::{self, Source};
 use super::{Sheet, name_of, recognise_text};
 use crate::{Error, Result};

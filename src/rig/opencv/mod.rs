@@ -28,8 +28,8 @@
 mod folder;
 mod keys;
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
 use super::document::{self, Entry, Node, Value};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::length;
 use super::source::{self, Source};
 use crate::camera::Distortion;

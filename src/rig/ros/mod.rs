@@ -30,8 +30,8 @@
 
 mod pose;
 
-use super::calibration::{Contents, Format, Found, Hints, PixelCentres};
 use super::document::{self, Node};
+use super::format::{Contents, Format, Found, Hints, PixelCentres};
 use super::source::{self, Source};
 use crate::camera::Distortion;
 use crate::{Error, Result};

@@ -10,6 +10,8 @@ mod accuracy;
 mod agreement;
 #[path = "figures/analytic.rs"]
 mod analytic;
+#[path = "figures/at_rest.rs"]
+mod at_rest;
 #[path = "figures/capi.rs"]
 mod capi;
 #[path = "figures/captures.rs"]
@@ -26,10 +28,6 @@ mod geometry;
 mod grip;
 #[path = "figures/random.rs"]
 mod random;
-#[path = "figures/report.rs"]
-mod report;
-#[path = "figures/rest.rs"]
-mod rest;
 #[path = "figures/scene.rs"]
 mod scene;
 #[path = "figures/segmentation.rs"]
@@ -38,6 +36,8 @@ mod segmentation;
 mod stack;
 #[path = "figures/studio.rs"]
 mod studio;
+#[path = "figures/table.rs"]
+mod table;
 #[path = "figures/trajectories.rs"]
 mod trajectories;
 
@@ -52,7 +52,7 @@ const GROUPS: [(&str, Measure); 8] = [
     ("geometry", geometry::measure),
     ("agreement", agreement::measure),
     ("trajectories", trajectories::measure),
-    ("rest", rest::measure),
+    ("rest", at_rest::measure),
     ("stack", stack::measure),
     ("grip", grip::measure),
     ("capi", capi::measure),
@@ -72,9 +72,9 @@ fn main() -> ExitCode {
             figures.extend(measure(&|at| eprintln!("{name}: {at}")));
         }
     }
-    report::print_table(&figures);
+    table::print_table(&figures);
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/figures.json");
-    if let Err(error) = report::record(&path, &figures) {
+    if let Err(error) = table::record(&path, &figures) {
         eprintln!("{}: {error}", path.display());
         return ExitCode::FAILURE;
     }

@@ -372,7 +372,7 @@ unsafe extern "C" fn dGeomVisualHullSetSamples(
                 vectors(points, count, stride, "points")?.into_iter().map(Point3::from).collect();
             let normals =
                 if normals.is_null() { None } else { Some(vectors(normals, count, stride, "normals")?) };
-            ode::give_samples(body, sample::from_points(&points, normals.as_deref())?);
+            ode::set_samples(body, sample::from_points(&points, normals.as_deref())?);
         }
         Ok(OK)
     })
@@ -381,7 +381,7 @@ unsafe extern "C" fn dGeomVisualHullSetSamples(
 #[unsafe(no_mangle)]
 extern "C" fn dGeomVisualHullClearSamples(body: dGeomID) {
     fenced((), || {
-        ode::take_samples_away(body);
+        ode::clear_samples(body);
         Ok(())
     });
 }

@@ -38,9 +38,9 @@ pub enum Error {
     Argument(String),
     /// A calibration does not tell what it has to, and the [`Hints`](crate::rig::Hints) did not either.
     #[error("{error}")]
-    Untold {
+    MissingHint {
         /// What the hints should tell.
-        what: Untold,
+        what: MissingHint,
         /// The rest of it.
         error: Box<Error>,
     },
@@ -52,7 +52,7 @@ pub enum Error {
 /// What a calibration may leave out, and [`Hints`](crate::rig::Hints) can tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Untold {
+pub enum MissingHint {
     /// Width and height of the images.
     Size,
     /// The unit of length.
@@ -95,9 +95,9 @@ impl Error {
         Self::View { view: view.to_string(), problem: problem.to_string() }
     }
 
-    /// An [`Error::Untold`].
-    pub(crate) fn untold(what: Untold, error: Self) -> Self {
-        Self::Untold { what, error: Box::new(error) }
+    /// An [`Error::MissingHint`].
+    pub(crate) fn missing_hint(what: MissingHint, error: Self) -> Self {
+        Self::MissingHint { what, error: Box::new(error) }
     }
 
     /// An [`Error::Argument`].

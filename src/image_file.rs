@@ -55,7 +55,7 @@ where
         encoded.map_err(|e| Error::file(path, format!("expected to write a png, found: {e}")))?;
         parts.write(path, bytes.get_ref())?;
     }
-    parts.finish()
+    parts.persist()
 }
 
 /// Files that are written, but do not bear their names yet. Those that never will are removed.
@@ -71,7 +71,7 @@ impl Parts {
         std::fs::write(&part, bytes).map_err(|e| Error::unwritten(path, &e))
     }
 
-    fn finish(mut self) -> Result<()> {
+    fn persist(mut self) -> Result<()> {
         while let Some((part, path)) = self.0.front() {
             std::fs::rename(part, path).map_err(|e| Error::unwritten(path, &e))?;
             self.0.pop_front();

@@ -63,13 +63,13 @@
 //! use nalgebra::{Isometry3, Point3, Vector3};
 //! use ode_visual_hull::hull::{Aabb, HullData};
 //! use ode_visual_hull::ode::{Amount, Mass, Ode, Shape, Surface, World};
-//! use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, layout, silhouette};
+//! use ode_visual_hull::synthetic::{Texture, Placed, Solid, Subject, layout, silhouette};
 //! use std::sync::Arc;
 //!
 //! # fn main() -> ode_visual_hull::Result<()> {
 //! // The studio: a table 0.4 m high, its top at z = 0.2 m, and what the cameras see of it.
 //! let sides = Vector3::new(0.5, 0.5, 0.4);
-//! let table = Placed::new(Solid::cuboid(sides)?, Isometry3::identity(), Paint::plain([200, 60, 40]));
+//! let table = Placed::new(Solid::cuboid(sides)?, Isometry3::identity(), Texture::plain([200, 60, 40]));
 //! let table = Subject::new(vec![table]);
 //! let data = Arc::new(HullData::new());
 //! data.set_bounds(Aabb::new(Point3::new(-0.6, -0.6, -0.3), Point3::new(0.6, 0.6, 0.8))?)?;
@@ -125,7 +125,7 @@ pub mod silhouette;
 pub mod source;
 pub mod synthetic;
 
-pub use error::{Error, Result, Untold};
+pub use error::{Error, MissingHint, Result};
 
 #[cfg(all(doctest, feature = "ode"))]
 #[doc = include_str!("../README.md")]

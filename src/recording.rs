@@ -84,8 +84,8 @@ impl Recording {
         }
         let shows =
             !images.common.is_empty() || (videos.iter().any(Option::is_some) && recording.has_images());
-        if masks.common.is_empty() && (masks.any() || !shows) {
-            let wanted = if masks.any() || !images.any() { masks } else { images };
+        if masks.common.is_empty() && (masks.has_files() || !shows) {
+            let wanted = if masks.has_files() || !images.has_files() { masks } else { images };
             let mut problem = wanted.nothing_in_common(rig);
             for (file, frame) in mask_files.iter().filter_map(|file| Some((file, file.cut_off()?))) {
                 problem += &format!("; {} ends within the mask of frame {frame}", file.path().display());

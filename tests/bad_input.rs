@@ -12,7 +12,7 @@ use image::{GrayImage, Luma};
 use nalgebra::{Isometry3, Matrix3, Matrix3x4, Point3, Quaternion, UnitQuaternion, Vector3, point, vector};
 use ode_sys::{dCollide, dContactGeom, dCreateBox, dCreateSphere, dGeomDestroy};
 use ode_visual_hull::camera::{Camera, Distortion, Ray};
-use ode_visual_hull::hull::{Aabb, EdgeModel, Emptiness, HullData, Unseen};
+use ode_visual_hull::hull::{Aabb, EdgeModel, EmptyReason, HullData, Unseen};
 use ode_visual_hull::ode::{BodyId, Shape, SpaceKind, TriMesh, World};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
@@ -180,7 +180,7 @@ fn an_empty_silhouette_empties_the_hull_and_one_can_ask_which_view_did() {
     let data = table();
     data.set_mask(2, &GrayImage::new(640, 480)).unwrap();
     let hull = data.update(1.0).unwrap();
-    assert_eq!(hull.emptiness(), Some(Emptiness::EmptySilhouette { view: 2 }));
+    assert_eq!(hull.empty_reason(), Some(EmptyReason::EmptySilhouette { view: 2 }));
     assert_eq!(hull.views()[2].name(), "cam2");
     assert!(hull.aabb().is_empty() && !hull.inside(&ORIGIN));
     let (mut world, body) = drop_box_on(&data);
@@ -197,7 +197,7 @@ fn silhouettes_with_nothing_in_common_name_the_view_that_has_nothing_left() {
     let elsewhere = Subject::new(vec![cuboid(vector![0.05, 0.05, 0.05], at(0.0, 0.0, 0.5))]);
     data.set_mask(3, &coverage(&cameras[3], &elsewhere)).unwrap();
     let hull = data.update(1.0).unwrap();
-    assert_eq!(hull.emptiness(), Some(Emptiness::NothingInCommon { view: 3 }));
+    assert_eq!(hull.empty_reason(), Some(EmptyReason::NothingInCommon { view: 3 }));
 }
 
 #[test]
@@ -226,7 +226,7 @@ fn no_views_are_no_hull() {
     let data = table();
     (0..4).for_each(|view| data.set_view_enabled(view, false).unwrap());
     let hull = data.update(1.0).unwrap();
-    assert_eq!(hull.emptiness(), Some(Emptiness::NoViews));
+    assert_eq!(hull.empty_reason(), Some(EmptyReason::NoViews));
     assert!(!hull.inside(&ORIGIN));
 }
 
@@ -357,7 +357,7 @@ fn places_that_are_no_numbers_get_no_answer() {
     let hull = table().latest().unwrap().1;
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308] {
         let p = point![0.0, bad, 0.0];
-        assert!(!hull.inside(&p) && hull.respond(&p).is_none() && hull.push(&p).is_none());
+        assert!(!hull.inside(&p) && hull.respond(&p).is_none() && hull.exit_vector(&p).is_none());
         assert!(hull.pixel_size(&p).is_finite());
         for edge in [EdgeModel::Pixel, EdgeModel::Coverage] {
             assert!(!hull.inside_by(&p, edge));
@@ -369,7 +369,7 @@ fn places_that_are_no_numbers_get_no_answer() {
             Ray { origin: ORIGIN, direction: vector![bad, 0.0, 0.0] },
         ];
         for ray in rays.iter().filter(|_| bad.is_nan()) {
-            assert!(hull.first_span(ray).is_none());
+            assert!(hull.ray_cast(ray).is_none());
         }
     }
     assert!(!hull.exit(&ORIGIN, &Vector3::zeros(), EdgeModel::Pixel).is_nan());

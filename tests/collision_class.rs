@@ -336,11 +336,11 @@ fn samples_of_the_users_own_take_the_place_of_the_class() {
 fn a_body_too_large_to_sample_is_reported_and_does_not_collide() {
     let (mut world, hull) = with_table(SpaceKind::default());
     let (_, huge) = add_body(&mut world, &cube(90.0), &at(0.0, 0.0, 0.0));
-    assert!(world.hull(hull).take_trouble().is_none());
+    assert!(world.hull(hull).take_error().is_none());
     assert!(world.collide_geoms(hull, huge, 8).unwrap().is_empty());
-    let trouble = world.hull(hull).take_trouble().expect("told").to_string();
+    let trouble = world.hull(hull).take_error().expect("told").to_string();
     assert!(trouble.contains("min_feature"), "{trouble}");
-    assert!(world.hull(hull).take_trouble().is_none(), "told once");
+    assert!(world.hull(hull).take_error().is_none(), "told once");
 }
 
 #[test]

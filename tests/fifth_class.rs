@@ -10,14 +10,14 @@ use scene::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The table of classes is one for the process: these tests run one after the other, each from an empty table.
-fn alone() -> MutexGuard<'static, ()> {
+fn in_a_process_of_its_own() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::new(());
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[test]
 fn a_hull_beside_four_other_classes_is_refused_and_the_process_lives() {
-    let _turn = alone();
+    let _turn = in_a_process_of_its_own();
     let data = table();
     {
         let mut world = World::new(&Ode::init().unwrap()).unwrap();
@@ -41,7 +41,7 @@ fn a_hull_beside_four_other_classes_is_refused_and_the_process_lives() {
 
 #[test]
 fn beside_three_other_classes_there_is_room() {
-    let _turn = alone();
+    let _turn = in_a_process_of_its_own();
     let _ode = Ode::init().unwrap();
     (14..17).for_each(|number| assert_eq!(foreign_class::register(), number));
     let (mut world, body) = drop_box_on(&table());
@@ -51,7 +51,7 @@ fn beside_three_other_classes_there_is_room() {
 
 #[test]
 fn the_class_is_registered_once_over_many_worlds() {
-    let _turn = alone();
+    let _turn = in_a_process_of_its_own();
     let data = table();
     let ode = Ode::init().unwrap();
     for _ in 0..10 {
@@ -65,7 +65,7 @@ fn the_class_is_registered_once_over_many_worlds() {
 
 #[test]
 fn the_class_is_found_again_while_only_others_keep_ode_open() {
-    let _turn = alone();
+    let _turn = in_a_process_of_its_own();
     let data = table();
     // SAFETY: pairs with the dCloseODE below.
     assert_ne!(unsafe { dInitODE2(0) }, 0);

@@ -8,7 +8,7 @@ use ode_visual_hull::camera::Camera;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::silhouette::Undistortion;
-use ode_visual_hull::source::{Frame, ReadAhead, Reading, Source, Synchroniser, Video, WhenFull};
+use ode_visual_hull::source::{Frame, ReadAhead, ReadOptions, Source, Synchroniser, Video, WhenFull};
 
 fn names(rig: &Rig) -> Vec<&str> {
     rig.cameras().iter().map(Camera::name).collect()
@@ -56,7 +56,7 @@ fn the_videos_of_the_seated_person_show_its_images() {
     let Some(dir) = data::find("seated_person") else { return };
     let recording = Recording::open(&dir).unwrap();
     for (camera, image) in recording.rig().cameras().iter().zip(recording.images(100).unwrap()) {
-        let reading = Reading { size: Some(camera.size()), first: 99, times: None };
+        let reading = ReadOptions { size: Some(camera.size()), first: 99, times: None };
         let path = dir.join("original").join(camera.name()).join("video.avi");
         let mut video = Video::open(path, reading).unwrap();
         let frames = [(); 3].map(|()| video.next_frame().unwrap().unwrap());
@@ -75,13 +75,13 @@ fn the_videos_of_the_seated_person_show_its_images() {
 fn the_videos_of_the_balancing_person_are_of_one_time_and_of_two_sizes() {
     let Some(dir) = data::find("balancing_person/original") else { return };
     let open = |name: &str, size| {
-        Video::open(dir.join(format!("{name}.mp4")), Reading { size, ..Reading::default() })
+        Video::open(dir.join(format!("{name}.mp4")), ReadOptions { size, ..ReadOptions::default() })
     };
     let names = ["cam01", "cam02", "cam03", "cam04"];
     let streams =
         names.map(|name| ReadAhead::spawn(name, open(name, None).unwrap(), 2, WhenFull::Wait).unwrap());
     let sets = Synchroniser::new(streams.into(), 0.5 / 60.0).unwrap().map(|set| set.unwrap());
-    assert_eq!(sets.filter(|set| set.is_complete() && set.spread == 0.0).count(), 100);
+    assert_eq!(sets.filter(|set| set.is_complete() && set.time_spread == 0.0).count(), 100);
     let message = open("cam03", Some((1080, 1920))).unwrap_err().to_string();
     assert!(message.contains("1080 x 1920") && message.contains("found 1088 x 1920"), "{message}");
 }
@@ -136,7 +136,9 @@ fn undistorted_masks_say_what_the_distorted_ones_say() {
             let world = Point3::new(1.2 * random() - 0.25, 1.5 * random() - 0.25, 1.8 * random() - 0.1);
             let Some(distorted) = place(camera, &world) else { continue };
             compared += 1;
-            let Some(straight) = place(pinhole, &world).filter(|p| is_subject(undistortion.seen(), p)) else {
+            let Some(straight) =
+                place(pinhole, &world).filter(|p| is_subject(undistortion.field_of_view(), p))
+            else {
                 unseen += 1;
                 continue;
             };

@@ -1,7 +1,7 @@
 //! Whole frames beside the literal program: masks in; out come its body vectors, and our default contacts.
 
 use crate::figure::Bound;
-use crate::session::{Session, Start};
+use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use ode_visual_hull_bench::literal::{LiteralBodies, LiteralHull};
 use ode_visual_hull_bench::ours::{Boxes, Rig};
@@ -29,25 +29,40 @@ pub fn measure(session: &mut Session) {
 fn over_literal(
     session: &mut Session,
     [frame, lens]: [&str; 2],
-    given: &Given,
+    input: &Given,
     bodies: &Bodies,
     bound: Option<f64>,
 ) {
-    let bench = from_masks(PairedBench::new(), frame, given, bodies);
-    let times = session.run(with_body_vectors(bench, "response", &given.ours, bodies));
+    let bench = from_masks(PairedBench::new(), frame, input, bodies);
+    let times = session.run(with_body_vectors(bench, "response", &input.ours, bodies));
     let [literal, contacts] = [format!("literal {frame}"), format!("ours {frame}")];
 
     let ratio = times.ratio(&literal, &contacts);
     let bound = bound.map(Bound::AtLeast);
-    session.figure(&format!("contacts_{frame}_over_literal{lens}"), ratio, bound, Start::Masks, CONTACTS);
+    session.figure(&format!("contacts_{frame}_over_literal{lens}"), ratio, bound, StartTime::Masks, CONTACTS);
     let ratio = times.ratio(&literal, "response");
-    session.reported(&format!("body_response_{frame}_over_literal{lens}"), ratio, Start::Masks, RESPONSES);
+    session.reported(
+        &format!("body_response_{frame}_over_literal{lens}"),
+        ratio,
+        StartTime::Masks,
+        RESPONSES,
+    );
 
     let milliseconds = |name: &str| 1e3 * times.seconds(name);
-    session.reported(&format!("contacts_{frame}{lens}_ms"), milliseconds(&contacts), Start::Masks, CONTACTS);
+    session.reported(
+        &format!("contacts_{frame}{lens}_ms"),
+        milliseconds(&contacts),
+        StartTime::Masks,
+        CONTACTS,
+    );
     let response = milliseconds("response");
-    session.reported(&format!("body_response_{frame}{lens}_ms"), response, Start::Masks, RESPONSES);
-    session.reported(&format!("literal_{frame}{lens}_ms"), milliseconds(&literal), Start::Masks, RESPONSES);
+    session.reported(&format!("body_response_{frame}{lens}_ms"), response, StartTime::Masks, RESPONSES);
+    session.reported(
+        &format!("literal_{frame}{lens}_ms"),
+        milliseconds(&literal),
+        StartTime::Masks,
+        RESPONSES,
+    );
 }
 
 /// Adds, from the masks on, the literal program's body vectors and our default contacts; `label` ends their names.
@@ -75,11 +90,11 @@ pub fn from_masks<'a>(
 pub fn from_frame<'a>(
     bench: PairedBench<'a>,
     label: &str,
-    given: &'a Given,
+    input: &'a Given,
     bodies: &'a Bodies,
 ) -> PairedBench<'a> {
-    let frame = Rig::new(&given.ours).publish(&given.ours.masks);
-    let literal = LiteralHull::new(&given.rivals, frame.aabb());
+    let frame = Rig::new(&input.ours).publish(&input.ours.masks);
+    let literal = LiteralHull::new(&input.rivals, frame.aabb());
     let (mut plain, mut vectors) = (LiteralBodies::new(bodies), Vec::new());
     let (boxes, mut contacts) = (Boxes::new(bodies), Vec::new());
     bench

@@ -14,12 +14,12 @@ mod plot;
 mod points;
 mod prepare;
 mod real_cameras;
-#[path = "../../examples/figures/report.rs"]
-mod report;
 mod scaling;
 mod segmentation;
 mod session;
 mod simulation;
+#[path = "../../examples/figures/table.rs"]
+mod table;
 mod threads;
 mod timing;
 
@@ -62,14 +62,14 @@ fn main() -> ExitCode {
     let mut session = Session::new(options.rounds as usize, root.join("docs"));
     for (name, measure) in GROUPS {
         if options.only.is_empty() || options.only.iter().any(|only| only == name) {
-            session.begin(name);
+            session.start_group(name);
             measure(&mut session);
         }
     }
-    let rows = session.finish();
+    let rows = session.into_rows();
     let figures: Vec<_> = rows.iter().map(|row| row.figure.clone()).collect();
-    report::print_table(&figures);
-    let mut written = report::record(&root.join("target/figures.json"), &figures);
+    table::print_table(&figures);
+    let mut written = table::record(&root.join("target/figures.json"), &figures);
     if options.only.is_empty() {
         // The page tells of one run.
         written = written.and_then(|()| page::write(&root.join("docs/performance.md"), &rows));

@@ -2,7 +2,7 @@
 
 use crate::figure::Bound;
 use crate::frames::with_body_vectors;
-use crate::session::{Session, Start};
+use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use ode_visual_hull_bench::carve::Grid;
 use ode_visual_hull_bench::nets::Mesh;
@@ -30,22 +30,22 @@ pub fn measure(session: &mut Session) {
         for (peer, bound) in PEERS.into_iter().zip(bounds) {
             let ratio = times.ratio(peer, "contacts");
             let bound = bound.map(Bound::AtLeast);
-            session.figure(&format!("contacts_over_{peer}_{name}"), ratio, bound, Start::Masks, what);
+            session.figure(&format!("contacts_over_{peer}_{name}"), ratio, bound, StartTime::Masks, what);
         }
         let what = "masks in, contacts of 60 boxes out, over the library's body vectors";
         for peer in PEERS {
             let ratio = times.ratio(peer, "response");
-            session.reported(&format!("body_response_over_{peer}_{name}"), ratio, Start::Masks, what);
+            session.reported(&format!("body_response_over_{peer}_{name}"), ratio, StartTime::Masks, what);
         }
         let what =
             "the part of the routes over voxels that all share: preparing, and carving by our inside test";
-        session.reported(&format!("carve_{name}_ms"), 1e3 * times.seconds("carve"), Start::Masks, what);
+        session.reported(&format!("carve_{name}_ms"), 1e3 * times.seconds("carve"), StartTime::Masks, what);
     }
 }
 
 fn bench<'a>(given: &'a Given, bodies: &'a Bodies, cell: f64) -> PairedBench<'a> {
     let bench = with_ours(PairedBench::new(), &given.ours, bodies);
-    let route = || Route::new(&given.rivals, cell);
+    let route = || VoxelPeer::new(&given.rivals, cell);
     let mut carving = route();
     let bench = bench.with("carve", move || carving.carve());
 
@@ -81,7 +81,7 @@ fn with_ours<'a>(bench: PairedBench<'a>, scene: &'a Scene, bodies: &'a Bodies) -
 }
 
 /// What the routes over voxels have in common. Each has memory of its own, used again from frame to frame.
-struct Route<'a> {
+struct VoxelPeer<'a> {
     scene: &'a Scene,
     rig: Rig,
     grid: Grid,
@@ -90,7 +90,7 @@ struct Route<'a> {
     counts: Vec<usize>,
 }
 
-impl<'a> Route<'a> {
+impl<'a> VoxelPeer<'a> {
     fn new(scene: &'a Scene, cell: f64) -> Self {
         let (rig, grid) = (Rig::new(scene), Grid::new(cell));
         Self { scene, rig, grid, mesh: Mesh::default(), counts: Vec::new() }

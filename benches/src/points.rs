@@ -1,7 +1,7 @@
 //! Single points: inside or not, and the exit.
 
 use crate::figure::Bound;
-use crate::session::{Session, Start};
+use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use nalgebra::{Isometry3, Point3};
 use ode_visual_hull::hull::{Points, Workspace};
@@ -31,9 +31,9 @@ pub fn measure(session: &mut Session) {
     {
         let bench = inside(&scene, &frame, points);
         let times = session.run(bench);
-        session.bounded(name, times.ratio("literal", "ours"), Bound::AtLeast(bound), Start::Frame, what);
+        session.bounded(name, times.ratio("literal", "ours"), Bound::AtLeast(bound), StartTime::Frame, what);
         let per_second = points.len() as f64 / times.seconds("ours") * 1e-6;
-        session.reported(&name.replace("over_literal", "mpoints_per_s"), per_second, Start::Frame, what);
+        session.reported(&name.replace("over_literal", "mpoints_per_s"), per_second, StartTime::Frame, what);
     }
     let near = at_depth(&frame, 1..=5, FEW);
     responses(session, "near", &scene, &frame, &near, "responses of points 1 to 5 pixels inside the person");
@@ -62,9 +62,9 @@ fn responses(
 ) {
     let times = session.run(respond(PairedBench::new(), name, scene, frame, points));
     let ratio = times.ratio(&format!("literal {name}"), &format!("ours {name}"));
-    session.reported(&format!("response_{name}_over_literal"), ratio, Start::Frame, what);
+    session.reported(&format!("response_{name}_over_literal"), ratio, StartTime::Frame, what);
     let per_second = points.len() as f64 / times.seconds(&format!("ours {name}")) * 1e-6;
-    session.reported(&format!("response_{name}_mpoints_per_s"), per_second, Start::Frame, what);
+    session.reported(&format!("response_{name}_mpoints_per_s"), per_second, StartTime::Frame, what);
 }
 
 /// Adds the responses of `points`, by the literal program and by ours; `label` ends their names.

@@ -1,6 +1,6 @@
 //! Preparing a frame: masks in, ready for the first query.
 
-use crate::session::{Session, Start};
+use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use image::GrayImage;
 use ode_visual_hull::silhouette::PackedMask;
@@ -16,10 +16,15 @@ pub fn measure(session: &mut Session) {
             .with("prepare", || rig.publish(&scene.masks))
             .with("read", || scene.masks.iter().map(largest_byte).max());
         let times = session.run(bench);
-        session.reported(&format!("prepare_{name}_ms"), 1e3 * times.seconds("prepare"), Start::Masks, what);
+        session.reported(
+            &format!("prepare_{name}_ms"),
+            1e3 * times.seconds("prepare"),
+            StartTime::Masks,
+            what,
+        );
         let what = "preparing a frame over one plain read of its masks";
         let ratio = times.ratio("prepare", "read");
-        session.reported(&format!("prepare_over_memory_read_{name}"), ratio, Start::Masks, what);
+        session.reported(&format!("prepare_over_memory_read_{name}"), ratio, StartTime::Masks, what);
     }
     measure_packed(session);
 }
@@ -36,7 +41,7 @@ fn measure_packed(session: &mut Session) {
     });
     let times = session.run(bench);
     let what = "seven packed masks with coverage prepared, over doing so by way of bytes";
-    session.reported("packed_over_bytes", times.ratio("packed", "bytes"), Start::Masks, what);
+    session.reported("packed_over_bytes", times.ratio("packed", "bytes"), StartTime::Masks, what);
 }
 
 /// Touches every byte and does next to nothing with it.

@@ -4,7 +4,7 @@
 //! size, and gives the time of the real case beside.
 
 use crate::figure::Bound;
-use crate::session::{Session, Start};
+use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use ode_visual_hull_bench::ours::{Boxes, Frame, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, VGA, Who};
@@ -43,11 +43,16 @@ fn lens_contacts(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scen
         &format!("lens_contacts_over_pinhole_{name}"),
         ratio,
         Bound::AtMost(1.3),
-        Start::Frame,
+        StartTime::Frame,
         what,
     );
     let what = "default contacts behind such lenses";
-    session.reported(&format!("lens_contacts_{name}_ms"), 1e3 * times.seconds("lens"), Start::Frame, what);
+    session.reported(
+        &format!("lens_contacts_{name}_ms"),
+        1e3 * times.seconds("lens"),
+        StartTime::Frame,
+        what,
+    );
 }
 
 /// Contacts where views abstain.
@@ -60,12 +65,12 @@ fn abstain_contacts(session: &mut Session, name: &str, scene: &Scene, boxes: &Bo
     let what = "default contacts, views that abstain over views that cut the hull off";
     let ratio = times.ratio("abstain", "outside");
     let figure = format!("abstain_contacts_over_outside_{name}");
-    session.bounded(&figure, ratio, Bound::AtMost(1.5), Start::Frame, what);
+    session.bounded(&figure, ratio, Bound::AtMost(1.5), StartTime::Frame, what);
     let what = "default contacts with views that abstain";
     session.reported(
         &format!("abstain_contacts_{name}_ms"),
         1e3 * times.seconds("abstain"),
-        Start::Frame,
+        StartTime::Frame,
         what,
     );
 }
@@ -90,10 +95,10 @@ fn coverage_contacts(session: &mut Session, name: &str, coverage: &Scene, boxes:
     let what = "default contacts in a new frame, segmented masks with coverage over the same made binary";
     let ratio = times.ratio("coverage", "binary");
     let figure = format!("coverage_contacts_over_binary_{name}");
-    session.bounded(&figure, ratio, Bound::AtMost(1.6), Start::Frame, what);
+    session.bounded(&figure, ratio, Bound::AtMost(1.6), StartTime::Frame, what);
     let what = "default contacts in a new frame of segmented masks with coverage";
     let milliseconds = 1e3 * times.seconds("coverage");
-    session.reported(&format!("coverage_contacts_{name}_ms"), milliseconds, Start::Frame, what);
+    session.reported(&format!("coverage_contacts_{name}_ms"), milliseconds, StartTime::Frame, what);
 }
 
 /// Masks behind lenses.
@@ -110,11 +115,11 @@ fn lens_prepare(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scene
         &format!("lens_prepare_over_pinhole_{name}"),
         ratio,
         Bound::AtMost(3.0),
-        Start::Masks,
+        StartTime::Masks,
         what,
     );
     let what = "seven masks prepared behind such lenses";
-    session.reported(&format!("lens_prepare_{name}_ms"), 1e3 * times.seconds("lens"), Start::Masks, what);
+    session.reported(&format!("lens_prepare_{name}_ms"), 1e3 * times.seconds("lens"), StartTime::Masks, what);
 }
 
 /// The paper's body vectors beside the default contacts.
@@ -129,7 +134,7 @@ fn body_response(session: &mut Session, scene: &Scene, boxes: &Boxes) {
 
     let what = "the paper's body vectors of 60 boxes over the default contacts";
     let ratio = times.ratio("response", "contacts");
-    session.bounded("body_response_over_contacts", ratio, Bound::AtMost(1.2), Start::Frame, what);
+    session.bounded("body_response_over_contacts", ratio, Bound::AtMost(1.2), StartTime::Frame, what);
     let what = "the paper's body vectors of 60 boxes, VGA";
-    session.reported("body_response_vga_ms", 1e3 * times.seconds("response"), Start::Frame, what);
+    session.reported("body_response_vga_ms", 1e3 * times.seconds("response"), StartTime::Frame, what);
 }

@@ -4,7 +4,7 @@ use crate::figure::Bound;
 use crate::frames::{from_frame, from_masks};
 use crate::plot::{Line, Plot};
 use crate::points;
-use crate::session::{Session, Start};
+use crate::session::{Session, StartTime};
 use crate::timing::{PairedBench, Times};
 use ode_visual_hull_bench::ours::Rig;
 use ode_visual_hull_bench::scene::{
@@ -34,7 +34,7 @@ fn cameras(session: &mut Session) {
 
     let what = "masks in, default contacts out, 60 boxes of 400 samples";
     let ratio = times.ratio("ours 14", "ours 4");
-    session.bounded("cameras_14_over_4", ratio, Bound::AtMost(3.2), Start::Masks, what);
+    session.bounded("cameras_14_over_4", ratio, Bound::AtMost(3.2), StartTime::Masks, what);
     let sizes = counts.map(|count| (count as f64, count.to_string())).to_vec();
     draw(session, "cameras", "cameras", FRAME, sizes, &times, &CANDIDATES);
 }
@@ -52,10 +52,10 @@ fn resolution(session: &mut Session) {
 
     let what = "default contacts, 60 boxes of 400 samples";
     let ratio = times.ratio("ours 4K", "ours VGA");
-    session.bounded("query_4k_over_vga", ratio, Bound::AtMost(1.9), Start::Frame, what);
+    session.bounded("query_4k_over_vga", ratio, Bound::AtMost(1.9), StartTime::Frame, what);
     let what = "the literal program's body vectors, 60 boxes of 400 samples";
     let ratio = times.ratio("literal 4K", "literal VGA");
-    session.reported("query_4k_over_vga_literal", ratio, Start::Frame, what);
+    session.reported("query_4k_over_vga_literal", ratio, StartTime::Frame, what);
     let sizes = SIZES.map(|(name, (width, height))| (f64::from(width * height) * 1e-6, name.to_owned()));
     let lines = [CANDIDATES[0], CANDIDATES[1], ("prepare", "preparing the frame")];
     draw(session, "resolution", "pixels of a mask", TIME, sizes.to_vec(), &times, &lines);
@@ -73,7 +73,7 @@ fn samples(session: &mut Session) {
     let [few, .., many] = &bodies;
     let ratio = times.ratio(&format!("ours {}", label(many)), &format!("ours {}", label(few)));
     let what = "default contacts, 60 boxes";
-    session.bounded("samples_4000_over_400", ratio, Bound::AtMost(7.0), Start::Frame, what);
+    session.bounded("samples_4000_over_400", ratio, Bound::AtMost(7.0), StartTime::Frame, what);
     let sizes = bodies.iter().map(|bodies| (bodies.samples.points().len() as f64, label(bodies)));
     draw(session, "samples", "samples of a box", QUERY, sizes.collect(), &times, &CANDIDATES);
 }

@@ -10,7 +10,7 @@ use ode_visual_hull::camera::{Camera, Distortion};
 use ode_visual_hull::hull::Aabb;
 use ode_visual_hull::sample::{self, Samples};
 use ode_visual_hull::silhouette::Undistortion;
-use ode_visual_hull::synthetic::{self, Paint, Placed, Solid, Subject, layout};
+use ode_visual_hull::synthetic::{self, Placed, Solid, Subject, Texture, layout};
 
 /// Image sizes in pixels, and what they are called.
 pub const SIZES: [(&str, (u32, u32)); 3] =
@@ -181,7 +181,7 @@ fn bounds() -> Aabb {
 
 fn barrel() -> Subject {
     let solid = Solid::capsule(0.42, 0.86).expect("positive lengths");
-    Subject::new(vec![Placed::new(solid, Isometry3::translation(0.0, 0.0, 0.87), Paint::plain([200; 3]))])
+    Subject::new(vec![Placed::new(solid, Isometry3::translation(0.0, 0.0, 0.87), Texture::plain([200; 3]))])
 }
 
 /// Equal boxes, scattered.

@@ -4,7 +4,7 @@
 
 use crate::data;
 use crate::figure::Bound;
-use crate::session::{Session, Start};
+use crate::session::{Session, StartTime};
 use crate::timing::{median, thread_seconds};
 use image::{GrayImage, RgbImage};
 use ode_visual_hull::recording::Recording;
@@ -41,17 +41,17 @@ pub fn measure(session: &mut Session) {
         }
     }
     let what = "a colour image to a silhouette with coverage, cleaned up, in milliseconds";
-    session.reported("segment_clean_plate_ms", median(plates), Start::Images, what);
-    session.reported("segment_running_gaussian_ms", median(ours), Start::Images, what);
+    session.reported("segment_clean_plate_ms", median(plates), StartTime::Images, what);
+    session.reported("segment_running_gaussian_ms", median(ours), StartTime::Images, what);
     if !ratios.is_empty() {
         session.reported(
             "segment_mog2_ms",
             median(theirs),
-            Start::Images,
+            StartTime::Images,
             "OpenCV's MOG2 alone, in milliseconds",
         );
         let what = "a running Gaussian with clean-up and coverage over OpenCV's MOG2 alone";
-        session.bounded("segment_ms_over_mog2", median(ratios), Bound::AtMost(0.5), Start::Images, what);
+        session.bounded("segment_ms_over_mog2", median(ratios), Bound::AtMost(0.5), StartTime::Images, what);
     }
 }
 

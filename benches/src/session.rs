@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// What a figure's clock starts with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Start {
+pub enum StartTime {
     /// Colour images: they are segmented on the clock.
     Images,
     /// Masks: the frame is prepared on the clock.
@@ -22,7 +22,7 @@ pub enum Start {
 #[derive(Debug, Clone)]
 pub struct Row {
     pub figure: Figure,
-    pub start: Start,
+    pub start: StartTime,
     /// Half a sentence.
     pub what: &'static str,
 }
@@ -46,7 +46,7 @@ impl Session {
     }
 
     /// Tells what comes next.
-    pub fn begin(&self, name: &str) {
+    pub fn start_group(&self, name: &str) {
         self.bar.set_message(name.to_owned());
     }
 
@@ -66,7 +66,14 @@ impl Session {
     }
 
     /// A figure, with a bound or without.
-    pub fn figure(&mut self, name: &str, value: f64, bound: Option<Bound>, start: Start, what: &'static str) {
+    pub fn figure(
+        &mut self,
+        name: &str,
+        value: f64,
+        bound: Option<Bound>,
+        start: StartTime,
+        what: &'static str,
+    ) {
         match bound {
             Some(bound) => self.bounded(name, value, bound, start, what),
             None => self.reported(name, value, start, what),
@@ -74,12 +81,12 @@ impl Session {
     }
 
     /// A figure with a bound.
-    pub fn bounded(&mut self, name: &str, value: f64, bound: Bound, start: Start, what: &'static str) {
-        self.rows.push(Row { figure: Figure::asked(name, value, bound), start, what });
+    pub fn bounded(&mut self, name: &str, value: f64, bound: Bound, start: StartTime, what: &'static str) {
+        self.rows.push(Row { figure: Figure::bounded(name, value, bound), start, what });
     }
 
     /// A figure that is reported whatever it is.
-    pub fn reported(&mut self, name: &str, value: f64, start: Start, what: &'static str) {
+    pub fn reported(&mut self, name: &str, value: f64, start: StartTime, what: &'static str) {
         self.rows.push(Row { figure: Figure::reported(name, value), start, what });
     }
 
@@ -89,13 +96,13 @@ impl Session {
     }
 
     /// All that was measured.
-    pub fn finish(self) -> Vec<Row> {
+    pub fn into_rows(self) -> Vec<Row> {
         self.bar.finish_and_clear();
         self.rows
     }
 }
 
-impl Start {
+impl StartTime {
     /// As a table has it.
     pub fn name(self) -> &'static str {
         match self {

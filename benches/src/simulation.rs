@@ -1,6 +1,6 @@
 //! A simulation of ODE: how much of a step is colliding.
 
-use crate::session::{Session, Start};
+use crate::session::{Session, StartTime};
 use crate::timing::{median, thread_seconds};
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::hull::HullData;
@@ -34,11 +34,11 @@ pub fn measure(session: &mut Session) {
         steps.push(total / STEPS as f64);
     }
     let what = "colliding as a part of collide and quick step, 60 boxes about a person in ODE";
-    session.reported("collide_share", median(shares), Start::Step, what);
+    session.reported("collide_share", median(shares), StartTime::Step, what);
     session.reported(
         "step_60_ms",
         1e3 * median(steps),
-        Start::Step,
+        StartTime::Step,
         "collide and quick step, 60 boxes about a person",
     );
 }

@@ -1,7 +1,7 @@
 //! The bodies of one frame shared out among threads.
 
 use crate::figure::Bound;
-use crate::session::{Session, Start};
+use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, Who};
@@ -22,5 +22,11 @@ pub fn measure(session: &mut Session) {
     let times = session.run(PairedBench::by_wall_clock().with("one", run(1)).with("two", run(2)));
 
     let what = "default contacts of 600 boxes at 1080p, two threads over one, by the wall";
-    session.bounded("threads_2_over_1", times.ratio("two", "one"), Bound::AtMost(0.6), Start::Frame, what);
+    session.bounded(
+        "threads_2_over_1",
+        times.ratio("two", "one"),
+        Bound::AtMost(0.6),
+        StartTime::Frame,
+        what,
+    );
 }

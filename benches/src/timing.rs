@@ -13,7 +13,7 @@ const LEAST: f64 = 4e-3;
 /// Candidates by name, compared within each round.
 pub struct PairedBench<'a> {
     candidates: Vec<Candidate<'a>>,
-    clock: ClockId,
+    clock_id: ClockId,
 }
 
 struct Candidate<'a> {
@@ -25,12 +25,12 @@ struct Candidate<'a> {
 
 impl<'a> PairedBench<'a> {
     pub fn new() -> Self {
-        Self { candidates: Vec::new(), clock: ClockId::ThreadCPUTime }
+        Self { candidates: Vec::new(), clock_id: ClockId::ThreadCPUTime }
     }
 
     /// A comparison of candidates that start threads of their own.
     pub fn by_wall_clock() -> Self {
-        Self { clock: ClockId::Monotonic, ..Self::new() }
+        Self { clock_id: ClockId::Monotonic, ..Self::new() }
     }
 
     /// Adds a candidate; what `run` returns is not optimised away.
@@ -75,7 +75,7 @@ impl<'a> PairedBench<'a> {
     pub fn run(mut self, rounds: usize, bar: &ProgressBar) -> Times {
         bar.inc_length(rounds as u64);
         for candidate in &mut self.candidates {
-            let once = candidate.seconds(self.clock);
+            let once = candidate.seconds(self.clock_id);
             candidate.repeats = (LEAST / once).ceil().clamp(1.0, 1e6) as u32;
         }
         let mut times = Times {
@@ -83,7 +83,7 @@ impl<'a> PairedBench<'a> {
             rounds: Vec::new(),
         };
         for _ in 0..rounds {
-            let seconds = self.candidates.iter_mut().map(|candidate| candidate.seconds(self.clock));
+            let seconds = self.candidates.iter_mut().map(|candidate| candidate.seconds(self.clock_id));
             times.rounds.push(seconds.collect());
             bar.inc(1);
         }

@@ -5,7 +5,7 @@ use ode_visual_hull::Result;
 use ode_visual_hull::synthetic::add_noise;
 
 /// The field is larger than an image by this much each way: so many places squared to cut from.
-const ROOM: u32 = 64;
+const NOISE_MARGIN: u32 = 64;
 
 /// A field of sensor noise. Each image takes its noise from another place of it, which is much quicker than to draw
 /// a million normal numbers for each.
@@ -19,7 +19,7 @@ const GREY: u8 = 128;
 impl Sensor {
     /// For images of `size` pixels, with a deviation of `sigma` grey levels.
     pub fn new(size: (u32, u32), sigma: f64, seed: u64) -> Result<Self> {
-        let mut field = RgbImage::from_pixel(size.0 + ROOM, size.1 + ROOM, Rgb([GREY; 3]));
+        let mut field = RgbImage::from_pixel(size.0 + NOISE_MARGIN, size.1 + NOISE_MARGIN, Rgb([GREY; 3]));
         add_noise(&mut field, sigma, seed)?;
         Ok(Self { field })
     }
@@ -27,8 +27,8 @@ impl Sensor {
     /// `image` with the noise of exposure number `exposure`.
     pub fn expose(&self, image: &RgbImage, exposure: u32) -> RgbImage {
         // Odd and coprime steps go through all places before one comes again.
-        let place = exposure.wrapping_mul(1_597) % (ROOM * ROOM);
-        let (left, top) = (place % ROOM, place / ROOM);
+        let place = exposure.wrapping_mul(1_597) % (NOISE_MARGIN * NOISE_MARGIN);
+        let (left, top) = (place % NOISE_MARGIN, place / NOISE_MARGIN);
         let mut noisy = image.clone();
         let (row, field_row) = (3 * image.width() as usize, 3 * self.field.width() as usize);
         let fields = self.field.as_raw().chunks(field_row).skip(top as usize);

@@ -12,7 +12,9 @@ use ode_visual_hull::hull::{Aabb, Hull, HullData};
 use ode_visual_hull::pipeline::Pipeline;
 use ode_visual_hull::segment::{CleanPlate, Segmenter, Thresholds};
 use ode_visual_hull::source::ImageSet;
-use ode_visual_hull::synthetic::{Hit, Paint, Placed, Room, Scene, Solid, Subject, clean_plate, render_over};
+use ode_visual_hull::synthetic::{
+    Hit, Placed, Room, Scene, Solid, Subject, Texture, clean_plate, render_over,
+};
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::{Capture, FRAME_RATE, Form, Simulation, Window};
 use std::sync::Arc;
@@ -80,7 +82,7 @@ impl Studio {
 
     /// Moves the real box to where it is in `frame`. While it stands, its images are those of the frame before.
     fn move_real_box(&mut self, frame: usize) -> Result<()> {
-        let cardboard = Paint::plain([206, 150, 92]);
+        let cardboard = Texture::plain([206, 150, 92]);
         let placed = Placed::new(Solid::cuboid(REAL)?, real_pose(time_of(frame)), cardboard);
         let subject = Subject::new(vec![placed]);
         if subject != self.scene.subject {
@@ -139,7 +141,7 @@ impl Capture for Studio {
     }
 
     fn window(&self, view: usize, _: &HullData) -> Window {
-        Window::whole(&self.cameras[view])
+        Window::full(&self.cameras[view])
     }
 
     fn hit(&self, ray: &Ray, _: usize, _: &Hull) -> Option<Hit> {
@@ -150,8 +152,8 @@ impl Capture for Studio {
         Some((real_pose(time_of(self.frame?)) * Point3::new(0.0, 0.0, 0.5 * REAL.z)).z)
     }
 
-    fn lamp(&self) -> Point3<f64> {
-        self.scene.room.lamp()
+    fn light(&self) -> Point3<f64> {
+        self.scene.room.light_position()
     }
 }
 

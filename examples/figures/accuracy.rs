@@ -112,7 +112,7 @@ pub fn response_leaves(scene: &Scene, count: usize, seed: u64) -> f64 {
         response.is_some_and(|r| !scene.binary.inside(&(p + r.normal * (r.depth + NANOMETRE))))
     });
     let contact = inside(&scene.coverage, count, seed).filter_map(|p| {
-        let push = scene.coverage.push(&p)?;
+        let push = scene.coverage.exit_vector(&p)?;
         let left = p + push.direction * (push.depth + NANOMETRE);
         Some(!scene.coverage.inside_by(&left, EdgeModel::Coverage))
     });
@@ -161,7 +161,7 @@ pub fn paper_normal_errors(scene: &Scene, probes: &[Probe]) -> Vec<NormalError> 
 /// The contact normals of the probes in `hull`.
 pub fn contact_normal_errors(scene: &Scene, hull: &Hull, probes: &[Probe]) -> Vec<NormalError> {
     let error = |probe: &Probe| {
-        let (push, nearest) = (hull.push(&probe.p)?, hull.nearest_edge(&probe.p)?);
+        let (push, nearest) = (hull.exit_vector(&probe.p)?, hull.nearest_edge(&probe.p)?);
         normal_error(scene, &nearest, &push.direction)
     };
     probes.iter().filter_map(error).collect()

@@ -72,7 +72,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
             })
             .collect();
         let worst = measured.iter().map(|measured| measured.agreement).fold(1.0, f64::min);
-        figures.push(Figure::asked(kind.name, worst, Bound::AtLeast(1.0)));
+        figures.push(Figure::bounded(kind.name, worst, Bound::AtLeast(1.0)));
         for Measured { scene, agreement, .. } in &measured {
             figures.push(Figure::reported(&format!("{}_{scene}", kind.name), *agreement));
         }

@@ -108,12 +108,12 @@ pub fn footprint(camera: &Camera, p: &Point3<f64>) -> f64 {
 mod tests {
     use super::*;
     use nalgebra::{Isometry3, point, vector};
-    use ode_visual_hull::synthetic::{Paint, Solid, layout};
+    use ode_visual_hull::synthetic::{Solid, Texture, layout};
 
     fn sphere_hull() -> AnalyticHull {
         let cameras = layout::hemisphere(5, 2.75, Point3::origin(), (160, 120), 0.5).unwrap();
         let sphere = Solid::sphere(0.25).unwrap();
-        AnalyticHull::new(&cameras, &Placed::new(sphere, Isometry3::identity(), Paint::plain([200; 3])))
+        AnalyticHull::new(&cameras, &Placed::new(sphere, Isometry3::identity(), Texture::plain([200; 3])))
     }
 
     /// Whether `p` lies in the cone from `camera` around the sphere.

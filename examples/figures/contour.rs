@@ -158,7 +158,7 @@ impl Contour {
     }
 
     fn segments(&self) -> Vec<Segment> {
-        let ([x0, y0], [x1, y1]) = self.region();
+        let ([x0, y0], [x1, y1]) = self.lattice_rectangle();
         let node = |x: i32, y: i32| Point2::new(f64::from(x) * LATTICE, f64::from(y) * LATTICE);
         let row = |y: i32| (x0..=x1).map(|x| self.is_subject(&node(x, y))).collect::<Vec<_>>();
         let mut above = row(y0);
@@ -195,7 +195,7 @@ impl Contour {
     }
 
     /// Lattice rectangle around the image of the solid's bounding ball.
-    fn region(&self) -> ([i32; 2], [i32; 2]) {
+    fn lattice_rectangle(&self) -> ([i32; 2], [i32; 2]) {
         let (width, height) = self.camera.size();
         let middle = self.camera.project(&self.solid.centre()).expect("the solid is before the camera");
         let radius = self.solid.solid().bounding_radius();
@@ -234,13 +234,13 @@ fn bends(segments: &[Segment]) -> Vec<Point2<f64>> {
 mod tests {
     use super::*;
     use nalgebra::{Isometry3, point, vector};
-    use ode_visual_hull::synthetic::{Paint, Solid};
+    use ode_visual_hull::synthetic::{Solid, Texture};
 
     fn contour(solid: Solid) -> Contour {
         let camera =
             Camera::look_at("c", (320, 240), 0.5, point![2.4, 0.3, 0.9], Point3::origin(), Vector3::z());
         let pose = Isometry3::new(vector![0.02, 0.01, -0.03], vector![0.4, 0.7, -0.2]);
-        Contour::trace(&camera.unwrap(), &Placed::new(solid, pose, Paint::plain([200; 3])))
+        Contour::trace(&camera.unwrap(), &Placed::new(solid, pose, Texture::plain([200; 3])))
     }
 
     #[test]

@@ -18,11 +18,11 @@ pub struct Figure {
 pub enum Bound {
     AtMost(f64),
     AtLeast(f64),
-    Within(f64, f64),
+    Between(f64, f64),
 }
 
 impl Figure {
-    pub fn asked(name: &str, value: f64, bound: Bound) -> Self {
+    pub fn bounded(name: &str, value: f64, bound: Bound) -> Self {
         Self { name: name.into(), value, bound: Some(bound) }
     }
 
@@ -36,7 +36,7 @@ impl Figure {
             None => true,
             Some(Bound::AtMost(most)) => self.value <= most,
             Some(Bound::AtLeast(least)) => self.value >= least,
-            Some(Bound::Within(least, most)) => (least..=most).contains(&self.value),
+            Some(Bound::Between(least, most)) => (least..=most).contains(&self.value),
         }
     }
 }
@@ -46,7 +46,7 @@ impl fmt::Display for Bound {
         match self {
             Self::AtMost(most) => write!(f, "<= {most}"),
             Self::AtLeast(least) => write!(f, ">= {least}"),
-            Self::Within(least, most) => write!(f, "{least} to {most}"),
+            Self::Between(least, most) => write!(f, "{least} to {most}"),
         }
     }
 }

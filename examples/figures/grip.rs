@@ -8,25 +8,25 @@ use crate::studio::*;
 use nalgebra::{UnitQuaternion, Vector3, vector};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::ode::Shape;
-use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, coverage, layout};
+use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
 
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("bodies inside, pierced and held");
     let arm = Placed::new(
         Solid::capsule(0.04, 0.8).expect("positive sizes"),
         at(0.0, 0.0, 0.0) * UnitQuaternion::from_euler_angles(0.0, std::f64::consts::FRAC_PI_2, 0.0),
-        Paint::plain([210, 160, 130]),
+        Texture::plain([210, 160, 130]),
     );
     let plate = cuboid(vector![0.8, 0.5, 0.03], at(0.0, 0.0, 0.0));
     let swallowed = exit_speed(&table(), 0.15, vector![0.03, 0.01, 0.0]);
     let pierced = exit_speed(&Subject::new(vec![arm]), 0.2, vector![0.0, 0.02, 0.01]);
     let cut = exit_speed(&Subject::new(vec![plate]), 0.2, vector![0.0, 0.0, 0.02]);
     vec![
-        Figure::asked("swallowed_exit_speed_m_s", swallowed.max(pierced).max(cut), AtMost(2.0)),
+        Figure::bounded("swallowed_exit_speed_m_s", swallowed.max(pierced).max(cut), AtMost(2.0)),
         Figure::reported("swallowed_exit_speed_m_s_inside", swallowed),
         Figure::reported("swallowed_exit_speed_m_s_arm", pierced),
         Figure::reported("swallowed_exit_speed_m_s_plate", cut),
-        Figure::asked("pinch_holds", f64::from(u8::from(pinch_holds())), AtLeast(1.0)),
+        Figure::bounded("pinch_holds", f64::from(u8::from(pinch_holds())), AtLeast(1.0)),
     ]
 }
 

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Point3, Vector3, point, vector};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{Aabb, Hull, Unseen, View};
 use ode_visual_hull::silhouette::{Border, Silhouette};
-use ode_visual_hull::synthetic::{self, Paint, Placed, Solid, Subject, layout};
+use ode_visual_hull::synthetic::{self, Placed, Solid, Subject, Texture, layout};
 use std::sync::Arc;
 
 const SIZE: (u32, u32) = (640, 480);
@@ -57,7 +57,7 @@ pub fn placed(shape: &str) -> Placed {
     };
     // A little off the cameras' target, so that no silhouette is symmetric about its image's middle.
     let pose = Isometry3::new(vector![0.031, -0.017, 0.489], turn);
-    Placed::new(solid.expect("positive lengths"), pose, Paint::plain([200; 3]))
+    Placed::new(solid.expect("positive lengths"), pose, Texture::plain([200; 3]))
 }
 
 fn cameras(n: usize) -> Vec<Camera> {

@@ -12,7 +12,7 @@ use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::{Calibration, Hints, Rig};
 use ode_visual_hull::segment::{CleanPlate, Cleanup, Segmenter, Shadows, Thresholds};
 use ode_visual_hull::silhouette::PackedMask;
-use ode_visual_hull::source::{Reading, Source, Video};
+use ode_visual_hull::source::{ReadOptions, Source, Video};
 use ode_visual_hull::synthetic::{Scene, Subject, add_noise, clean_plate, layout, render_over, silhouette};
 use std::path::Path;
 
@@ -32,7 +32,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     }
     figures.extend(coded_sizes(&coded));
     progress("a moving shadow");
-    figures.push(Figure::asked("segment_iou_mean", moving_shadow(), Bound::AtLeast(0.98)));
+    figures.push(Figure::bounded("segment_iou_mean", moving_shadow(), Bound::AtLeast(0.98)));
     figures
 }
 
@@ -67,8 +67,12 @@ fn coded_sizes(captures: &[Coded]) -> Vec<Figure> {
     }
     let seven = |length: fn(&Coded) -> f64| 7.0 * mean(&captures.iter().map(length).collect::<Vec<_>>());
     vec![
-        Figure::asked("rle_bytes_vga_binary", seven(|coded| coded.binary), Bound::AtMost(10_000.0)),
-        Figure::asked("rle_bytes_vga_coverage", seven(|coded| coded.with_coverage), Bound::AtMost(22_000.0)),
+        Figure::bounded("rle_bytes_vga_binary", seven(|coded| coded.binary), Bound::AtMost(10_000.0)),
+        Figure::bounded(
+            "rle_bytes_vga_coverage",
+            seven(|coded| coded.with_coverage),
+            Bound::AtMost(22_000.0),
+        ),
     ]
 }
 
@@ -101,8 +105,8 @@ fn seated(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     }
     coded.push(Coded::of(found.iter()));
     vec![
-        Figure::asked("seated_iou_mean", mean(&overlaps), Bound::AtLeast(0.93)),
-        Figure::asked("seated_volume_m3", volume, Bound::Within(0.95 * 0.233, 1.05 * 0.233)),
+        Figure::bounded("seated_iou_mean", mean(&overlaps), Bound::AtLeast(0.93)),
+        Figure::bounded("seated_volume_m3", volume, Bound::Between(0.95 * 0.233, 1.05 * 0.233)),
     ]
 }
 
@@ -121,8 +125,8 @@ fn seated_cameras(dir: &Path, refined: &Rig) -> Vec<Camera> {
 
 /// Some frames of a video, in its order.
 fn decoded(path: &Path, size: (u32, u32), frames: &[u32]) -> Vec<RgbImage> {
-    let mut video =
-        Video::open(path, Reading { size: Some(size), ..Reading::default() }).expect("a video, and ffmpeg");
+    let mut video = Video::open(path, ReadOptions { size: Some(size), ..ReadOptions::default() })
+        .expect("a video, and ffmpeg");
     let all = std::iter::from_fn(|| video.next_frame()).map(|frame| frame.expect("a whole video"));
     let wanted: Vec<_> = all.filter(|frame| frames.contains(&frame.number)).take(frames.len()).collect();
     assert_eq!(wanted.len(), frames.len(), "{}", path.display());
@@ -141,7 +145,7 @@ fn balancing(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     });
     let mended = photographs.enumerate().map(|(view, photograph)| {
         let frames: Vec<_> = frames.iter().map(|images| images[view].clone()).collect();
-        default_plate(&photograph).mended_by(&frames).expect("ten frames")
+        default_plate(&photograph).refined_with(&frames).expect("ten frames")
     });
     let (mut mended, mut given): (Vec<_>, Vec<_>) =
         (mended.collect(), backgrounds(&recording).iter().map(default_plate).collect());
@@ -155,7 +159,7 @@ fn balancing(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     let found: Vec<_> = frames.iter().flat_map(|images| segment(&mut mended, images)).collect();
     coded.push(Coded::of(found.iter()));
     vec![
-        Figure::asked("balancing_iou_mean", overlap(&mut mended), Bound::AtLeast(0.85)),
+        Figure::bounded("balancing_iou_mean", overlap(&mut mended), Bound::AtLeast(0.85)),
         Figure::reported("balancing_plate_with_ghost_iou_mean", overlap(&mut given)),
     ]
 }
@@ -177,8 +181,8 @@ fn dino(dir: &Path, _: &mut Vec<Coded>) -> Vec<Figure> {
     let (below, above) = ((DINO.min - aabb.min) * 1e3, (aabb.max - DINO.max) * 1e3);
     let five_sides = below.x.max(below.z).max(above.max());
     vec![
-        Figure::asked("dino_volume_e4_m3", 1e4 * volume, Bound::Within(0.97 * 1.28, 1.03 * 1.28)),
-        Figure::asked("dino_beyond_five_sides_of_its_box_mm", five_sides, Bound::AtMost(2.0)),
+        Figure::bounded("dino_volume_e4_m3", 1e4 * volume, Bound::Between(0.97 * 1.28, 1.03 * 1.28)),
+        Figure::bounded("dino_beyond_five_sides_of_its_box_mm", five_sides, Bound::AtMost(2.0)),
         Figure::reported("dino_beyond_its_box_towards_minus_y_mm", below.y),
     ]
 }

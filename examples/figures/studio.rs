@@ -8,7 +8,7 @@ use ode_visual_hull::ode::{
     Amount, BodyId, GeomId, Mass, Ode, Shape, SpaceKind, Surface, World, set_random_seed,
 };
 use ode_visual_hull::pipeline::publish_masks;
-use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, layout};
+use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, layout};
 use std::sync::Arc;
 
 /// Seeds over which medians are taken, of ODE's random numbers and of the masks' noise alike.
@@ -24,7 +24,7 @@ pub const TABLE: Vector3<f64> = Vector3::new(0.5, 0.5, 2.0 * TOP);
 
 pub fn cuboid(lengths: Vector3<f64>, pose: Isometry3<f64>) -> Placed {
     let solid = Solid::cuboid(lengths).expect("positive sizes");
-    Placed::new(solid, pose, Paint::plain([200, 60, 40]))
+    Placed::new(solid, pose, Texture::plain([200, 60, 40]))
 }
 
 pub fn at(x: f64, y: f64, z: f64) -> Isometry3<f64> {

@@ -5,7 +5,7 @@
 mod scenes;
 
 use crate::figure::{
-    Bound::{AtMost, Within},
+    Bound::{AtMost, Between},
     Figure,
 };
 
@@ -14,7 +14,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
         let bound = match name.as_str() {
             "trajectory_worst_px" => Some(AtMost(2.0)),
             "trajectory_edge_first_px" => Some(AtMost(4.0)),
-            "rolling_speed_over_native" => Some(Within(0.97, 1.03)),
+            "rolling_speed_over_native" => Some(Between(0.97, 1.03)),
             _ => None,
         };
         Figure { name, value, bound }

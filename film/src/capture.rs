@@ -54,7 +54,7 @@ pub trait Capture: Sync {
     fn real_top(&self) -> Option<f64>;
 
     /// Where the light comes from.
-    fn lamp(&self) -> Point3<f64>;
+    fn light(&self) -> Point3<f64>;
 }
 
 /// A part of an image, in pixels.
@@ -72,7 +72,7 @@ pub struct Window {
 
 impl Window {
     /// All of a camera's image.
-    pub fn whole(camera: &Camera) -> Self {
+    pub fn full(camera: &Camera) -> Self {
         let (width, height) = camera.size();
         Self { left: 0, top: 0, width, height }
     }
@@ -90,7 +90,7 @@ impl Window {
         let top = fold(|p| p.v, f64::INFINITY, f64::min, height);
         let bottom = fold(|p| p.v, f64::NEG_INFINITY, f64::max, height);
         if right <= left || bottom <= top {
-            return Self::whole(camera);
+            return Self::full(camera);
         }
         Self { left, top, width: right - left, height: bottom - top }
     }

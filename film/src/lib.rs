@@ -5,7 +5,7 @@
 //!                                   └───────────► Log ──► CSV, plot, table
 //! ```
 //!
-//! `shoot` goes all the way. A [`Capture`] is whatever gives silhouettes in the course of time: rendered cameras or a
+//! `run` goes all the way. A [`Capture`] is whatever gives silhouettes in the course of time: rendered cameras or a
 //! recording. It, the simulation and the film each have steps of their own. World z is up, the floor at z = 0; metres,
 //! seconds, radians.
 //!
@@ -13,7 +13,7 @@
 //! captures, and pictures of bodies whose poses come from elsewhere.
 
 mod capture;
-mod easel;
+mod compositor;
 mod film;
 mod form;
 #[cfg(feature = "ode")]
@@ -21,19 +21,19 @@ mod log;
 #[cfg(feature = "ode")]
 mod plot;
 #[cfg(feature = "ode")]
-mod report;
-#[cfg(feature = "ode")]
-mod shoot;
+mod run;
 #[cfg(feature = "ode")]
 mod simulation;
+#[cfg(feature = "ode")]
+mod summary;
 
 pub use capture::{Capture, FRAME_RATE, Window, view_of};
-pub use easel::{Drawn, Easel, Real};
+pub use compositor::{Compositor, Drawn, Real};
 pub use film::Film;
 pub use form::Form;
 #[cfg(feature = "ode")]
 pub use log::{Entry, Log};
 #[cfg(feature = "ode")]
-pub use shoot::{Shooting, shoot};
+pub use run::{FilmOptions, run_film};
 #[cfg(feature = "ode")]
 pub use simulation::{Body, STEPS_PER_SECOND, Simulation, State, Support, lean_deg};

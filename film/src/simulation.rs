@@ -1,6 +1,6 @@
 //! The virtual side: bodies in an ODE world with the hull and a floor.
 
-use crate::easel::Drawn;
+use crate::compositor::Drawn;
 use crate::form::Form;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::hull::HullData;
@@ -143,7 +143,7 @@ impl Simulation {
                 }
             }
         }
-        match self.world.hull(self.hull).take_trouble() {
+        match self.world.hull(self.hull).take_error() {
             Some(trouble) => Err(trouble),
             None => self.check_finite(),
         }

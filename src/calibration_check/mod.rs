@@ -3,8 +3,8 @@
 //! Where the epipolar tangents of two silhouettes miss each other, some view's pixels are shifted; where a silhouette
 //! holds pixels that no point of the hull explains, another view cuts off what it sees.
 
-mod consistency;
-mod tangents;
+mod coherence;
+mod epipolar_tangency;
 
-pub use consistency::Fit;
-pub use tangents::{Shift, Tangents};
+pub use coherence::SilhouetteCoherence;
+pub use epipolar_tangency::{EpipolarTangency, Shift};

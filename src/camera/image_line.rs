@@ -18,13 +18,13 @@ pub(crate) struct ImageLine {
 
 /// Where a line leaves a rectangle of cells, and the cell it enters.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Leave {
+pub(crate) struct CellExit {
     pub(crate) t: f64,
-    side: Side,
+    side: CellSide,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Side {
+enum CellSide {
     Column(i32),
     Row(i32),
 }
@@ -83,33 +83,33 @@ impl ImageLine {
     }
 
     /// Where the image leaves `cells`, whose corners lie at whole numbers plus `shift`, not before `t`.
-    pub(crate) fn leave(&self, cells: &Rect, shift: f64, t: f64) -> Leave {
+    pub(crate) fn leave(&self, cells: &Rect, shift: f64, t: f64) -> CellExit {
         let column = if self.rightwards { cells.x1 } else { cells.x0 };
         let row = if self.downwards { cells.y1 } else { cells.y0 };
-        let by_column = self.ahead(self.at_column(f64::from(column) + shift));
-        let by_row = self.ahead(self.at_row(f64::from(row) + shift));
+        let by_column = self.not_behind(self.at_column(f64::from(column) + shift));
+        let by_row = self.not_behind(self.at_row(f64::from(row) + shift));
         if by_column <= by_row {
             let entered = if self.rightwards { column } else { column - 1 };
-            Leave { t: by_column.max(t), side: Side::Column(entered) }
+            CellExit { t: by_column.max(t), side: CellSide::Column(entered) }
         } else {
             let entered = if self.downwards { row } else { row - 1 };
-            Leave { t: by_row.max(t), side: Side::Row(entered) }
+            CellExit { t: by_row.max(t), side: CellSide::Row(entered) }
         }
     }
 
     /// A line that nears its vanishing point never reaches some borders: there the formula gives a crossing behind
     /// the camera, and for a coordinate that stands still none at all.
-    fn ahead(&self, crossing: f64) -> f64 {
+    fn not_behind(&self, crossing: f64) -> f64 {
         if crossing.is_finite() && self.x0.z + crossing * self.x1.z > 0.0 { crossing } else { f64::INFINITY }
     }
 
     /// The cell that the line enters as it leaves `cells`. The side fixes one coordinate and `cells` bounds the
     /// other, so that rounding can neither hold a walk up nor throw it off its line.
-    pub(crate) fn entered(&self, leave: &Leave, cells: &Rect, shift: f64) -> (i32, i32) {
+    pub(crate) fn entered(&self, leave: &CellExit, cells: &Rect, shift: f64) -> (i32, i32) {
         let (u, v) = self.at(leave.t);
         match leave.side {
-            Side::Column(i) => (i, floor(v - shift).clamp(cells.y0, cells.y1 - 1)),
-            Side::Row(j) => (floor(u - shift).clamp(cells.x0, cells.x1 - 1), j),
+            CellSide::Column(i) => (i, floor(v - shift).clamp(cells.y0, cells.y1 - 1)),
+            CellSide::Row(j) => (floor(u - shift).clamp(cells.x0, cells.x1 - 1), j),
         }
     }
 }

@@ -21,7 +21,7 @@ mod image_line;
 pub use distortion::Distortion;
 pub(crate) use floor::{floor, floor_pixel};
 pub(crate) use footprint::Footprint;
-pub(crate) use image_line::{ImageLine, Leave};
+pub(crate) use image_line::{CellExit, ImageLine};
 
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3, Matrix3x4, Point2, Point3, Rotation3, UnitQuaternion, Vector3};

@@ -1,7 +1,7 @@
 //! Between C and Rust: errors become messages, and no panic crosses.
 
 use crate::Result;
-use crate::ode::{catch, is_fenced, take_parked_panic, take_told};
+use crate::ode::{catch, is_fenced, take_last_error, take_parked_panic};
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
@@ -34,7 +34,7 @@ pub(super) fn fenced<T>(failure: T, call: impl FnOnce() -> Result<T>) -> T {
     let problem = match catch(call) {
         Ok(Ok(value)) => return value,
         Ok(Err(error)) => error.to_string(),
-        Err(payload) => fault(payload.as_ref()),
+        Err(payload) => panic_message(payload.as_ref()),
     };
     set_message(problem);
     failure
@@ -42,11 +42,11 @@ pub(super) fn fenced<T>(failure: T, call: impl FnOnce() -> Result<T>) -> T {
 
 /// This thread's message; what went wrong in a callback that ODE made of us since is told first.
 pub(super) fn message() -> *const c_char {
-    if let Some(trouble) = take_told() {
+    if let Some(trouble) = take_last_error() {
         set_message(trouble);
     }
     if let Some(payload) = take_parked_panic() {
-        set_message(fault(payload.as_ref()));
+        set_message(panic_message(payload.as_ref()));
     }
     // The string stays until the next failure on this thread.
     MESSAGE.with_borrow(|message| message.as_ptr())
@@ -58,11 +58,11 @@ fn set_message(text: String) {
     MESSAGE.set(text);
 }
 
-fn fault(payload: &(dyn Any + Send)) -> String {
+fn panic_message(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().copied();
     let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no words");
     let place = PLACE.take();
-    format!("a fault of this library, not of its caller: {text} ({place}); please report it")
+    format!("a panic_message of this library, not of its caller: {text} ({place}); please report it")
 }
 
 /// The text at `text`, a path for instance.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::ode::fault;
+use crate::ode::injected_panic;
 use ode_sys::{
     dCloseODE, dCollide, dContactGeom, dCreateSphere, dGeomDestroy, dGeomGetAABB, dGeomSetPosition, dInitODE2,
 };
@@ -22,11 +22,11 @@ fn a_panic_in_a_callback_is_no_contact_and_a_message_and_the_next_call_works() {
         let mut contacts = [dContactGeom::default(); 8];
         let mut collide =
             || dCollide(ball, hull, 8, contacts.as_mut_ptr(), size_of::<dContactGeom>() as c_int);
-        fault::arm();
+        injected_panic::inject_panic();
         assert_eq!(collide(), 0);
         assert!(message().contains("a fault put in by a test"), "{}", message());
         assert_eq!(collide(), 0);
-        fault::arm();
+        injected_panic::inject_panic();
         let mut aabb = [f64::NAN; 6];
         dGeomSetPosition(hull, 1.0, 0.0, 0.0);
         dGeomGetAABB(hull, aabb.as_mut_ptr());

@@ -21,7 +21,7 @@ pub(super) fn escape_direction(
         fresh.map(|direction| (direction, 1.0)).chain(last.map(|direction| (direction, HYSTERESIS)));
     let asked = penetrating.iter().step_by(stride);
     let rays = asked.map(PenetratingSample::ray).collect();
-    let mut search = Search { hull, rays, exits: Vec::new(), scratch, last_rejecting_sample: 0 };
+    let mut search = EscapeSearch { hull, rays, exits: Vec::new(), scratch, last_rejecting_sample: 0 };
     let mut best: Option<(Vector3<f64>, f64)> = None;
     for (direction, factor) in candidates {
         let least = best.map_or(f64::INFINITY, |(_, least)| least);
@@ -33,7 +33,7 @@ pub(super) fn escape_direction(
 }
 
 /// The longest exits of the samples asked.
-struct Search<'a> {
+struct EscapeSearch<'a> {
     hull: &'a Hull,
     rays: Vec<ExitRay>,
     exits: Vec<f64>,
@@ -42,7 +42,7 @@ struct Search<'a> {
     last_rejecting_sample: usize,
 }
 
-impl Search<'_> {
+impl EscapeSearch<'_> {
     /// `factor` times the longest exit along `direction`; `None` where it is not below `least`.
     fn cost(&mut self, direction: &Vector3<f64>, factor: f64, least: f64) -> Option<f64> {
         let Self { hull, rays, exits, scratch, last_rejecting_sample } = self;

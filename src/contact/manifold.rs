@@ -23,7 +23,7 @@ pub(super) struct Manifolds {
     /// As far as they are known.
     depths: Vec<Option<f64>>,
     /// Places of points whose depths are wanted.
-    asked: Vec<usize>,
+    queried: Vec<usize>,
     unknown: Vec<ExitRay>,
     exits: Vec<f64>,
     /// Of the unknown ones: their places, the deepest known depths of their manifolds, and which may be deeper.
@@ -58,7 +58,7 @@ impl Default for Manifolds {
             rays: Vec::new(),
             samples: Vec::new(),
             depths: Vec::new(),
-            asked: Vec::new(),
+            queried: Vec::new(),
             unknown: Vec::new(),
             exits: Vec::new(),
             places: Vec::new(),
@@ -70,7 +70,7 @@ impl Default for Manifolds {
 
 impl Manifolds {
     /// Removes all; depths of the next ones end at `edge`, and at `max_depth`.
-    pub(super) fn clear(&mut self, edge: EdgeModel, max_depth: f64) {
+    pub(super) fn restart(&mut self, edge: EdgeModel, max_depth: f64) {
         (self.edge, self.max_depth) = (edge, max_depth);
         self.manifolds.clear();
         self.rays.clear();
@@ -178,9 +178,9 @@ impl Manifolds {
         // Where all will be kept all are asked, else first those that are likely to be the deepest.
         for PendingManifold { points, deepest_guess, .. } in &self.manifolds {
             if points.len() <= most {
-                self.asked.extend(points.clone());
+                self.queried.extend(points.clone());
             } else {
-                self.asked.push(*deepest_guess);
+                self.queried.push(*deepest_guess);
             }
         }
         self.find_depths(hull, scratch);
@@ -204,8 +204,19 @@ impl Manifolds {
 
     /// Asks for the depths of the points that are not provably shallower than the deepest known one of their manifold.
     fn ask_unless_shallower(&mut self, hull: &Hull, scratch: &mut Scratch) {
-        let Self { manifolds, rays, depths, asked, unknown, places, deepest, kept, edge, max_depth, .. } =
-            self;
+        let Self {
+            manifolds,
+            rays,
+            depths,
+            queried: asked,
+            unknown,
+            places,
+            deepest,
+            kept,
+            edge,
+            max_depth,
+            ..
+        } = self;
         places.clear();
         unknown.clear();
         deepest.clear();
@@ -238,25 +249,25 @@ impl Manifolds {
                 match self.depths[place] {
                     Some(depth) if depth >= enough => break,
                     None if !hull.provably_exits_before(&self.rays[place], self.edge, enough) => {
-                        self.asked.push(place);
+                        self.queried.push(place);
                         break;
                     }
                     _ => manifold.first += 1,
                 }
             }
         }
-        !self.asked.is_empty()
+        !self.queried.is_empty()
     }
 
     /// Finds the depths of the points at `places`.
     pub(super) fn find_depths_of(&mut self, hull: &Hull, places: &[usize], scratch: &mut Scratch) {
-        self.asked.extend_from_slice(places);
+        self.queried.extend_from_slice(places);
         self.find_depths(hull, scratch);
     }
 
     /// Finds the depths of the points asked that are not known yet.
     fn find_depths(&mut self, hull: &Hull, scratch: &mut Scratch) {
-        let Self { asked, depths, rays, unknown, exits, .. } = self;
+        let Self { queried: asked, depths, rays, unknown, exits, .. } = self;
         asked.retain(|&place| depths[place].is_none());
         unknown.clear();
         unknown.extend(asked.iter().map(|&place| rays[place]));

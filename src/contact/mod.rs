@@ -121,7 +121,7 @@ impl BodyContacts {
     }
 
     /// Removes all, and keeps the memory.
-    fn clear(&mut self) {
+    fn reset(&mut self) {
         self.manifolds.clear();
         self.points.clear();
         self.escape = None;
@@ -212,12 +212,12 @@ pub fn collide(
 /// use ode_visual_hull::contact::{Body, Settings, collide_many};
 /// use ode_visual_hull::hull::{Aabb, HullData};
 /// use ode_visual_hull::sample;
-/// use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, layout, silhouette};
+/// use ode_visual_hull::synthetic::{Texture, Placed, Solid, Subject, layout, silhouette};
 ///
 /// # fn main() -> ode_visual_hull::Result<()> {
 /// // A table whose top lies at z = 0.2 m, before four cameras that look along it.
 /// let (sides, origin) = (Vector3::new(0.5, 0.5, 0.4), Isometry3::identity());
-/// let table = Subject::new(vec![Placed::new(Solid::cuboid(sides)?, origin, Paint::plain([200; 3]))]);
+/// let table = Subject::new(vec![Placed::new(Solid::cuboid(sides)?, origin, Texture::plain([200; 3]))]);
 /// let data = HullData::new();
 /// data.set_bounds(Aabb::new(Point3::new(-0.6, -0.6, -0.3), Point3::new(0.6, 0.6, 0.8))?)?;
 /// for camera in layout::face_on(sides, &origin, 2.8, 0.2, (320, 240), 0.45)? {
@@ -255,7 +255,7 @@ pub fn collide_many(hull: &Hull, bodies: &[Body], settings: &Settings, contacts:
 
 /// [`collide_many`] with a place in `contacts` for each of `bodies`.
 pub(crate) fn collide_into(contacts: &mut [BodyContacts], hull: &Hull, bodies: &[Body], settings: &Settings) {
-    contacts.iter_mut().for_each(BodyContacts::clear);
+    contacts.iter_mut().for_each(BodyContacts::reset);
     if settings.max_contacts > 0 {
         share_out(bodies, contacts, &|bodies, contacts| collide_on_thread(contacts, hull, bodies, settings));
     }
@@ -286,7 +286,7 @@ pub(crate) fn collide_any(
     hull_from_body: &Isometry3<f64>,
     settings: &Settings,
 ) {
-    contacts.clear();
+    contacts.reset();
     let body = Body { samples: body, hull_from_body: *hull_from_body, last_escape: None };
     ContactPipeline::with_scratch(|pipeline| {
         pipeline.collect_penetrating(hull, &[body], EdgeModel::Coverage, settings.max_contacts);

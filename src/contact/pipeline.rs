@@ -19,7 +19,7 @@ use std::cell::Cell;
 use std::ops::Range;
 
 thread_local! {
-    static SPARE: Cell<Option<Box<ContactPipeline>>> = const { Cell::new(None) };
+    static SCRATCH: Cell<Option<Box<ContactPipeline>>> = const { Cell::new(None) };
 }
 
 /// The samples of bodies inside the hull, and what becomes of them.
@@ -36,7 +36,7 @@ pub(super) struct ContactPipeline {
     /// Body by body, in the order of its samples.
     penetrating: Vec<PenetratingSample>,
     bodies: Vec<TouchingBody>,
-    exits: Exits,
+    exits: ExitScratch,
     clusters: Clusters,
     manifolds: Manifolds,
     reduction: Reduction,
@@ -58,9 +58,9 @@ struct TouchingBody {
 
 /// Memory for the exits of samples.
 #[derive(Debug, Default)]
-struct Exits {
+struct ExitScratch {
     /// The places of the samples that are asked about.
-    asked: Vec<usize>,
+    queried: Vec<usize>,
     rays: Vec<ExitRay>,
     exits: Vec<f64>,
 }
@@ -68,9 +68,9 @@ struct Exits {
 impl ContactPipeline {
     /// Runs `ask` on the pipeline that the thread keeps.
     pub(super) fn with_scratch<R>(ask: impl FnOnce(&mut Self) -> R) -> R {
-        let mut pipeline = SPARE.take().unwrap_or_default();
+        let mut pipeline = SCRATCH.take().unwrap_or_default();
         let answer = ask(&mut pipeline);
-        SPARE.set(Some(pipeline));
+        SCRATCH.set(Some(pipeline));
         answer
     }
 
@@ -123,7 +123,7 @@ impl ContactPipeline {
         let Self { penetrating, exits, clusters, manifolds, scratch, .. } = self;
         // Of the others only the direction matters.
         exits.find_depths(hull, penetrating, EdgeModel::Coverage, is_supported, scratch);
-        manifolds.clear(EdgeModel::Coverage, max_depth);
+        manifolds.restart(EdgeModel::Coverage, max_depth);
         for touching in &mut self.bodies {
             let Body { samples, hull_from_body, last_escape } = &bodies[touching.place];
             let penetrating = &mut penetrating[touching.penetrating.clone()];
@@ -199,7 +199,7 @@ impl ContactPipeline {
         direction: impl Fn(&[PenetratingSample], usize) -> Vector3<f64>,
         wanted: impl Fn(&PenetratingSample) -> bool,
     ) {
-        self.manifolds.clear(EdgeModel::Pixel, f64::INFINITY);
+        self.manifolds.restart(EdgeModel::Pixel, f64::INFINITY);
         for (body, touching) in self.bodies.iter_mut().enumerate() {
             let penetrating = &self.penetrating[touching.penetrating.clone()];
             let (direction, start) = (direction(penetrating, body), self.manifolds.len());
@@ -212,7 +212,7 @@ impl ContactPipeline {
     pub(super) fn leave_alone(&mut self, hull: &Hull, max_depth: f64) {
         self.find_all_depths(hull, EdgeModel::Coverage);
         let Self { penetrating, manifolds, .. } = self;
-        manifolds.clear(EdgeModel::Coverage, max_depth);
+        manifolds.restart(EdgeModel::Coverage, max_depth);
         for touching in &mut self.bodies {
             let start = manifolds.len();
             manifolds.add_alone(penetrating[touching.penetrating.clone()].iter());
@@ -234,7 +234,7 @@ impl ContactPipeline {
     pub(super) fn leave_deepest_alone(&mut self, hull: &Hull, max_depth: f64) {
         self.find_all_depths(hull, EdgeModel::Coverage);
         let Self { penetrating, manifolds, .. } = self;
-        manifolds.clear(EdgeModel::Coverage, max_depth);
+        manifolds.restart(EdgeModel::Coverage, max_depth);
         for touching in &mut self.bodies {
             let start = manifolds.len();
             manifolds.add_alone(deepest(&penetrating[touching.penetrating.clone()]).into_iter());
@@ -315,7 +315,7 @@ fn deepest(penetrating: &[PenetratingSample]) -> Option<&PenetratingSample> {
     penetrating.iter().rev().max_by(|a, b| a.depth.total_cmp(&b.depth))
 }
 
-impl Exits {
+impl ExitScratch {
     /// Finds how long the exits of the samples `wanted` are, to `edge`.
     fn find_depths(
         &mut self,
@@ -325,7 +325,7 @@ impl Exits {
         wanted: impl Fn(&PenetratingSample) -> bool,
         scratch: &mut Scratch,
     ) {
-        let Self { asked, rays, exits } = self;
+        let Self { queried: asked, rays, exits } = self;
         asked.clear();
         rays.clear();
         for (place, sample) in samples.iter().enumerate() {

@@ -26,7 +26,7 @@ impl Reduction {
         &mut self,
         manifolds: &Manifolds,
         body: Range<usize>,
-        most: usize,
+        max_count: usize,
         kept: &mut Vec<usize>,
     ) {
         let Self { cursors, to_kept } = self;
@@ -42,17 +42,17 @@ impl Reduction {
         cursors.sort_unstable_by(|ManifoldCursor { manifold: a, .. }, ManifoldCursor { manifold: b, .. }| {
             b.deepest.total_cmp(&a.deepest).then(a.points.start.cmp(&b.points.start))
         });
-        if points.len() <= most {
+        if points.len() <= max_count {
             kept.extend(cursors.iter().flat_map(|cursor| cursor.manifold.points.clone()));
             return;
         }
         to_kept.clear();
         to_kept.resize(points.len(), f64::INFINITY);
-        let enough = kept.len() + most;
+        let enough = kept.len() + max_count;
         while kept.len() < enough {
             for cursor in cursors.iter_mut() {
                 if kept.len() < enough {
-                    kept.extend(cursor.take(manifolds, points.start, to_kept));
+                    kept.extend(cursor.next_point(manifolds, points.start, to_kept));
                 }
             }
         }
@@ -61,7 +61,7 @@ impl Reduction {
 
 impl ManifoldCursor {
     /// The point to keep next; `to_kept` begins with that at place `start`.
-    fn take(&mut self, manifolds: &Manifolds, start: usize, to_kept: &mut [f64]) -> Option<usize> {
+    fn next_point(&mut self, manifolds: &Manifolds, start: usize, to_kept: &mut [f64]) -> Option<usize> {
         let chosen = self.next?;
         to_kept[chosen - start] = -1.0;
         let mut farthest: Option<(usize, f64)> = None;

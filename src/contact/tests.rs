@@ -4,7 +4,7 @@ use super::*;
 use crate::hull::{Aabb, Unseen, View};
 use crate::sample::{self, BodyShape};
 use crate::silhouette::{Border, Silhouette};
-use crate::synthetic::{Paint, Placed, Solid, Subject, coverage, layout};
+use crate::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
 use nalgebra::{UnitQuaternion, point, vector};
 use std::sync::{Arc, LazyLock};
 
@@ -20,7 +20,7 @@ fn table() -> &'static Hull {
 fn draw_table() -> Hull {
     let lengths = vector![0.5, 0.5, 0.4];
     let placed =
-        Placed::new(Solid::cuboid(lengths).unwrap(), Isometry3::identity(), Paint::plain([200, 60, 40]));
+        Placed::new(Solid::cuboid(lengths).unwrap(), Isometry3::identity(), Texture::plain([200, 60, 40]));
     let subject = Subject::new(vec![placed]);
     let cameras = layout::face_on(lengths, &Isometry3::identity(), 2.8, 0.2, (640, 480), 0.45).unwrap();
     let view = |camera| {

@@ -23,7 +23,7 @@ pub use crate::math::point_cloud::Points;
 pub(crate) use batch::{ExitRay, Scratch};
 pub use live::HullData;
 pub use many::{Inside, PointResponse, Workspace};
-pub use query::{NearestEdge, Push, RayHit, Response};
+pub use query::{ExitVector, NearestEdge, RayHit, Response};
 pub use view::{EdgeModel, Verdict, View};
 
 use crate::silhouette::{Border, Silhouette};
@@ -85,7 +85,7 @@ impl Culls {
 
 /// Why a hull holds no point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Emptiness {
+pub enum EmptyReason {
     /// No view takes part.
     NoViews,
     /// This view's mask has no subject pixel.
@@ -109,14 +109,14 @@ pub struct Hull {
     culls: Culls,
     time: f64,
     aabb: Aabb,
-    emptiness: Option<Emptiness>,
+    empty_reason: Option<EmptyReason>,
 }
 
 impl Hull {
     /// The hull of `views` inside the work volume `bounds`, seen at `time` seconds.
     pub fn new(views: Vec<View>, bounds: Aabb, unseen: Unseen, time: f64) -> Self {
         let (aabb, emptiness) = bounding_box(&views, &bounds, unseen);
-        Self { views, bounds, unseen, culls: Culls::DEFAULT, time, aabb, emptiness }
+        Self { views, bounds, unseen, culls: Culls::DEFAULT, time, aabb, empty_reason: emptiness }
     }
 
     /// Removes the views of a dropped frame, and returns their silhouettes; the memory of the list of views stays.
@@ -163,8 +163,8 @@ impl Hull {
 
     /// Why the hull is empty and which view emptied it, as far as its bounding volumes tell; `None` where they
     /// leave room for a point.
-    pub fn emptiness(&self) -> Option<Emptiness> {
-        self.emptiness
+    pub fn empty_reason(&self) -> Option<EmptyReason> {
+        self.empty_reason
     }
 
     /// Whether a body whose points lie within `radius` of `centre` can touch the hull at all.
@@ -227,9 +227,9 @@ impl Hull {
 }
 
 /// The intersection of the views' frustum boxes inside `bounds`, and who emptied it.
-fn bounding_box(views: &[View], bounds: &Aabb, unseen: Unseen) -> (Aabb, Option<Emptiness>) {
+fn bounding_box(views: &[View], bounds: &Aabb, unseen: Unseen) -> (Aabb, Option<EmptyReason>) {
     if !views.iter().any(View::is_enabled) {
-        return (Aabb::EMPTY, Some(Emptiness::NoViews));
+        return (Aabb::EMPTY, Some(EmptyReason::NoViews));
     }
     let mut aabb = *bounds;
     for (index, view) in views.iter().enumerate().filter(|(_, view)| view.is_enabled()) {
@@ -241,9 +241,9 @@ fn bounding_box(views: &[View], bounds: &Aabb, unseen: Unseen) -> (Aabb, Option<
         if aabb.is_empty() {
             let empty = view.silhouette().rect().is_empty();
             let why = if empty {
-                Emptiness::EmptySilhouette { view: index }
+                EmptyReason::EmptySilhouette { view: index }
             } else {
-                Emptiness::NothingInCommon { view: index }
+                EmptyReason::NothingInCommon { view: index }
             };
             return (Aabb::EMPTY, Some(why));
         }

@@ -87,7 +87,7 @@ fn mask(camera: &Camera, samples: u32) -> GrayImage {
 }
 
 pub(super) fn hull(unseen: Unseen, samples: u32) -> Hull {
-    let border = if unseen == Unseen::Outside { Border::Background } else { Border::Open };
+    let border = if unseen == Unseen::Outside { Border::Background } else { Border::Unknown };
     let view = |(camera, mask): (Camera, &GrayImage)| {
         View::new(Arc::new(camera), Arc::new(Silhouette::new(mask, border)), None)
     };
@@ -207,7 +207,7 @@ fn a_ray_from_outside_enters_and_leaves_where_the_verdict_changes() {
             let origin = random.point(&bounds().grown(0.5));
             let ray = Ray { origin, direction: (random.point(hull.aabb()) - origin).normalize() };
             let inside = |t: f64| hull.inside(&ray.at(t));
-            let Some((entry, exit)) = hull.first_span(&ray) else {
+            let Some((entry, exit)) = hull.ray_cast(&ray) else {
                 assert!((0..4000).all(|k| !inside(f64::from(k) * 1e-3)));
                 continue;
             };
@@ -249,7 +249,7 @@ fn a_view_that_does_not_see_the_point_decides_by_the_policy() {
     let mut views: Vec<View> = hull(Unseen::ABSTAIN, 1).views().to_vec();
     let away =
         Camera::look_at("away", (64, 48), 0.2, point![3.0, 0.0, 0.3], point![3.0, 3.0, 0.3], Vector3::z());
-    let blank = Silhouette::new(&GrayImage::new(64, 48), Border::Open);
+    let blank = Silhouette::new(&GrayImage::new(64, 48), Border::Unknown);
     views.push(View::new(Arc::new(away.unwrap()), Arc::new(blank), None));
     let middle = point![0.05, 0.0, 0.35];
     assert!(Hull::new(views.clone(), bounds(), Unseen::ABSTAIN, 0.0).inside(&middle));
@@ -264,9 +264,12 @@ fn an_empty_hull_tells_which_view_emptied_it() {
     let blank = Silhouette::new(&GrayImage::new(160, 120), Border::Background);
     views[3] = View::new(Arc::new(camera), Arc::new(blank), None);
     let emptied = Hull::new(views.clone(), bounds(), Unseen::Outside, 0.0);
-    assert_eq!(emptied.emptiness(), Some(Emptiness::EmptySilhouette { view: 3 }));
+    assert_eq!(emptied.empty_reason(), Some(EmptyReason::EmptySilhouette { view: 3 }));
     assert!(emptied.aabb().is_empty());
     views[3] = views[3].clone().with_enabled(false);
-    assert_eq!(Hull::new(views.clone(), bounds(), Unseen::Outside, 0.0).emptiness(), None);
-    assert_eq!(Hull::new(Vec::new(), bounds(), Unseen::Outside, 0.0).emptiness(), Some(Emptiness::NoViews));
+    assert_eq!(Hull::new(views.clone(), bounds(), Unseen::Outside, 0.0).empty_reason(), None);
+    assert_eq!(
+        Hull::new(Vec::new(), bounds(), Unseen::Outside, 0.0).empty_reason(),
+        Some(EmptyReason::NoViews)
+    );
 }

@@ -121,7 +121,7 @@ impl View {
     /// The field of view, where what the lens did not see is not background: with an open border. Else the mask says
     /// all.
     pub(super) fn blind_spots(&self) -> Option<&Silhouette> {
-        self.field_of_view().filter(|_| self.silhouette.border() == Border::Open)
+        self.field_of_view().filter(|_| self.silhouette.border() == Border::Unknown)
     }
 
     /// World to image, row-major; its third row gives the depth in metres.

@@ -12,7 +12,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Mutex;
 
 /// Held for as long as our handler stands, since ODE has one handler for all threads.
-static STANDING: Mutex<()> = Mutex::new(());
+static HANDLER_LOCK: Mutex<()> = Mutex::new(());
 
 thread_local! {
     /// Whether this thread is in a guarded call: on another one ODE aborts as ever.
@@ -31,7 +31,7 @@ pub(super) unsafe fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     // SAFETY: only the ABI differs, by the leave to unwind: ODE is C++, whose frames let an exception through.
     let unwinding: dMessageFunction =
         Some(unsafe { std::mem::transmute::<Handler, unsafe extern "C" fn(_, _, _)>(refuse) });
-    let one_at_a_time = lock(&STANDING);
+    let one_at_a_time = lock(&HANDLER_LOCK);
     // SAFETY: reads and stores a function that lives as long as the process.
     let before = unsafe {
         let before = dGetDebugHandler();

@@ -76,7 +76,7 @@ id!(
 );
 
 #[derive(Debug)]
-struct Slot<T> {
+struct Entry<T> {
     generation: u32,
     value: Option<T>,
 }
@@ -85,18 +85,18 @@ struct Slot<T> {
 #[derive(Debug)]
 pub(super) struct Arena<T> {
     world: u32,
-    slots: Vec<Slot<T>>,
-    free: Vec<u32>,
+    slots: Vec<Entry<T>>,
+    vacant: Vec<u32>,
 }
 
 impl<T> Arena<T> {
     pub(super) fn new(world: u32) -> Self {
-        Self { world, slots: Vec::new(), free: Vec::new() }
+        Self { world, slots: Vec::new(), vacant: Vec::new() }
     }
 
     pub(super) fn insert(&mut self, value: T) -> Key {
-        let index = self.free.pop().unwrap_or_else(|| {
-            self.slots.push(Slot { generation: 0, value: None });
+        let index = self.vacant.pop().unwrap_or_else(|| {
+            self.slots.push(Entry { generation: 0, value: None });
             u32::try_from(self.slots.len() - 1).expect("ODE's memory ends before 2^32 objects")
         });
         let slot = &mut self.slots[index as usize];
@@ -121,7 +121,7 @@ impl<T> Arena<T> {
         // A slot whose generations are used up rests for ever.
         if let Some(next) = slot.generation.checked_add(1) {
             slot.generation = next;
-            self.free.push(key.index);
+            self.vacant.push(key.index);
         }
         value
     }

@@ -93,16 +93,16 @@ impl World {
     ///
     /// If `visit` does. The pairs after that are not visited, and the world works on.
     pub fn collide(&mut self, mut visit: impl FnMut(&Pair<'_>)) -> Result<()> {
-        self.ode.enter_thread()?;
+        self.ode.ensure_thread_data()?;
         self.clear_contacts();
         self.adopt_frames();
         let problem = Cell::new(None);
-        let mut search = Search { world: self, visit: &mut visit, problem: &problem, panic: None };
-        let data: *mut Search<'_> = &mut search;
+        let mut search = PairSearch { world: self, visit: &mut visit, problem: &problem, panic: None };
+        let data: *mut PairSearch<'_> = &mut search;
         for (_, space) in self.spaces.iter() {
             // SAFETY: the space is alive, `data` points to a search that outlives the call, and nothing in the
             // callback adds, moves or removes a geom: all that needs the world mutably.
-            unsafe { dSpaceCollide(space.raw, data.cast(), Some(near)) };
+            unsafe { dSpaceCollide(space.raw, data.cast(), Some(near_callback)) };
         }
         if let Some(payload) = search.panic.take() {
             resume_unwind(payload);
@@ -141,7 +141,7 @@ impl World {
     ///
     /// [`Error::Argument`] if a geom is gone.
     pub fn collide_geoms(&mut self, first: GeomId, second: GeomId, max: usize) -> Result<Vec<ContactGeom>> {
-        self.ode.enter_thread()?;
+        self.ode.ensure_thread_data()?;
         let raw = [self.geoms.find(first)?.raw, self.geoms.find(second)?.raw];
         self.adopt_frames();
         let found = contacts(self, raw, [first, second], max, 0).to_vec();
@@ -301,7 +301,7 @@ unsafe fn collide_raw([first, second]: [dGeomID; 2], flags: i32, found: &mut [dC
 }
 
 /// What goes through ODE to the callback.
-struct Search<'c> {
+struct PairSearch<'c> {
     world: &'c World,
     visit: &'c mut dyn FnMut(&Pair<'_>),
     problem: &'c Cell<Option<Error>>,
@@ -309,18 +309,18 @@ struct Search<'c> {
 }
 
 /// ODE's callback: opens spaces, and shows pairs of geoms.
-unsafe extern "C" fn near(data: *mut c_void, first: dGeomID, second: dGeomID) {
+unsafe extern "C" fn near_callback(data: *mut c_void, first: dGeomID, second: dGeomID) {
     // SAFETY: ODE passes living geoms.
     let is_space = |geom| unsafe { dGeomIsSpace(geom) != 0 };
     if is_space(first) || is_space(second) {
         // Only the pairs across: what is inside of each space is collided on its own.
         // SAFETY: as for the call that led here.
-        unsafe { dSpaceCollide2(first, second, data, Some(near)) };
+        unsafe { dSpaceCollide2(first, second, data, Some(near_callback)) };
         return;
     }
     // SAFETY: `data` is the search of `World::collide`, and no other reference to it is in use: the callback is left
     // before the next one begins.
-    let search = unsafe { &mut *data.cast::<Search<'_>>() };
+    let search = unsafe { &mut *data.cast::<PairSearch<'_>>() };
     // ODE itself overlooks the enabled flag of geoms in the smaller of two spaces.
     // SAFETY: both are alive.
     let enabled = [first, second].iter().all(|&geom| unsafe { dGeomIsEnabled(geom) != 0 });

@@ -45,7 +45,7 @@ impl Convex {
         check_closed(&points, faces, FLAT * size)?;
         let mut planes = Vec::with_capacity(faces.len());
         for (i, face) in faces.iter().enumerate() {
-            planes.push(plane(&points, face, FLAT * size).map_err(|why| fault(i, &why))?);
+            planes.push(plane(&points, face, FLAT * size).map_err(|why| face_error(i, &why))?);
         }
         let polygons =
             faces.iter().flat_map(|face| [face.len() as u32].into_iter().chain(face.iter().copied()));
@@ -80,7 +80,7 @@ impl Convex {
     }
 }
 
-fn fault(face: usize, why: &str) -> Error {
+fn face_error(face: usize, why: &str) -> Error {
     Error::argument(format!("face {face} of the polyhedron: {why}"))
 }
 
@@ -89,17 +89,17 @@ fn check_closed(points: &[Point3<f64>], faces: &[Vec<u32>], tolerance: f64) -> R
     let mut edges = HashMap::new();
     for (i, face) in faces.iter().enumerate() {
         if face.len() < 3 {
-            return Err(fault(i, &format!("expected at least 3 points, found {}", face.len())));
+            return Err(face_error(i, &format!("expected at least 3 points, found {}", face.len())));
         }
         if let Some(index) = face.iter().find(|&&index| index as usize >= points.len()) {
-            return Err(fault(i, &format!("expected indices below {}, found {index}", points.len())));
+            return Err(face_error(i, &format!("expected indices below {}, found {index}", points.len())));
         }
         for (&a, &b) in face.iter().zip(face.iter().cycle().skip(1)) {
             if (points[a as usize] - points[b as usize]).norm() <= tolerance {
-                return Err(fault(i, &format!("points {a} and {b} of one edge coincide")));
+                return Err(face_error(i, &format!("points {a} and {b} of one edge coincide")));
             }
             if edges.insert((a, b), i).is_some() {
-                return Err(fault(
+                return Err(face_error(
                     i,
                     &format!("the edge from {a} to {b} belongs to another face already; turn it"),
                 ));
@@ -108,7 +108,7 @@ fn check_closed(points: &[Point3<f64>], faces: &[Vec<u32>], tolerance: f64) -> R
     }
     match edges.iter().find(|((a, b), _)| !edges.contains_key(&(*b, *a))) {
         Some(((a, b), &i)) => {
-            Err(fault(i, &format!("no other face has its edge from {a} to {b}; close the surface")))
+            Err(face_error(i, &format!("no other face has its edge from {a} to {b}; close the surface")))
         }
         None => Ok(()),
     }

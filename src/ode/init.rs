@@ -67,7 +67,7 @@ impl Ode {
     }
 
     /// Makes sure that this thread has what ODE keeps per thread. Called before each collide and step.
-    pub(crate) fn enter_thread(&self) -> Result<()> {
+    pub(crate) fn ensure_thread_data(&self) -> Result<()> {
         let epoch = openings().epoch;
         if THREAD_EPOCH.get() == epoch {
             return Ok(());
@@ -131,7 +131,7 @@ mod tests {
         let first = Ode::init().unwrap();
         let second = first.clone();
         drop(first);
-        second.enter_thread().unwrap();
-        second.enter_thread().unwrap();
+        second.ensure_thread_data().unwrap();
+        second.ensure_thread_data().unwrap();
     }
 }

@@ -53,11 +53,11 @@ mod check;
 mod collide;
 mod convert;
 mod convex;
-#[cfg(test)]
-pub(crate) mod fault;
 mod geom;
 mod hull;
 mod init;
+#[cfg(test)]
+pub(crate) mod injected_panic;
 mod joint;
 mod mass;
 mod panic;
@@ -87,7 +87,7 @@ pub use trimesh::TriMesh;
 pub use world::World;
 
 pub(crate) use hull::{
-    RawHull, adopt_everywhere, close_class, create_hull_in, give_samples, open_class, open_class_number,
-    take_samples_away, take_told,
+    RawHull, adopt_everywhere, clear_samples, close_class, create_hull_in, open_class, open_class_number,
+    set_samples, take_last_error,
 };
 pub(crate) use panic::{catch, is_fenced, take_parked as take_parked_panic};

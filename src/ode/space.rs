@@ -8,7 +8,7 @@ use ode_sys::{
 };
 
 use super::arena::{GeomId, Key, SpaceId};
-use super::hull::take_samples_away;
+use super::hull::clear_samples;
 use super::world::World;
 use super::{check, convert};
 use crate::{Error, Result};
@@ -194,7 +194,7 @@ impl World {
     /// Removes a geom; false if it was gone already.
     pub fn remove_geom(&mut self, id: GeomId) -> bool {
         let Some(record) = self.geoms.remove(id.0) else { return false };
-        take_samples_away(record.raw);
+        clear_samples(record.raw);
         // SAFETY: the record was alive, and is gone now, so that this happens once. What the geom borrows is in the
         // record, which is dropped after.
         unsafe { dGeomDestroy(record.raw) };

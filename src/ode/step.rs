@@ -47,7 +47,7 @@ impl World {
 
     fn advance(&mut self, dt: f64, stepper: Stepper) -> Result<()> {
         check::within("time step", dt, 1e-9, 1e3)?;
-        self.ode.enter_thread()?;
+        self.ode.ensure_thread_data()?;
         self.stopped.clear();
         let mut before = self.buffers.poses.take();
         before.clear();

@@ -18,7 +18,7 @@ use super::arena::{Arena, BodyId, GeomId, Key, SpaceId};
 use super::body::{Body, BodyMut};
 use super::collide::ContactGeom;
 use super::geom::{Geom, GeomMut, GeomRecord};
-use super::hull::take_samples_away;
+use super::hull::clear_samples;
 use super::init::Ode;
 use super::joint::{GroupRecord, JointRecord};
 use super::space::{SpaceKind, SpaceRecord};
@@ -85,7 +85,7 @@ impl World {
     pub fn with_space(ode: &Ode, kind: SpaceKind) -> Result<Self> {
         let kind = kind.checked()?;
         let ode = ode.clone();
-        ode.enter_thread()?;
+        ode.ensure_thread_data()?;
         // SAFETY: ODE is open, since `ode` lives.
         let (raw, threading) = unsafe { (dWorldCreate(), dThreadingAllocateSelfThreadedImplementation()) };
         if raw.is_null() || threading.is_null() {
@@ -297,7 +297,7 @@ impl Drop for World {
             }
             dJointGroupDestroy(self.contacts);
             for (_, geom) in self.geoms.iter() {
-                take_samples_away(geom.raw);
+                clear_samples(geom.raw);
                 dGeomDestroy(geom.raw);
             }
             dSpaceDestroy(self.spaces.expect(self.root).raw);

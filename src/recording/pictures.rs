@@ -38,7 +38,7 @@ impl Pictures {
         self.common = self.files[0].keys().copied().filter(in_all).collect();
     }
 
-    pub(super) fn any(&self) -> bool {
+    pub(super) fn has_files(&self) -> bool {
         self.files.iter().any(|of_camera| !of_camera.is_empty())
     }
 

@@ -2,7 +2,7 @@
 
 use super::Recording;
 use crate::source::{
-    ImageFolder, ReadAhead, Reading, Source, Synchroniser, Times, Video, WhenFull, frames_csv,
+    ImageFolder, ReadAhead, ReadOptions, Source, Synchroniser, Times, Video, WhenFull, frames_csv,
 };
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -102,7 +102,8 @@ impl Recording {
         times: Option<Times>,
     ) -> Result<Box<dyn Source>> {
         let name = self.name(camera);
-        let reading = Reading { size: Some(self.rig.cameras()[camera].size()), first: options.first, times };
+        let reading =
+            ReadOptions { size: Some(self.rig.cameras()[camera].size()), first: options.first, times };
         let named = |e| Error::view(name, e);
         match &self.videos[camera] {
             Some(video) => Ok(Box::new(Video::open(video, reading).map_err(named)?)),

@@ -1,6 +1,6 @@
 //! From a calibration file of any format to a rig: which format it is, and the rules that hold for all of them.
 
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::length::{self, FARTHEST};
 use super::source::Source;
 use super::{
@@ -8,7 +8,7 @@ use super::{
     selfcal, toml, voxelpose,
 };
 use crate::camera::Camera;
-use crate::{Error, Result, Untold};
+use crate::{Error, MissingHint, Result};
 use nalgebra::Isometry3;
 use std::path::Path;
 
@@ -111,7 +111,7 @@ impl Calibration {
         };
         let contents = (format.read)(source, hints).and_then(|contents| contents.into_rig(hints));
         let (rig, notes) = contents.map_err(|e| match e {
-            Error::Untold { what, error } => Error::untold(what, with_path(*error)),
+            Error::MissingHint { what, error } => Error::missing_hint(what, with_path(*error)),
             other => with_path(other),
         })?;
         let is_unit_doubtful = notes.iter().any(|note| note == length::NOTE || note.ends_with(HARDLY_METRES));
@@ -119,13 +119,13 @@ impl Calibration {
     }
 }
 
-impl Contents {
+impl RawCalibration {
     /// The rig, in metres and with pixel corners at whole numbers; and the notes.
     pub(super) fn into_rig(self, hints: &Hints) -> Result<(Rig, Vec<String>)> {
         let scale = hints.metres_per_unit.or(self.metres_per_unit).ok_or_else(|| {
             let problem = "expected to know the unit of length, found a format whose worlds have any scale; give the \
                            metres per unit";
-            Error::untold(Untold::MetresPerUnit, Error::argument(problem))
+            Error::missing_hint(MissingHint::MetresPerUnit, Error::argument(problem))
         })?;
         if !(scale.is_finite() && scale > 0.0) {
             return Err(Error::argument(format!(
@@ -147,13 +147,13 @@ impl Contents {
     }
 }
 
-impl Found {
+impl RawCamera {
     fn camera(self, centres: PixelCentres, metres_per_unit: f64, hints: &Hints) -> Result<Camera> {
         let Self { name, size, mut k, distortion, rotation, translation } = self;
         let Some(size) = size.or(hints.size) else {
             let problem = "expected to know the size of its images, found a file that does not tell; give width and \
                            height";
-            return Err(Error::untold(Untold::Size, Error::camera(name, problem)));
+            return Err(Error::missing_hint(MissingHint::Size, Error::camera(name, problem)));
         };
         if centres == PixelCentres::Whole {
             k[(0, 2)] += 0.5;

@@ -13,7 +13,7 @@
 
 mod lens;
 
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::image_names;
 use super::lines::{self, Line, is_number};
 use super::source::{self, Source};
@@ -41,7 +41,7 @@ struct Image<'a> {
     name: String,
 }
 
-struct Lens {
+struct Intrinsics {
     size: (u32, u32),
     k: Matrix3<f64>,
     distortion: Distortion,
@@ -78,11 +78,16 @@ fn is_points(line: &Line) -> bool {
     line.words.len().is_multiple_of(3) && line.words.iter().all(|word| is_number(word))
 }
 
-fn read(source: &Source, _: &Hints) -> Result<Contents> {
+fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
     let [(cameras_path, cameras), (images_path, images)] = [file(source, CAMERAS)?, file(source, IMAGES)?];
     let lenses = lenses(&cameras).map_err(|e| Error::file(cameras_path, e))?;
     let cameras = views(&images, &lenses).map_err(|e| Error::file(images_path, e))?;
-    Ok(Contents { cameras, pixel_centres: PixelCentres::Half, metres_per_unit: None, notes: Vec::new() })
+    Ok(RawCalibration {
+        cameras,
+        pixel_centres: PixelCentres::Half,
+        metres_per_unit: None,
+        notes: Vec::new(),
+    })
 }
 
 /// One of the two files: what was opened, or beside it.
@@ -102,7 +107,7 @@ fn file(source: &Source, name: &str) -> Result<(PathBuf, String)> {
     })
 }
 
-fn lenses(text: &str) -> Result<HashMap<&str, Lens>> {
+fn lenses(text: &str) -> Result<HashMap<&str, Intrinsics>> {
     let mut lenses = HashMap::new();
     for line in lines::lines(text).filter(|line| !line.text.starts_with('#')) {
         let id = line.words[0];
@@ -113,7 +118,7 @@ fn lenses(text: &str) -> Result<HashMap<&str, Lens>> {
     Ok(lenses)
 }
 
-fn views(text: &str, lenses: &HashMap<&str, Lens>) -> Result<Vec<Found>> {
+fn views(text: &str, lenses: &HashMap<&str, Intrinsics>) -> Result<Vec<RawCamera>> {
     let mut images = images(text)?;
     if images.is_empty() {
         return Err(Error::argument("expected an image at least, found none; export the whole model"));
@@ -143,7 +148,7 @@ fn images(text: &str) -> Result<Vec<Image<'_>>> {
     Ok(images)
 }
 
-fn view(image: &Image, lenses: &HashMap<&str, Lens>) -> Result<Found> {
+fn view(image: &Image, lenses: &HashMap<&str, Intrinsics>) -> Result<RawCamera> {
     let Image { line, camera, name } = image;
     let numbers =
         line.words[1..8].iter().map(|word| line.number_in(word, IMAGE)).collect::<Result<Vec<_>>>()?;
@@ -154,12 +159,12 @@ fn view(image: &Image, lenses: &HashMap<&str, Lens>) -> Result<Found> {
             "expected a rotation as a quaternion of length 1, found length {length:.4}; {IMAGE}"
         )));
     }
-    let Some(Lens { size, k, distortion }) = lenses.get(camera) else {
+    let Some(Intrinsics { size, k, distortion }) = lenses.get(camera) else {
         let problem =
             format!("expected camera {camera} of this image in {CAMERAS}, found none; export both together");
         return Err(line.fail(problem));
     };
-    Ok(Found {
+    Ok(RawCamera {
         name: name.clone(),
         size: Some(*size),
         k: *k,

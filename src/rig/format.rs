@@ -21,12 +21,12 @@ pub(super) struct Format {
     pub(super) name: &'static str,
     /// Whether the content looks like it; cheap.
     pub(super) recognise: fn(&Source) -> bool,
-    pub(super) read: fn(&Source, &Hints) -> Result<Contents>,
+    pub(super) read: fn(&Source, &Hints) -> Result<RawCalibration>,
 }
 
 /// What a file holds.
-pub(super) struct Contents {
-    pub(super) cameras: Vec<Found>,
+pub(super) struct RawCalibration {
+    pub(super) cameras: Vec<RawCamera>,
     pub(super) pixel_centres: PixelCentres,
     /// Of the format; `None` where its lengths are arbitrary and somebody has to give the scale.
     pub(super) metres_per_unit: Option<f64>,
@@ -34,7 +34,7 @@ pub(super) struct Contents {
 }
 
 /// A camera as a file has it.
-pub(super) struct Found {
+pub(super) struct RawCamera {
     pub(super) name: String,
     /// Pixels, where the file says.
     pub(super) size: Option<(u32, u32)>,

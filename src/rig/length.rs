@@ -1,7 +1,7 @@
 //! Lengths of formats that name no unit.
 
-use super::format::{Found, Hints};
-use crate::{Error, Result, Untold};
+use super::format::{Hints, RawCamera};
+use crate::{Error, MissingHint, Result};
 
 /// A camera that stands farther than this from the world's origin was hardly measured in metres.
 pub(super) const FARTHEST: f64 = 100.0;
@@ -14,7 +14,7 @@ pub(super) const NOTE: &str = "the file names no unit of length; it is taken as 
 ///
 /// # Errors
 /// A camera more than 100 units from the origin.
-pub(super) fn as_metres(cameras: &[Found], hints: &Hints) -> Result<Vec<String>> {
+pub(super) fn as_metres(cameras: &[RawCamera], hints: &Hints) -> Result<Vec<String>> {
     if hints.metres_per_unit.is_some() {
         return Ok(Vec::new());
     }
@@ -26,7 +26,7 @@ pub(super) fn as_metres(cameras: &[Found], hints: &Hints) -> Result<Vec<String>>
                  no unit; give the metres per unit, 0.001 if these are millimetres",
                 camera.translation.norm()
             );
-            Err(Error::untold(Untold::MetresPerUnit, Error::camera(&camera.name, problem)))
+            Err(Error::missing_hint(MissingHint::MetresPerUnit, Error::camera(&camera.name, problem)))
         }
         None => Ok(vec![NOTE.into()]),
     }

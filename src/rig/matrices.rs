@@ -14,7 +14,7 @@
 //! matrix each, which then are called like the files. Lengths are taken as metres, pixel centres as whole numbers,
 //! without distortion; sizes are not in it.
 
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::length;
 use super::lines::{self, Line, is_number};
 use super::projections::pinholes;
@@ -61,7 +61,7 @@ fn text_files(source: &Source) -> impl Iterator<Item = &Path> {
     source.files().iter().map(|path| path.as_path()).filter(is_text)
 }
 
-fn read(source: &Source, hints: &Hints) -> Result<Contents> {
+fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     let mut notes = Vec::new();
     if hints.metres_per_unit.is_none() {
         notes.push(length::NOTE.into());
@@ -72,7 +72,7 @@ fn read(source: &Source, hints: &Hints) -> Result<Contents> {
     };
     let (pinholes, turned) = pinholes(&named)?;
     notes.extend(turned);
-    let camera = |((name, _), pinhole): ((String, Matrix3x4<f64>), super::projections::Pinhole)| Found {
+    let camera = |((name, _), pinhole): ((String, Matrix3x4<f64>), super::projections::Pinhole)| RawCamera {
         name,
         size: None,
         k: pinhole.k,
@@ -81,7 +81,7 @@ fn read(source: &Source, hints: &Hints) -> Result<Contents> {
         translation: pinhole.cam_from_world.translation.vector,
     };
     let cameras = named.into_iter().zip(pinholes).map(camera).collect();
-    Ok(Contents { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: Some(1.0), notes })
+    Ok(RawCalibration { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: Some(1.0), notes })
 }
 
 fn of_a_file(text: &str) -> Result<Vec<(String, Matrix3x4<f64>)>> {

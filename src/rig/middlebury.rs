@@ -12,7 +12,7 @@
 //! (their hull is 0.3 % larger than with pixel corners). A camera is called like its image, without the extension.
 //! Sizes are those of the images, beside the file or in `image/` beside it.
 
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::lines::{self, Line, is_number};
 use super::source::Source;
 use super::{image_names, pose};
@@ -37,7 +37,7 @@ fn count(line: &Line) -> Option<usize> {
     if let [word] = line.words[..] { word.parse().ok() } else { None }
 }
 
-fn read(source: &Source, _: &Hints) -> Result<Contents> {
+fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
     let mut lines = lines::lines(source.text().unwrap_or_default());
     let expected = lines.next().and_then(|line| count(&line)).unwrap_or_default();
     let lines: Vec<_> = lines.collect();
@@ -52,7 +52,7 @@ fn read(source: &Source, _: &Hints) -> Result<Contents> {
     let names = image_names::names(&images);
     lines::distinct(names.iter().map(String::as_str), |i| lines[i].number)?;
     let cameras = lines.iter().zip(names).map(|(line, name)| camera(source, line, name));
-    Ok(Contents {
+    Ok(RawCalibration {
         cameras: cameras.collect::<Result<_>>()?,
         pixel_centres: PixelCentres::Whole,
         metres_per_unit: Some(1.0),
@@ -60,7 +60,7 @@ fn read(source: &Source, _: &Hints) -> Result<Contents> {
     })
 }
 
-fn camera(source: &Source, line: &Line, name: String) -> Result<Found> {
+fn camera(source: &Source, line: &Line, name: String) -> Result<RawCamera> {
     let numbers: [f64; 21] = line.numbers(1, LINE)?;
     let rotation = pose::rotation(&Matrix3::from_row_slice(&numbers[9..18]))
         .map_err(|problem| line.fail(format!("rotation r11 .. r33: {problem}")))?;
@@ -69,7 +69,7 @@ fn camera(source: &Source, line: &Line, name: String) -> Result<Found> {
         None => source.image_size(&format!("image/{image}"))?,
         found => found,
     };
-    Ok(Found {
+    Ok(RawCamera {
         name,
         size,
         k: Matrix3::from_row_slice(&numbers[..9]),

@@ -21,9 +21,9 @@ mod opencv;
 mod panoptic;
 mod pixels;
 mod pose;
+mod pose_convention;
 mod projections;
 mod qualisys;
-mod reading;
 mod ros;
 mod selfcal;
 mod source;
@@ -34,7 +34,7 @@ mod voxelpose;
 
 pub use calibration::Calibration;
 pub use format::Hints;
-pub use reading::Reading;
+pub use pose_convention::PoseConvention;
 
 use crate::camera::Camera;
 use crate::{Error, Result};

@@ -14,11 +14,11 @@
 //! mostly come from, has it. The scale of the world is arbitrary.
 
 use super::document::{self, Entry, Node};
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::source::Source;
 use super::{image_names, lines, pose};
 use crate::camera::Distortion;
-use crate::{Error, Result, Untold};
+use crate::{Error, MissingHint, Result};
 use nalgebra::Matrix3;
 
 pub(super) const FORMAT: Format = Format { name: "nerfstudio's transforms.json", recognise, read };
@@ -32,15 +32,15 @@ fn recognise(source: &Source) -> bool {
     has("transform_matrix") || has("frames") && has("fl_x")
 }
 
-fn read(source: &Source, hints: &Hints) -> Result<Contents> {
+fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     let document = document::parse(source.text().unwrap_or_default())?;
     let frames = document.require("frames", FRAME)?.items()?;
     let paths: Vec<_> =
         frames.iter().map(|frame| frame.require("file_path", FRAME)).collect::<Result<_>>()?;
     let names = image_names::names(&paths.iter().map(Entry::text).collect::<Result<Vec<_>>>()?);
     lines::distinct(names.iter().map(String::as_str), |i| frames[i].node.line)?;
-    let view = |(frame, name): (&Entry, String)| View { frame, document: &document, name }.found(hints);
-    Ok(Contents {
+    let view = |(frame, name): (&Entry, String)| FrameEntry { frame, document: &document, name }.found(hints);
+    Ok(RawCalibration {
         cameras: frames.iter().zip(names).map(view).collect::<Result<_>>()?,
         pixel_centres: PixelCentres::Half,
         metres_per_unit: None,
@@ -49,14 +49,14 @@ fn read(source: &Source, hints: &Hints) -> Result<Contents> {
 }
 
 /// A frame, with what stands at the top for all.
-struct View<'a> {
+struct FrameEntry<'a> {
     frame: &'a Entry<'a>,
     document: &'a Node,
     name: String,
 }
 
-impl<'a> View<'a> {
-    fn found(self, hints: &Hints) -> Result<Found> {
+impl<'a> FrameEntry<'a> {
+    fn found(self, hints: &Hints) -> Result<RawCamera> {
         self.check_lens_model()?;
         let size = self.size()?;
         let k = self.intrinsics(size.or(hints.size))?;
@@ -72,7 +72,7 @@ impl<'a> View<'a> {
         let coefficients = [k1?, k2?, p1?, p2?, k3?].map(Option::unwrap_or_default);
         let (world_from_opengl, centre) = self.frame.require("transform_matrix", FRAME)?.motion()?;
         let rotation = pose::opengl_axes() * world_from_opengl.inverse();
-        Ok(Found {
+        Ok(RawCamera {
             name: self.name,
             size,
             k,
@@ -126,7 +126,7 @@ impl<'a> View<'a> {
                     Some(_) => Err(self.frame.fail(format!("{problem}; {INTRINSICS}"))),
                     None => {
                         let e = self.frame.fail(format!("{problem}; {INTRINSICS}, or give width and height"));
-                        Err(Error::untold(Untold::Size, e))
+                        Err(Error::missing_hint(MissingHint::Size, e))
                     }
                 }
             }

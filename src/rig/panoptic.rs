@@ -10,7 +10,7 @@
 //! the studio's own tools draw). The y axis of its worlds points down.
 
 use super::document::{self, Entry};
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::lines;
 use super::source::Source;
 use crate::Result;
@@ -26,12 +26,12 @@ fn recognise(source: &Source) -> bool {
     has("cameras") && (has("distCoef") || has("K") && has("R") && has("t"))
 }
 
-fn read(source: &Source, _: &Hints) -> Result<Contents> {
+fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
     let document = document::parse(source.text().unwrap_or_default())?;
     let cameras = document.require("cameras", CAMERA)?.items()?;
     let found: Vec<_> = cameras.iter().map(camera).collect::<Result<_>>()?;
     lines::distinct(found.iter().map(|found| found.name.as_str()), |i| cameras[i].node.line)?;
-    Ok(Contents {
+    Ok(RawCalibration {
         cameras: found,
         pixel_centres: PixelCentres::Whole,
         metres_per_unit: Some(CENTIMETRE),
@@ -42,10 +42,10 @@ fn read(source: &Source, _: &Hints) -> Result<Contents> {
     })
 }
 
-fn camera(camera: &Entry) -> Result<Found> {
+fn camera(camera: &Entry) -> Result<RawCamera> {
     let get = |key| camera.require(key, CAMERA);
     let distortion = camera.entry("distCoef").map(|entry| entry.distortion()).transpose()?;
-    Ok(Found {
+    Ok(RawCamera {
         name: get("name")?.text()?.to_owned(),
         size: camera.entry("resolution").map(|entry| entry.size()).transpose()?,
         k: get("K")?.matrix3()?,

@@ -16,7 +16,7 @@
 //! backwards, so that with the matrix M of `r11 .. r33` `x_cam = diag(1, -1, -1) M (X - C)`. The export does not say
 //! where a pixel's centre lies; whole numbers are assumed, as Pose2Sim does. A camera is called by its serial number.
 
-use super::format::{Contents, Format, Found, Hints, PixelCentres, pixels};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera, pixels};
 use super::source::Source;
 use super::{document, lines, pose};
 use crate::camera::Distortion;
@@ -38,7 +38,7 @@ fn recognise(source: &Source) -> bool {
     text.contains("<calibration") && (text.contains("qtm-version") || text.contains("focalLengthU"))
 }
 
-fn read(source: &Source, _: &Hints) -> Result<Contents> {
+fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
     let document = document::open_xml(source.text().unwrap_or_default())?;
     let all: Vec<_> = document
         .descendants()
@@ -55,7 +55,7 @@ fn read(source: &Source, _: &Hints) -> Result<Contents> {
     }
     let names = cameras.iter().map(|camera| camera.text("serial")).collect::<Result<Vec<_>>>()?;
     lines::distinct(names, |i| cameras[i].line())?;
-    Ok(Contents {
+    Ok(RawCalibration {
         cameras: cameras.iter().map(|camera| found(camera, &mut notes)).collect::<Result<_>>()?,
         pixel_centres: PixelCentres::Whole,
         metres_per_unit: Some(MILLIMETRE),
@@ -86,7 +86,7 @@ fn used<'a>(all: &[Element<'a>], notes: &mut Vec<String>) -> Result<Vec<Element<
     Ok(cameras)
 }
 
-fn found(camera: &Element, notes: &mut Vec<String>) -> Result<Found> {
+fn found(camera: &Element, notes: &mut Vec<String>) -> Result<RawCamera> {
     let name = camera.text("serial")?.to_owned();
     match camera.node.attribute("viewrotation") {
         None | Some("0") => {}
@@ -115,7 +115,7 @@ fn found(camera: &Element, notes: &mut Vec<String>) -> Result<Found> {
     let transform = camera.child("transform")?;
     let rotation = rotation(&transform)?;
     let centre = Vector3::new(transform.number("x")?, transform.number("y")?, transform.number("z")?);
-    Ok(Found {
+    Ok(RawCamera {
         name,
         size: Some((width, height)),
         k: intrinsics(&intrinsic, left, top, scale)?,

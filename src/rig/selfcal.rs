@@ -13,13 +13,13 @@
 
 mod lens;
 
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::lines::{self, Line};
 use super::matrices;
 use super::projections::{Pinhole, pinholes};
 use super::source::{self, Source};
 use crate::{Error, Result};
-use lens::Lens;
+use lens::FittedLens;
 use nalgebra::Matrix3x4;
 use std::path::{Path, PathBuf};
 
@@ -54,7 +54,7 @@ fn lens_number(path: &Path) -> Option<usize> {
     stem[stem.trim_end_matches(|c: char| c.is_ascii_digit()).len()..].parse().ok()
 }
 
-fn read(source: &Source, hints: &Hints) -> Result<Contents> {
+fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     let mut files: Vec<_> =
         source.files().iter().filter_map(|path| Some((matrix_number(path)?, path))).collect();
     files.sort();
@@ -77,7 +77,7 @@ fn read(source: &Source, hints: &Hints) -> Result<Contents> {
     for (((name, _), pinhole), number) in named.into_iter().zip(pinholes).zip(&numbers) {
         cameras.push(camera(source, hints, name, &pinhole, *number, &mut notes)?);
     }
-    Ok(Contents { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: None, notes })
+    Ok(RawCalibration { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: None, notes })
 }
 
 fn camera(
@@ -87,11 +87,11 @@ fn camera(
     pinhole: &Pinhole,
     number: usize,
     notes: &mut Vec<String>,
-) -> Result<Found> {
+) -> Result<RawCamera> {
     let size = size(source, number)?;
     let lens = match lens_file(source, number)? {
         Some(path) => lens::read(&source::read(&path)?).map_err(|e| Error::file(&path, e))?,
-        None => Lens::none(&pinhole.k),
+        None => FittedLens::none(&pinhole.k),
     };
     let (lens, misfit) = lens.behind(&pinhole.k, size.or(hints.size));
     if misfit.rms_px > NOTED_ERROR_PX {
@@ -101,7 +101,7 @@ fn camera(
             misfit.rms_px, misfit.max_px
         ));
     }
-    Ok(Found {
+    Ok(RawCamera {
         name,
         size,
         k: lens.k,

@@ -18,7 +18,7 @@ enum Content {
     /// A file's; others may lie beside it.
     File(String),
     /// Nothing lies beside it, whatever its name.
-    Memory(String),
+    InMemory(String),
     Folder(Vec<PathBuf>),
 }
 
@@ -32,19 +32,19 @@ impl Source {
     /// The text that `bytes` are, under a name.
     pub(super) fn in_memory(name: &str, bytes: &[u8]) -> Result<Self> {
         let path = PathBuf::from(name);
-        let content = Content::Memory(text(&path, bytes.to_vec())?);
+        let content = Content::InMemory(text(&path, bytes.to_vec())?);
         Ok(Self { path, content })
     }
 
     /// Whether it is a text without a place on disk.
     pub(super) fn is_in_memory(&self) -> bool {
-        matches!(self.content, Content::Memory(_))
+        matches!(self.content, Content::InMemory(_))
     }
 
     /// The file's text; `None` for a folder.
     pub(super) fn text(&self) -> Option<&str> {
         match &self.content {
-            Content::File(text) | Content::Memory(text) => Some(text),
+            Content::File(text) | Content::InMemory(text) => Some(text),
             Content::Folder(_) => None,
         }
     }
@@ -78,7 +78,7 @@ impl Source {
     pub(super) fn beside(&self, name: &str) -> Option<PathBuf> {
         let folder = match &self.content {
             Content::File(_) => self.path.parent()?,
-            Content::Memory(_) => return None,
+            Content::InMemory(_) => return None,
             Content::Folder(_) => &self.path,
         };
         Some(folder.join(name)).filter(|path| path.is_file())

@@ -101,11 +101,11 @@ fn coverage_counts_what_each_number_of_cameras_sees() {
 #[test]
 fn the_reading_that_makes_a_foreign_pose_right_is_the_one_it_was_written_in() {
     let right = rig();
-    for reading in Reading::ALL {
+    for reading in PoseConvention::ALL {
         // Each is its own inverse but the last, which undoes its parts in the other order.
         let wrong = match reading {
-            Reading::CameraToWorldOpenGl => {
-                right.read_as(Reading::OpenGl).unwrap().read_as(Reading::CameraToWorld).unwrap()
+            PoseConvention::CameraToWorldOpenGl => {
+                right.read_as(PoseConvention::OpenGl).unwrap().read_as(PoseConvention::CameraToWorld).unwrap()
             }
             other => right.read_as(other).unwrap(),
         };

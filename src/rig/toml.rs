@@ -15,7 +15,7 @@
 //! to camera, the rotation a Rodrigues vector, lengths are taken as metres. Pixel *centres* are whole numbers in the
 //! file, pixel corners in a [`Camera`]: the principal point moves by one half on the way in and back on the way out.
 
-use super::format::{Contents, Format, Found, Hints, PixelCentres, pixels};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera, pixels};
 use super::source::Source;
 use super::{Rig, pose};
 use crate::camera::{Camera, Distortion};
@@ -62,7 +62,7 @@ impl Rig {
         Ok(contents(text)?.into_rig(&Hints::default())?.0)
     }
 
-    /// The text of a rig file. Reading it back gives the same rig but for the last digits of rotation and principal
+    /// The text of a rig file. PoseConvention it back gives the same rig but for the last digits of rotation and principal
     /// point.
     pub fn to_toml(&self) -> String {
         // Some readers sort the tables, so the numbers in their titles are equally long.
@@ -81,7 +81,7 @@ fn has_a_table(text: &str) -> bool {
     text.lines().any(|line| is_title(line.trim())) && text.contains("matrix")
 }
 
-fn contents(text: &str) -> Result<Contents> {
+fn contents(text: &str) -> Result<RawCalibration> {
     let document = DeTable::parse(text).map_err(|e| {
         let line = e.span().map_or(1, |span| line_of(text, span.start));
         Error::argument(format!("line {line}: expected TOML, found: {}", e.message()))
@@ -93,7 +93,7 @@ fn contents(text: &str) -> Result<Contents> {
         .filter(|(title, _)| title.get_ref().as_ref() != "metadata")
         .map(|(title, value)| CameraTable::new(text, title.get_ref(), value)?.camera())
         .collect::<Result<Vec<_>>>()?;
-    Ok(Contents {
+    Ok(RawCalibration {
         cameras,
         pixel_centres: PixelCentres::Whole,
         metres_per_unit: Some(1.0),
@@ -165,7 +165,7 @@ impl<'a> CameraTable<'a> {
         Ok(table)
     }
 
-    fn camera(&self) -> Result<Found> {
+    fn camera(&self) -> Result<RawCamera> {
         self.check_lens_model()?;
         let size = self.size()?;
         let k = Matrix3::from_row_slice(&self.numbers_of_shape("matrix", &[3, 3], MATRIX)?);
@@ -175,7 +175,7 @@ impl<'a> CameraTable<'a> {
         let rotation = self.rotation()?;
         let translation =
             Vector3::from_column_slice(&self.numbers_of_length("translation", 3, TRANSLATION)?);
-        Ok(Found { name: self.name.clone(), size: Some(size), k, distortion, rotation, translation })
+        Ok(RawCamera { name: self.name.clone(), size: Some(size), k, distortion, rotation, translation })
     }
 
     fn check_lens_model(&self) -> Result<()> {

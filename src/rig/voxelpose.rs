@@ -10,7 +10,7 @@
 //! has 360 x 288 pixels, Shelf 1032 x 776.
 
 use super::document::{self, Entry};
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::source::Source;
 use crate::Result;
 use crate::camera::Distortion;
@@ -25,9 +25,9 @@ fn recognise(source: &Source) -> bool {
     source.json().is_some_and(|text| ["\"R\"", "\"T\"", "\"fx\""].iter().all(|key| text.contains(key)))
 }
 
-fn read(source: &Source, _: &Hints) -> Result<Contents> {
+fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
     let document = document::parse(source.text().unwrap_or_default())?;
-    Ok(Contents {
+    Ok(RawCalibration {
         cameras: document.entries().map(|entry| camera(&entry)).collect::<Result<_>>()?,
         pixel_centres: PixelCentres::Whole,
         metres_per_unit: Some(MILLIMETRE),
@@ -35,14 +35,14 @@ fn read(source: &Source, _: &Hints) -> Result<Contents> {
     })
 }
 
-fn camera(camera: &Entry) -> Result<Found> {
+fn camera(camera: &Entry) -> Result<RawCamera> {
     let get = |key| camera.require(key, CAMERA);
     let number = |key| get(key)?.number();
     let [k1, k2, k3] = camera.entry("k").map_or(Ok([0.0; 3]), |entry| entry.array())?;
     let [p1, p2] = camera.entry("p").map_or(Ok([0.0; 2]), |entry| entry.array())?;
     let rotation = get("R")?.rotation()?;
     let centre = get("T")?.vector3()?;
-    Ok(Found {
+    Ok(RawCamera {
         name: camera.key.to_string(),
         size: None,
         k: Matrix3::new(number("fx")?, 0.0, number("cx")?, 0.0, number("fy")?, number("cy")?, 0.0, 0.0, 1.0),

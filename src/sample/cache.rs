@@ -26,7 +26,7 @@ const SAME: f64 = 1e-9;
 pub struct SampleCache {
     entries: HashMap<Key, Entry>,
     samples: usize,
-    clock: u64,
+    use_count: u64,
 }
 
 /// What an entry is found by; floats as their bits.
@@ -116,13 +116,13 @@ impl SampleCache {
         vertices: &[Point3<f64>],
         sample: impl FnOnce() -> Result<Samples>,
     ) -> Result<Arc<Samples>> {
-        self.clock += 1;
+        self.use_count += 1;
         if let Some(entry) = self.entries.get_mut(&key).filter(|entry| agree(&entry.vertices, vertices)) {
-            entry.used = self.clock;
+            entry.used = self.use_count;
             return Ok(entry.samples.clone());
         }
         let samples = Arc::new(sample()?);
-        let entry = Entry { vertices: vertices.to_vec(), samples: samples.clone(), used: self.clock };
+        let entry = Entry { vertices: vertices.to_vec(), samples: samples.clone(), used: self.use_count };
         self.samples += samples.points().len();
         if let Some(replaced) = self.entries.insert(key, entry) {
             self.samples -= replaced.samples.points().len();

@@ -1,9 +1,9 @@
 //! Samples of the convex hull of a body's vertices.
 
 use super::Samples;
+use super::decimate::sample;
 use super::facets::Facets;
 use super::limits::{finite, spacing};
-use super::thin::sample;
 use super::weld::{TOLERANCE, extent, weld};
 use super::wrap::wrap;
 use crate::{Error, Result};

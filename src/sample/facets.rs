@@ -61,7 +61,7 @@ impl Facets {
     /// face's. `body` names the shape; the corners do not count for the refusal of too many samples.
     pub fn cover(&self, body: &str, min_feature: f64, own: bool) -> Result<Covering> {
         let spacing = spacing(min_feature)?;
-        let mut edges = self.edges();
+        let mut edges = self.polygon_edges();
         let length = |(a, b): &(usize, usize)| (self.corners[*a] - self.corners[*b]).norm();
         let on_edges: f64 = edges.keys().map(|edge| cells(length(edge), spacing, 1.0) - 1.0).sum();
         check_count(body, on_edges + self.area() / (spacing * spacing), min_feature)?;
@@ -86,7 +86,7 @@ impl Facets {
         Ok(self.in_order(edges, inner, radius))
     }
 
-    fn edges(&self) -> BTreeMap<(usize, usize), Edge> {
+    fn polygon_edges(&self) -> BTreeMap<(usize, usize), Edge> {
         let mut edges: BTreeMap<_, Edge> = BTreeMap::new();
         for face in &self.faces {
             for (a, b) in sides(&face.outline) {
@@ -103,7 +103,7 @@ impl Facets {
         &self,
         face: &Facet,
         spacing: f64,
-        edges: &mut BTreeMap<(usize, usize), Edge>,
+        polygon_edges: &mut BTreeMap<(usize, usize), Edge>,
         inner: &mut Vec<Sample>,
     ) -> f64 {
         let corners: Vec<_> = face.outline.iter().map(|corner| self.corners[*corner]).collect();
@@ -112,10 +112,12 @@ impl Facets {
             return radius;
         }
         let lattice = Lattice::new(&corners, &face.normal, spacing);
-        let outline: Vec<_> = corners.iter().map(|corner| lattice.flat(corner)).collect();
+        let outline: Vec<_> = corners.iter().map(|corner| lattice.projected(corner)).collect();
         let mut boundary = outline.clone();
         for (a, b) in sides(&face.outline) {
-            boundary.extend(edges[&(a.min(b), a.max(b))].points.iter().map(|point| lattice.flat(point)));
+            boundary.extend(
+                polygon_edges[&(a.min(b), a.max(b))].points.iter().map(|point| lattice.projected(point)),
+            );
         }
         let mut radius = 0.0_f64;
         for node in lattice.nodes() {
@@ -137,9 +139,9 @@ impl Facets {
                 let (side, along) = nearest_side(&node, &outline);
                 let (a, b) = (face.outline[side], face.outline[(side + 1) % outline.len()]);
                 let point = self.corners[a] + (self.corners[b] - self.corners[a]) * along;
-                radius = radius.max(farthest(&lattice.flat(&point)));
-                boundary.push(lattice.flat(&point));
-                edges.entry((a.min(b), a.max(b))).or_default().points.push(point);
+                radius = radius.max(farthest(&lattice.projected(&point)));
+                boundary.push(lattice.projected(&point));
+                polygon_edges.entry((a.min(b), a.max(b))).or_default().points.push(point);
             }
         }
         radius
@@ -234,7 +236,7 @@ impl Lattice {
             cell: Vector2::zeros(),
             count: [0; 2],
         };
-        let flat: Vec<_> = corners.iter().map(|corner| lattice.flat(corner)).collect();
+        let flat: Vec<_> = corners.iter().map(|corner| lattice.projected(corner)).collect();
         let upper = flat.iter().fold(flat[0], |upper, p| upper.sup(p));
         lattice.lower = flat.iter().fold(flat[0], |lower, p| lower.inf(p));
         let size = upper - lattice.lower;
@@ -250,7 +252,7 @@ impl Lattice {
         (0..=self.count[0]).flat_map(move |i| (0..=self.count[1]).map(move |j| node(i, j)))
     }
 
-    fn flat(&self, point: &Point3<f64>) -> Vector2<f64> {
+    fn projected(&self, point: &Point3<f64>) -> Vector2<f64> {
         let offset = point - self.origin;
         Vector2::new(offset.dot(&self.right), offset.dot(&self.up))
     }

@@ -30,6 +30,7 @@ mod capsule;
 mod convex;
 mod cuboid;
 mod cylinder;
+mod decimate;
 mod facets;
 mod implicit;
 mod limits;
@@ -38,7 +39,6 @@ mod rings;
 mod shape;
 mod sphere;
 mod support;
-mod thin;
 mod trimesh;
 mod weld;
 mod wrap;
@@ -75,7 +75,7 @@ pub struct Sample {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
     samples: Vec<Sample>,
-    cloud: Points,
+    point_cloud: Points,
     bounding_radius: f64,
     bounding_sphere: (Point3<f64>, f64),
     covering_radius: f64,
@@ -87,17 +87,17 @@ impl Samples {
     fn new(samples: Vec<Sample>, covering_radius: f64) -> Self {
         let bounding_radius = samples.iter().map(|s| s.point.coords.norm()).fold(0.0, f64::max);
         let bounding_sphere = bounding_sphere(&samples);
-        let cloud = cloud(&samples);
-        Self { samples, cloud, bounding_radius, bounding_sphere, covering_radius, smooth: None }
+        let cloud = point_cloud_of(&samples);
+        Self { samples, point_cloud: cloud, bounding_radius, bounding_sphere, covering_radius, smooth: None }
     }
 
     /// Samples of a smooth body centred on the origin, `reach` its farthest point's distance.
     fn of_smooth(samples: Vec<Sample>, covering_radius: f64, smooth: Smooth, reach: f64) -> Self {
         let bounding_sphere = (Point3::origin(), reach);
-        let cloud = cloud(&samples);
+        let cloud = point_cloud_of(&samples);
         Self {
             samples,
-            cloud,
+            point_cloud: cloud,
             bounding_radius: reach,
             bounding_sphere,
             covering_radius,
@@ -129,7 +129,7 @@ impl Samples {
 
     /// The same points as the hull's batch queries take them.
     pub fn point_cloud(&self) -> &Points {
-        &self.cloud
+        &self.point_cloud
     }
 
     /// Radius of a sphere about the body's origin that holds the body, in metres.
@@ -155,7 +155,7 @@ impl Samples {
     }
 }
 
-fn cloud(samples: &[Sample]) -> Points {
+fn point_cloud_of(samples: &[Sample]) -> Points {
     let points: Vec<_> = samples.iter().map(|sample| sample.point).collect();
     Points::new(&points)
 }

@@ -32,7 +32,7 @@ pub fn sphere(radius: f64, min_feature: f64) -> Result<Samples> {
 
 struct Icosahedron {
     corners: Vec<Vector3<f64>>,
-    edges: Vec<[usize; 2]>,
+    edge_midpoints: Vec<[usize; 2]>,
     faces: Vec<[usize; 3]>,
 }
 
@@ -53,7 +53,7 @@ impl Icosahedron {
         let edges: Vec<_> = pairs.filter(|[a, b]| near(*a, *b)).collect();
         let triples = edges.iter().flat_map(|[a, b]| (b + 1..12).map(move |c| [*a, *b, c]));
         let faces = triples.filter(|[a, b, c]| near(*a, *c) && near(*b, *c)).collect();
-        Self { corners, edges, faces }
+        Self { corners, edge_midpoints: edges, faces }
     }
 
     /// The point of the unit sphere with weights `i`, `j` for the face's second and third corner, out of `n`.
@@ -84,7 +84,7 @@ impl Icosahedron {
 
     fn divided(&self, n: usize, radius: f64) -> Vec<Sample> {
         let mut normals: Vec<_> = self.corners.iter().map(|corner| corner.normalize()).collect();
-        for [a, b] in &self.edges {
+        for [a, b] in &self.edge_midpoints {
             let between = |i: usize| self.corners[*a] * (n - i) as f64 + self.corners[*b] * i as f64;
             normals.extend((1..n).map(|i| between(i).normalize()));
         }

@@ -1,9 +1,9 @@
 //! Samples of a triangle mesh.
 
 use super::Samples;
+use super::decimate::sample;
 use super::facets::{Facet, Facets};
 use super::limits::{finite, positive, spacing};
-use super::thin::sample;
 use super::weld::{TOLERANCE, extent, weld};
 use crate::{Error, Result};
 use nalgebra::Point3;

@@ -5,8 +5,8 @@
 
 use super::Segmenter;
 use super::cleanup::Cleanup;
-use super::difference::{BYTES, padded, whole};
-use super::outline::{Colours, Outline};
+use super::coverage_matte::{Colours, CoverageMatte};
+use super::difference::{BYTES, full_word, padded};
 use crate::math::vectorised;
 use crate::silhouette::PackedMask;
 use crate::silhouette::bit_image::{WORD, pack};
@@ -55,7 +55,7 @@ impl Key {
 pub struct ChromaKey {
     test: HueTest,
     cleanup: Cleanup,
-    outline: Outline,
+    outline: CoverageMatte,
 }
 
 /// The key's direction in the plane of blueness and redness, and the cone around it.
@@ -95,7 +95,7 @@ impl ChromaKey {
             least: (least_chroma * strength) as f32,
             slope: hue_tolerance.tan() as f32,
         };
-        Ok(Self { test, cleanup: Cleanup::default(), outline: Outline::default() })
+        Ok(Self { test, cleanup: Cleanup::default(), outline: CoverageMatte::default() })
     }
 
     /// Sets how masks are cleaned up.
@@ -117,8 +117,8 @@ impl Segmenter for ChromaKey {
         for (bits, image) in bits.words_mut().chunks_exact_mut(stride).zip(image.as_raw().chunks_exact(row)) {
             key_row(image, &self.test, bits);
         }
-        let colours = Colours { image: image.as_raw(), room: None };
-        self.outline.finish(colours, &self.cleanup, mask);
+        let colours = Colours { image: image.as_raw(), background: None };
+        self.outline.compute(colours, &self.cleanup, mask);
         Ok(())
     }
 }
@@ -136,7 +136,7 @@ vectorised! {
         let width = image.len() / 3;
         for (k, bits) in bits.iter_mut().enumerate() {
             let image = &image[BYTES * k..image.len().min(BYTES * (k + 1))];
-            let word = match whole(image) {
+            let word = match full_word(image) {
                 Some(image) => key_word(image, test),
                 None => key_word(&padded(image), test),
             };

@@ -1,8 +1,8 @@
 //! Background subtraction against images of the empty room.
 
 use super::cleanup::Cleanup;
-use super::difference::Room;
-use super::outline::{Colours, Outline};
+use super::coverage_matte::{Colours, CoverageMatte};
+use super::difference::BackgroundBounds;
 use super::plate::{Plate, Thresholds};
 use super::shadows::Shadows;
 use super::{Segmenter, check_size};
@@ -29,10 +29,10 @@ use image::RgbImage;
 pub struct CleanPlate {
     plate: Plate,
     thresholds: Thresholds,
-    room: Room,
+    background: BackgroundBounds,
     shadows: Option<Shadows>,
     cleanup: Cleanup,
-    outline: Outline,
+    matte: CoverageMatte,
 }
 
 impl CleanPlate {
@@ -56,12 +56,12 @@ impl CleanPlate {
         frames.iter().try_for_each(|frame| check_size(first.dimensions(), frame.dimensions()))?;
         let plate = Plate::mean(frames);
         Ok(Self {
-            room: plate.room(&thresholds),
+            background: plate.background(&thresholds),
             plate,
             thresholds,
             shadows: Some(Shadows::default()),
             cleanup: Cleanup::default(),
-            outline: Outline::default(),
+            matte: CoverageMatte::default(),
         })
     }
 
@@ -73,16 +73,16 @@ impl CleanPlate {
     ///
     /// # Errors
     /// Fewer than five frames, or one of another size than the plate.
-    pub fn mended_by(mut self, frames: &[RgbImage]) -> Result<Self> {
+    pub fn refined_with(mut self, frames: &[RgbImage]) -> Result<Self> {
         if frames.len() < 5 {
             return Err(Error::argument(format!(
                 "expected at least 5 frames to mend a clean plate by, found {}; take them from moments far apart",
                 frames.len()
             )));
         }
-        frames.iter().try_for_each(|frame| check_size(self.room.size, frame.dimensions()))?;
-        self.plate.mend(frames);
-        self.room = self.plate.room(&self.thresholds);
+        frames.iter().try_for_each(|frame| check_size(self.background.size, frame.dimensions()))?;
+        self.plate.refine_with(frames);
+        self.background = self.plate.background(&self.thresholds);
         Ok(self)
     }
 
@@ -108,10 +108,10 @@ impl CleanPlate {
 
 impl Segmenter for CleanPlate {
     fn segment_packed(&mut self, image: &RgbImage, mask: &mut PackedMask) -> Result<()> {
-        check_size(self.room.size, image.dimensions())?;
-        self.room.differences(image, self.shadows.as_ref(), &mut self.outline.raw);
-        let colours = Colours { image: image.as_raw(), room: Some(&self.room.colour) };
-        self.outline.finish(colours, &self.cleanup, mask);
+        check_size(self.background.size, image.dimensions())?;
+        self.background.differences(image, self.shadows.as_ref(), &mut self.matte.raw);
+        let colours = Colours { image: image.as_raw(), background: Some(&self.background.colour) };
+        self.matte.compute(colours, &self.cleanup, mask);
         Ok(())
     }
 }

@@ -11,7 +11,7 @@ use image::RgbImage;
 /// The empty room as one camera sees it: a colour for each pixel, and how far each channel may be from it. Channels
 /// lie side by side, as in an image.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Room {
+pub(super) struct BackgroundBounds {
     pub(super) size: (u32, u32),
     pub(super) colour: Vec<u8>,
     /// The least and the greatest value that is still the room's.
@@ -19,7 +19,7 @@ pub(super) struct Room {
     pub(super) greatest: Vec<u8>,
 }
 
-impl Room {
+impl BackgroundBounds {
     /// A room without pixels' values yet.
     pub(super) fn new(size: (u32, u32)) -> Self {
         let channels = 3 * size.0 as usize * size.1 as usize;
@@ -65,7 +65,7 @@ vectorised! {
             let start = 3 * WORD * k;
             let end = (start + 3 * WORD).min(image.len());
             let (image, least, greatest) = (&image[start..end], &least[start..end], &greatest[start..end]);
-            *bits = match (whole(image), whole(least), whole(greatest)) {
+            *bits = match (full_word(image), full_word(least), full_word(greatest)) {
                 (Some(image), Some(least), Some(greatest)) => differ_word(image, least, greatest),
                 _ => differ_word(&padded(image), &padded(least), &padded(greatest)),
             };
@@ -78,7 +78,7 @@ pub(super) const BYTES: usize = 3 * WORD;
 
 /// The bytes of a whole word's pixels; `None` at the end of a row.
 #[inline(always)]
-pub(super) fn whole(bytes: &[u8]) -> Option<&[u8; BYTES]> {
+pub(super) fn full_word(bytes: &[u8]) -> Option<&[u8; BYTES]> {
     bytes.try_into().ok()
 }
 
@@ -117,7 +117,7 @@ vectorised! {
             let start = BYTES * k;
             let end = (start + BYTES).min(image.len());
             let (image, room) = (&image[start..end], &room[start..end]);
-            let shaded = match (whole(image), whole(room)) {
+            let shaded = match (full_word(image), full_word(room)) {
                 (Some(image), Some(room)) => shaded_word(image, room, limits),
                 _ => shaded_word(&padded(image), &padded(room), limits),
             };

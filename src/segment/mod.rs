@@ -18,9 +18,9 @@
 mod chroma_key;
 mod clean_plate;
 mod cleanup;
+mod coverage_matte;
 mod difference;
 mod morphology;
-mod outline;
 mod plate;
 mod regions;
 mod running_gaussian;

@@ -11,7 +11,7 @@ use crate::silhouette::bit_image::{BitImage, WORD};
 
 /// Which neighbours of a pixel count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Shape {
+pub(super) enum StructuringElement {
     Cross,
     Square,
 }
@@ -39,7 +39,7 @@ impl Morphology {
     }
 
     /// One pixel, in place.
-    pub(super) fn step(&mut self, bits: &mut BitImage, shape: Shape, inverted: bool) {
+    pub(super) fn step(&mut self, bits: &mut BitImage, shape: StructuringElement, inverted: bool) {
         let mut other = std::mem::take(&mut self.other);
         self.step_into(bits, shape, inverted, &mut other);
         std::mem::swap(bits, &mut other);
@@ -47,7 +47,13 @@ impl Morphology {
     }
 
     /// One pixel: what is set grows, or where `inverted` what is not.
-    pub(super) fn step_into(&mut self, from: &BitImage, shape: Shape, inverted: bool, to: &mut BitImage) {
+    pub(super) fn step_into(
+        &mut self,
+        from: &BitImage,
+        shape: StructuringElement,
+        inverted: bool,
+        to: &mut BitImage,
+    ) {
         to.resize(from.width(), from.height());
         let stride = from.stride();
         self.zeros.clear();
@@ -57,13 +63,19 @@ impl Morphology {
             let above = if y > 0 { from.row(y - 1) } else { &self.zeros };
             let below = if y + 1 < from.height() { from.row(y + 1) } else { &self.zeros };
             let rows = [above, from.row(y), below];
-            grow_row(rows, shape == Shape::Square, if inverted { u64::MAX } else { 0 }, last, out);
+            grow_row(
+                rows,
+                shape == StructuringElement::Square,
+                if inverted { u64::MAX } else { 0 },
+                last,
+                out,
+            );
         }
     }
 }
 
-fn shape(k: u32) -> Shape {
-    if k.is_multiple_of(2) { Shape::Cross } else { Shape::Square }
+fn shape(k: u32) -> StructuringElement {
+    if k.is_multiple_of(2) { StructuringElement::Cross } else { StructuringElement::Square }
 }
 
 vectorised! {

@@ -1,6 +1,6 @@
 //! The empty room's colours and their noise, from images of it.
 
-use super::difference::Room;
+use super::difference::BackgroundBounds;
 use crate::{Error, Result};
 use image::RgbImage;
 
@@ -74,7 +74,7 @@ impl Plate {
     }
 
     /// Takes over the colours on which nearly all of `frames` agree.
-    pub(super) fn mend(&mut self, frames: &[RgbImage]) {
+    pub(super) fn refine_with(&mut self, frames: &[RgbImage]) {
         let enough = (AGREE_SHARE * frames.len() as f64).ceil() as usize;
         let mut values = vec![0; frames.len()];
         for (pixel, colour) in self.colours.iter_mut().enumerate() {
@@ -95,8 +95,8 @@ impl Plate {
     }
 
     /// The room, with a tolerance for each pixel.
-    pub(super) fn room(&self, thresholds: &Thresholds) -> Room {
-        let mut room = Room::new(self.size);
+    pub(super) fn background(&self, thresholds: &Thresholds) -> BackgroundBounds {
+        let mut room = BackgroundBounds::new(self.size);
         for (pixel, (&colour, &noise)) in self.colours.iter().zip(&self.noise).enumerate() {
             let edge = thresholds.edge_shift_px * f64::from(self.steepest(pixel));
             let noise = thresholds.deviations * f64::from(noise);

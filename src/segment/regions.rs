@@ -60,7 +60,7 @@ impl Regions {
                 if above.end < below.end { a += 1 } else { b += 1 }
             }
         }
-        self.measure(bits);
+        self.measure_regions(bits);
     }
 
     fn list_runs(&mut self, bits: &BitImage, invert: u64) {
@@ -110,7 +110,7 @@ impl Regions {
         self.parents[a.max(b)] = a.min(b) as u32;
     }
 
-    fn measure(&mut self, bits: &BitImage) {
+    fn measure_regions(&mut self, bits: &BitImage) {
         let count = self.runs.len();
         self.areas.clear();
         self.areas.resize(count, 0);

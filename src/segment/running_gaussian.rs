@@ -4,8 +4,8 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::cleanup::Cleanup;
-use super::difference::Room;
-use super::outline::{Colours, Outline};
+use super::coverage_matte::{Colours, CoverageMatte};
+use super::difference::BackgroundBounds;
 use super::shadows::Shadows;
 use super::{Segmenter, check_size};
 use crate::math::vectorised;
@@ -67,13 +67,13 @@ pub struct RunningGaussian {
     shadows: Option<Shadows>,
     cleanup: Cleanup,
     model: Model,
-    outline: Outline,
+    outline: CoverageMatte,
 }
 
 /// Means and variances, channels side by side, and the room that follows from them.
 #[derive(Debug, Clone, Default)]
 struct Model {
-    room: Room,
+    room: BackgroundBounds,
     mean: Vec<f32>,
     variance: Vec<f32>,
     /// Empty frames learnt.
@@ -104,7 +104,7 @@ impl RunningGaussian {
             shadows: detect_shadows.then(Shadows::default),
             cleanup: Cleanup::default(),
             model: Model::default(),
-            outline: Outline::default(),
+            outline: CoverageMatte::default(),
         })
     }
 
@@ -117,7 +117,7 @@ impl RunningGaussian {
             return Err(Error::argument("expected a frame of the empty room, found an image without pixels"));
         }
         if self.model.learnt == 0 {
-            self.model.begin(empty);
+            self.model.start_from(empty);
         } else {
             check_size(self.model.room.size, empty.dimensions())?;
         }
@@ -160,8 +160,8 @@ impl Segmenter for RunningGaussian {
         }
         check_size(model.room.size, image.dimensions())?;
         model.room.differences(image, shadows.as_ref(), &mut outline.raw);
-        let colours = Colours { image: image.as_raw(), room: Some(&model.room.colour) };
-        outline.finish(colours, cleanup, mask);
+        let colours = Colours { image: image.as_raw(), background: Some(&model.room.colour) };
+        outline.compute(colours, cleanup, mask);
         let rate = (STRIPES as f32 / learning.history as f32).min(1.0);
         for y in (model.stripe..image.height() as usize).step_by(STRIPES) {
             model.learn_row(image, Some(mask), y, rate, learning.var_threshold as f32);
@@ -172,8 +172,8 @@ impl Segmenter for RunningGaussian {
 }
 
 impl Model {
-    fn begin(&mut self, empty: &RgbImage) {
-        self.room = Room::new(empty.dimensions());
+    fn start_from(&mut self, empty: &RgbImage) {
+        self.room = BackgroundBounds::new(empty.dimensions());
         // Everything is within the bounds.
         self.room.greatest.fill(255);
         self.mean = empty.iter().map(|&value| f32::from(value)).collect();

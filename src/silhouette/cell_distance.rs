@@ -1,7 +1,7 @@
 //! Distances of the squares between four pixel centres, in which coverage is bilinear: the least of the four pixels'.
 
 use super::distance::DistanceTable;
-use super::region::Region;
+use super::mask_crop::MaskCrop;
 use crate::math::vectorised;
 
 /// Distances over a region with coverage, by the upper left of the four pixels; none without.
@@ -13,7 +13,7 @@ pub(super) struct CellDistances {
 }
 
 impl CellDistances {
-    pub(super) fn fill(&mut self, region: &Region, pixels: &DistanceTable) {
+    pub(super) fn fill(&mut self, region: &MaskCrop, pixels: &DistanceTable) {
         self.stride = region.rect().width();
         if !region.has_coverage() || self.stride == 0 {
             return self.narrow.clear();

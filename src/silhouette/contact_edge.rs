@@ -59,7 +59,7 @@ impl Silhouette {
     #[inline(always)]
     pub(crate) fn edge_pixel(&self, at: (i32, i32)) -> EdgePixel {
         let tables = self.derived_tables();
-        EdgePixel { at, rank: tables.edges.rank(&tables.neighbours, &self.region, at) }
+        EdgePixel { at, rank: tables.edges.rank(&tables.boundary, &self.crop, at) }
     }
 
     /// [`Self::edge`] at a pixel.
@@ -71,7 +71,7 @@ impl Silhouette {
     /// Whether the caller is the first to ask for the edge at a pixel, and should see to it that it becomes known.
     #[inline(always)]
     pub(crate) fn claim_edge(&self, pixel: &EdgePixel) -> bool {
-        pixel.rank.is_some_and(|rank| self.derived_tables().edges.claim(rank))
+        pixel.rank.is_some_and(|rank| self.derived_tables().edges.try_claim(rank))
     }
 }
 
@@ -227,11 +227,11 @@ impl Silhouette {
     /// Which pixels of the rows of windows are background, the first of a row in the lowest bit.
     fn background_around(&self, pixels: &[(i32, i32); ABREAST]) -> [[u64; ABREAST]; SIDE] {
         const ALL: u32 = (1 << SIDE) - 1;
-        let (rect, mut background) = (self.region.rect(), [[0; ABREAST]; SIDE]);
+        let (rect, mut background) = (self.crop.rect(), [[0; ABREAST]; SIDE]);
         for (k, &(i, j)) in pixels.iter().enumerate() {
             let (left, above) = (i - WINDOW, j - WINDOW);
             if rect.contains(left, above) && rect.contains(i + WINDOW, j + WINDOW) {
-                let rows = self.region.rows_from(left, above);
+                let rows = self.crop.rows_from(left, above);
                 for (down, row) in background.iter_mut().enumerate() {
                     row[k] = u64::from(!rows.row(down as i32) & ALL);
                 }
@@ -247,11 +247,11 @@ impl Silhouette {
 
     /// The bytes of windows around pixels, of a mask with coverage.
     fn bytes_around(&self, pixels: &[(i32, i32); ABREAST]) -> Bytes {
-        let (rect, mut bytes) = (self.region.rect(), [[[0; ABREAST]; 2]; SIDE]);
+        let (rect, mut bytes) = (self.crop.rect(), [[[0; ABREAST]; 2]; SIDE]);
         for (k, &(i, j)) in pixels.iter().enumerate() {
             let (left, above) = (i - WINDOW, j - WINDOW);
             if rect.contains(left, above) && rect.contains(i + WINDOW, j + WINDOW) {
-                let rows = self.region.bytes()[rect.index(left, above)..].chunks(rect.width());
+                let rows = self.crop.bytes()[rect.index(left, above)..].chunks(rect.width());
                 for (values, row) in rows.zip(&mut bytes) {
                     let (first, last) = (values.first_chunk(), values[..SIDE].last_chunk());
                     row[0][k] = first.map_or(0, |eight| u64::from_le_bytes(*eight));

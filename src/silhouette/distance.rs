@@ -13,8 +13,8 @@
 // A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
 #![allow(clippy::needless_range_loop)]
 
-use super::region::{MARGIN, Region, WORD, Word};
-use super::tiles::{Lookup, Tiles};
+use super::mask_crop::{MARGIN, MaskCrop, WORD, Word};
+use super::occupancy::{Occupancy, OccupancyLookup};
 use crate::math::vectorised;
 
 /// The distance where no background exists: an open border and a silhouette without an edge.
@@ -30,25 +30,25 @@ pub(super) struct DistanceTable {
 }
 
 impl DistanceTable {
-    pub(super) fn fill(&mut self, region: &Region, tiles: &Tiles) {
+    pub(super) fn fill(&mut self, region: &MaskCrop, tiles: &Occupancy) {
         let (width, height) = (region.rect().width(), region.rect().height());
-        let bits = Bits {
+        let bits = SubjectRows {
             subject: region.subject(),
             words: region.words(),
             width,
             is_open: region.is_open(),
-            tiles: tiles.lookup(),
+            occupancy: tiles.lookup(),
         };
         self.wide.clear();
         if width == 0 {
             return self.narrow.clear();
         }
-        self.narrow.resize((width * height + SLANTED) / FOUR, 0);
+        self.narrow.resize((width * height + SKEWED_WIDTH) / FOUR, 0);
         transform_narrow(&bits, bytemuck::cast_slice_mut(&mut self.narrow));
         // Between two sides that are background nothing is farther away than half their distance.
         let may_be_deep = bits.is_open || width.min(height) / 2 >= usize::from(u8::MAX);
         if may_be_deep && self.narrow().contains(&u8::MAX) {
-            self.wide.resize(width * height + SLANTED, 0);
+            self.wide.resize(width * height + SKEWED_WIDTH, 0);
             transform_wide(&bits, &mut self.wide);
         }
     }
@@ -84,23 +84,23 @@ impl DistanceTable {
 const BLOCK: usize = 64;
 
 /// Pixels of a slanted block's row: enough that its vectors do not wait for one another.
-const SLANTED: usize = 128;
+const SKEWED_WIDTH: usize = 128;
 
 /// Rows of a slanted block. It may not leave the margin.
-const GROUP: usize = RIM;
+const SKEWED_ROWS: usize = MARGIN_PX;
 
 /// Columns and rows of background on each side.
-const RIM: usize = MARGIN as usize;
+const MARGIN_PX: usize = MARGIN as usize;
 
 /// More pixels than any distance has.
-const OPEN: usize = 1 << 20;
+const UNBOUNDED: usize = 1 << 20;
 
 /// Narrow distances in a word.
 const FOUR: usize = 4;
 
 /// Subject bits, rows of so many words.
-struct Bits<'a> {
-    tiles: Lookup<'a>,
+struct SubjectRows<'a> {
+    occupancy: OccupancyLookup<'a>,
     subject: &'a [Word],
     words: usize,
     width: usize,
@@ -109,7 +109,7 @@ struct Bits<'a> {
 }
 
 /// A distance's number.
-trait Pixels: Copy + Ord {
+trait DistanceInt: Copy + Ord {
     const ZERO: Self;
     fn one_more(self) -> Self;
     /// Distances along a row to the end of a run of subject pixels, for a block that begins `after` pixels behind the
@@ -117,7 +117,7 @@ trait Pixels: Copy + Ord {
     fn along(after: usize, before: usize, block: &mut [Self; BLOCK]);
 }
 
-impl Pixels for u8 {
+impl DistanceInt for u8 {
     const ZERO: Self = 0;
     #[inline(always)]
     fn one_more(self) -> Self {
@@ -160,7 +160,7 @@ const FALLING: [u8; FALLING_END + BLOCK] = {
     ramp
 };
 
-impl Pixels for u16 {
+impl DistanceInt for u16 {
     const ZERO: Self = 0;
     #[inline(always)]
     fn one_more(self) -> Self {
@@ -175,34 +175,34 @@ impl Pixels for u16 {
 }
 
 vectorised! {
-    fn transform_narrow(bits: &Bits, table: &mut [u8]) {
+    fn transform_narrow(bits: &SubjectRows, table: &mut [u8]) {
         transform(bits, table);
     }
 }
 
 vectorised! {
-    fn transform_wide(bits: &Bits, table: &mut [u16]) {
+    fn transform_wide(bits: &SubjectRows, table: &mut [u16]) {
         transform(bits, table);
     }
 }
 
 /// Fills `table`.
 #[inline(always)]
-fn transform<T: Pixels>(bits: &Bits, table: &mut [T]) {
+fn transform<T: DistanceInt>(bits: &SubjectRows, table: &mut [T]) {
     let height = bits.subject.len() / bits.words;
     if bits.is_open {
         return transform_open(bits, table, height);
     }
     for y in 0..height {
-        along_row(bits, y, table);
+        row_pass(bits, y, table);
     }
     // The last group begins early where there are not enough rows: what is taken twice is the same.
-    let last = height - 2 - GROUP;
-    for y in (RIM - 1..height - RIM).step_by(GROUP).map(|y| y.min(last)) {
-        carry(bits, table, y, 1);
+    let last = height - 2 - SKEWED_ROWS;
+    for y in (MARGIN_PX - 1..height - MARGIN_PX).step_by(SKEWED_ROWS).map(|y| y.min(last)) {
+        raster_pass(bits, table, y, 1);
     }
-    for y in (RIM - 1..height - RIM).step_by(GROUP).map(|y| y.min(last)) {
-        carry(bits, table, height - 1 - y, -1);
+    for y in (MARGIN_PX - 1..height - MARGIN_PX).step_by(SKEWED_ROWS).map(|y| y.min(last)) {
+        raster_pass(bits, table, height - 1 - y, -1);
     }
 }
 
@@ -218,24 +218,25 @@ fn transform<T: Pixels>(bits: &Bits, table: &mut [T]) {
 /// Blocks reach into the margin on both sides, through it into the next row, and take there what is true as well. The
 /// margin itself is background, and remains so.
 #[inline(always)]
-fn carry<T: Pixels>(bits: &Bits, table: &mut [T], from: usize, sign: isize) {
+fn raster_pass<T: DistanceInt>(bits: &SubjectRows, table: &mut [T], from: usize, sign: isize) {
     let width = bits.width;
-    let (top, bottom) = if sign > 0 { (from + 1, from + 1 + GROUP) } else { (from - GROUP, from) };
-    for column in (RIM..width - RIM + GROUP).step_by(SLANTED) {
-        let (left, right) = (column - GROUP, column + SLANTED);
-        if !bits.tiles.any([left as u32, top as u32], [right as u32, bottom as u32]) {
+    let (top, bottom) =
+        if sign > 0 { (from + 1, from + 1 + SKEWED_ROWS) } else { (from - SKEWED_ROWS, from) };
+    for column in (MARGIN_PX..width - MARGIN_PX + SKEWED_ROWS).step_by(SKEWED_WIDTH) {
+        let (left, right) = (column - SKEWED_ROWS, column + SKEWED_WIDTH);
+        if !bits.occupancy.any_occupied([left as u32, top as u32], [right as u32, bottom as u32]) {
             continue;
         }
         let mut at = from * width + column;
-        let Some(&(mut row)) = table[at..].first_chunk::<SLANTED>() else { return };
+        let Some(&(mut row)) = table[at..].first_chunk::<SKEWED_WIDTH>() else { return };
         let mut left = [table[at - 1], table[at - 2]];
-        for _ in 0..GROUP {
+        for _ in 0..SKEWED_ROWS {
             at = at.wrapping_add_signed(sign * width as isize - 1);
             let [mut one, mut two] = left;
             left = [table[at - 1], table[at - 2]];
-            let Some(here) = table[at..].first_chunk_mut::<SLANTED>() else { return };
+            let Some(here) = table[at..].first_chunk_mut::<SKEWED_WIDTH>() else { return };
             let mut next = *here;
-            for k in 0..SLANTED {
+            for k in 0..SKEWED_WIDTH {
                 next[k] = next[k].min(row[k].min(one).min(two).one_more());
                 (one, two) = (row[k], one);
             }
@@ -247,24 +248,24 @@ fn carry<T: Pixels>(bits: &Bits, table: &mut [T], from: usize, sign: isize) {
 
 /// The same where the region reaches beyond an open border, and its rim is not background.
 #[inline(always)]
-fn transform_open<T: Pixels>(bits: &Bits, table: &mut [T], height: usize) {
+fn transform_open<T: DistanceInt>(bits: &SubjectRows, table: &mut [T], height: usize) {
     let width = bits.width;
     for y in 0..height {
-        along_row(bits, y, table);
+        row_pass(bits, y, table);
     }
     for y in 1..height {
         let (above, here) = table.split_at_mut(y * width);
-        carry_row(&above[(y - 1) * width..], &mut here[..width]);
+        raster_row(&above[(y - 1) * width..], &mut here[..width]);
     }
     for y in (1..height).rev() {
         let (above, below) = table.split_at_mut(y * width);
-        carry_row(&below[..width], &mut above[(y - 1) * width..]);
+        raster_row(&below[..width], &mut above[(y - 1) * width..]);
     }
 }
 
 /// Takes into the row `here` what the row `from`, just above or below, allows.
 #[inline(always)]
-fn carry_row<T: Pixels>(from: &[T], here: &mut [T]) {
+fn raster_row<T: DistanceInt>(from: &[T], here: &mut [T]) {
     let last = here.len() - 1;
     for (here, from) in here[1..].iter_mut().zip(from.windows(3)) {
         *here = (*here).min(from[0].min(from[1]).min(from[2]).one_more());
@@ -276,7 +277,7 @@ fn carry_row<T: Pixels>(from: &[T], here: &mut [T]) {
 /// Fills row `y` with distances to the nearest background pixel of the same row. What the last block writes beyond it
 /// is the next row's, which comes later.
 #[inline(always)]
-fn along_row<T: Pixels>(bits: &Bits, y: usize, table: &mut [T]) {
+fn row_pass<T: DistanceInt>(bits: &SubjectRows, y: usize, table: &mut [T]) {
     let (width, row) = (bits.width, &bits.subject[y * bits.words..(y + 1) * bits.words]);
     let table = &mut table[y * width..];
     let mut end = 0;
@@ -290,8 +291,8 @@ fn along_row<T: Pixels>(bits: &Bits, y: usize, table: &mut [T]) {
         for at in (start..end).step_by(BLOCK) {
             let Some(block) = table[at..].first_chunk_mut() else { break };
             // A run at the region's side goes on beyond the image, where nothing is background.
-            let after = if start == 0 { OPEN } else { at - start };
-            let before = if end == width { OPEN } else { end - at };
+            let after = if start == 0 { UNBOUNDED } else { at - start };
+            let before = if end == width { UNBOUNDED } else { end - at };
             T::along(after, before, block);
         }
     }

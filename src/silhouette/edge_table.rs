@@ -1,8 +1,8 @@
 //! The contact edges of a silhouette, each computed once a query asks for it and then remembered.
 
+use super::boundary::Boundary;
 use super::edge::Edge;
-use super::neighbours::Neighbours;
-use super::region::{Region, WORD, Word};
+use super::mask_crop::{MaskCrop, WORD, Word};
 use crate::math::vectorised;
 use nalgebra::{Point2, Vector2};
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
@@ -22,7 +22,7 @@ pub(super) struct EdgeTable {
     before: Vec<u32>,
     state: Vec<AtomicU8>,
     /// Point and normal, as bits.
-    edges: Vec<[AtomicU64; 4]>,
+    stored: Vec<[AtomicU64; 4]>,
 }
 
 /// Words of bits whose edge pixels are counted together.
@@ -36,11 +36,11 @@ const CLAIMED: u8 = 3;
 
 impl EdgeTable {
     /// Makes room for the edge pixels, none of them known.
-    pub(super) fn fill(&mut self, neighbours: &Neighbours) {
-        let count = ranks(neighbours.edges(), &mut self.before);
-        if self.edges.len() < count {
+    pub(super) fn fill(&mut self, neighbours: &Boundary) {
+        let count = ranks(neighbours.boundary_pixels(), &mut self.before);
+        if self.stored.len() < count {
             self.state.resize_with(count, AtomicU8::default);
-            self.edges.resize_with(count, Default::default);
+            self.stored.resize_with(count, Default::default);
         }
         self.state[..count].iter_mut().for_each(|state| *state.get_mut() = UNKNOWN);
     }
@@ -54,7 +54,7 @@ impl EdgeTable {
             // Two threads may both get here. They store the same bits, before either says that they are known.
             let found = edge();
             if let Some(Edge { point, normal }) = found {
-                for (place, number) in self.edges[rank].iter().zip([point.x, point.y, normal.x, normal.y]) {
+                for (place, number) in self.stored[rank].iter().zip([point.x, point.y, normal.x, normal.y]) {
                     place.store(number.to_bits(), Ordering::Relaxed);
                 }
             }
@@ -70,7 +70,7 @@ impl EdgeTable {
             UNKNOWN | CLAIMED => None,
             NONE => Some(None),
             _ => {
-                let number = |k: usize| f64::from_bits(self.edges[rank][k].load(Ordering::Relaxed));
+                let number = |k: usize| f64::from_bits(self.stored[rank][k].load(Ordering::Relaxed));
                 let (point, normal) = (Point2::new(number(0), number(1)), Vector2::new(number(2), number(3)));
                 Some(Some(Edge { point, normal }))
             }
@@ -79,7 +79,7 @@ impl EdgeTable {
 
     /// Whether the edge of this rank was neither known nor claimed by anybody.
     #[inline(always)]
-    pub(super) fn claim(&self, rank: u32) -> bool {
+    pub(super) fn try_claim(&self, rank: u32) -> bool {
         let state = &self.state[rank as usize];
         state.load(Ordering::Relaxed) == UNKNOWN
             && state.compare_exchange(UNKNOWN, CLAIMED, Ordering::Relaxed, Ordering::Relaxed).is_ok()
@@ -87,14 +87,14 @@ impl EdgeTable {
 
     /// Rank of an edge pixel among all.
     #[inline(always)]
-    pub(super) fn rank(&self, neighbours: &Neighbours, region: &Region, (i, j): (i32, i32)) -> Option<u32> {
+    pub(super) fn rank(&self, neighbours: &Boundary, region: &MaskCrop, (i, j): (i32, i32)) -> Option<u32> {
         let (rect, words) = (region.rect(), region.words());
         if !rect.contains(i, j) {
             return None;
         }
         let (x, y) = ((i - rect.x0) as usize, (j - rect.y0) as usize);
         let (place, bit) = (y * words + x / WORD, x % WORD);
-        let edges = neighbours.edges();
+        let edges = neighbours.boundary_pixels();
         let word = edges[place];
         if word >> bit & 1 == 0 {
             return None;
@@ -106,7 +106,7 @@ impl EdgeTable {
 
     /// Bytes of memory behind the table.
     pub(super) fn working_memory(&self) -> usize {
-        4 * self.before.capacity() + self.state.capacity() + 32 * self.edges.capacity()
+        4 * self.before.capacity() + self.state.capacity() + 32 * self.stored.capacity()
     }
 }
 

@@ -1,6 +1,6 @@
 //! A silhouette's tables as many lanes look them up: without a branch, and with indices of which a vector holds many.
 
-use super::region::{LOW, Word};
+use super::mask_crop::{LOW, Word};
 
 /// Chebyshev distances to the background, up to 255.
 #[derive(Debug, Clone, Copy)]

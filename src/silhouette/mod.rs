@@ -6,6 +6,7 @@
 //! inside the pixel. What lies beyond the image is decided by the [`Border`].
 
 pub(crate) mod bit_image;
+mod boundary;
 mod cell_distance;
 mod contact_edge;
 mod distance;
@@ -14,19 +15,18 @@ mod edge_table;
 mod incoming;
 mod lookup;
 mod mask;
+mod mask_crop;
 mod mask_ring;
 mod mask_view;
 mod nearest;
-mod neighbours;
+mod occupancy;
 mod packed_mask;
 mod paper_normal;
-mod region;
 pub(crate) mod ring_search;
 mod run_length;
 mod signed_distance;
 mod tables;
-mod tiles;
-mod turned;
+mod transposed;
 mod undistort;
 
 pub use crate::math::rect::Rect;
@@ -48,10 +48,10 @@ pub use undistort::Undistortion;
 
 use crate::Result;
 use image::GrayImage;
-use region::Region;
-pub(crate) use region::Word;
+use mask_crop::MaskCrop;
+pub(crate) use mask_crop::Word;
+pub(crate) use occupancy::OccupancyLookup;
 use std::sync::OnceLock;
-pub(crate) use tiles::Lookup;
 
 /// A pixel is subject from this byte upwards: covered by half or more.
 pub const SUBJECT: u8 = 128;
@@ -65,7 +65,7 @@ pub enum Border {
     /// Background: the image's border cuts the silhouette off.
     Background,
     /// Nothing is known there: the image's border is no edge of the silhouette.
-    Open,
+    Unknown,
 }
 
 /// One view's mask, prepared. Immutable while it is shared, so that any number of threads may ask it.
@@ -81,7 +81,7 @@ pub struct Silhouette {
     image: Rect,
     rect: Rect,
     has_coverage: bool,
-    region: Region,
+    crop: MaskCrop,
     /// What follows from `region`. Not there after [`Self::take_tables`], until a query derives it again.
     tables: OnceLock<Tables>,
     /// Memory for the tables of the next mask. It holds those of another mask, which are never looked up.
@@ -103,7 +103,7 @@ impl Silhouette {
             image: Rect::EMPTY,
             rect: Rect::EMPTY,
             has_coverage: false,
-            region: Region::default(),
+            crop: MaskCrop::default(),
             tables: OnceLock::new(),
             recycled_tables: None,
         }
@@ -120,7 +120,7 @@ impl Silhouette {
             let (width, height) = mask.size();
             (silhouette.image, silhouette.rect) = (Rect::of_image(width, height), mask.rect());
             (silhouette.border, silhouette.has_coverage) = (border, mask.has_coverage());
-            silhouette.region.fill(mask, border);
+            silhouette.crop.fill(mask, border);
         });
     }
 
@@ -135,13 +135,13 @@ impl Silhouette {
         border: Border,
         tiles: &mut TileMask,
     ) -> Result<bool> {
-        if lens.draw(mask, region::value_beyond(border), tiles)? {
+        if lens.draw(mask, mask_crop::value_beyond(border), tiles)? {
             return Ok(false);
         }
         self.fill_region(|silhouette| {
             (silhouette.image, silhouette.rect) = (tiles.image(), tiles.find_rect());
             (silhouette.border, silhouette.has_coverage) = (border, tiles.has_coverage());
-            silhouette.region.fill_from_tiles(tiles, &silhouette.rect, border);
+            silhouette.crop.fill_from_tiles(tiles, &silhouette.rect, border);
         });
         Ok(true)
     }
@@ -154,7 +154,7 @@ impl Silhouette {
 
         // Derived here, on the thread that brings the mask, so that no query of the newest frame waits.
         let mut tables = tables.unwrap_or_default();
-        tables.fill(&self.region);
+        tables.fill(&self.crop);
         self.tables = OnceLock::from(tables);
     }
 
@@ -171,14 +171,14 @@ impl Silhouette {
     /// The tables, derived here where they have been taken out. A loop over many points fetches them once.
     #[inline(always)]
     fn derived_tables(&self) -> &Tables {
-        self.tables.get_or_init(|| Tables::new(&self.region))
+        self.tables.get_or_init(|| Tables::new(&self.crop))
     }
 
     /// Bytes of memory for what is prepared, beside the mask's own bytes.
     pub fn working_memory(&self) -> usize {
         let tables = self.tables.get().into_iter().chain(&self.recycled_tables);
         let tables: usize = tables.map(Tables::working_memory).sum();
-        self.region.working_memory() + tables
+        self.crop.working_memory() + tables
     }
 
     /// The mask, as far as it is kept.
@@ -210,30 +210,30 @@ impl Silhouette {
 
     /// The byte of pixel `(i, j)`; beyond the image 0 or, where the border is open, 255.
     pub fn value(&self, i: i32, j: i32) -> u8 {
-        match self.region.byte(i, j) {
+        match self.crop.byte(i, j) {
             Some(byte) => byte,
-            None if self.border == Border::Open && !self.image.contains(i, j) => 255,
+            None if self.border == Border::Unknown && !self.image.contains(i, j) => 255,
             None => 0,
         }
     }
 
     /// Whether pixel `(i, j)` is subject.
     pub fn is_subject(&self, i: i32, j: i32) -> bool {
-        match self.region.is_subject(i, j) {
+        match self.crop.is_subject(i, j) {
             Some(is_subject) => is_subject,
-            None => self.border == Border::Open && !self.image.contains(i, j),
+            None => self.border == Border::Unknown && !self.image.contains(i, j),
         }
     }
 
     /// Whether the image holds all that is kept of the mask, so that lines out of the subject come to background first.
     pub(crate) fn is_framed_by_background(&self) -> bool {
-        let region = self.region.rect();
+        let region = self.crop.rect();
         region.intersection(&self.image) == region
     }
 
     /// Whether the window of half-width `reach` around pixel `(i, j)` lies in what is kept of the mask.
     pub(crate) fn keeps_window(&self, (i, j): (i32, i32), reach: i32) -> bool {
-        let region = self.region.rect();
+        let region = self.crop.rect();
         region.contains(i - reach, j - reach) && region.contains(i + reach, j + reach)
     }
 
@@ -241,8 +241,8 @@ impl Silhouette {
     /// [`u16::MAX`] where there is none.
     pub fn distance(&self, i: i32, j: i32) -> u16 {
         if self.rect.contains(i, j) {
-            self.derived_tables().distances.at(self.region.rect().index(i, j))
-        } else if self.border == Border::Open && !self.image.contains(i, j) {
+            self.derived_tables().distances.at(self.crop.rect().index(i, j))
+        } else if self.border == Border::Unknown && !self.image.contains(i, j) {
             NO_EDGE
         } else {
             0
@@ -269,7 +269,7 @@ impl Silhouette {
 
     /// The tables as slices, for queries of many points.
     pub(crate) fn tables(&self) -> TableSlices<'_> {
-        self.derived_tables().slices(&self.region)
+        self.derived_tables().slices(&self.crop)
     }
 
     /// Coverage at image position `(u, v)`, 0 to 255, bilinear between pixel centres.
@@ -289,7 +289,7 @@ impl Silhouette {
     /// The bytes at the corners of the bilinear cell between the centres of pixels `(i, j)` and `(i + 1, j + 1)`.
     #[inline]
     pub(crate) fn cell(&self, i: i32, j: i32) -> [f64; 4] {
-        let bytes = match (self.region.row::<2>(i, j), self.region.row::<2>(i, j + 1)) {
+        let bytes = match (self.crop.row::<2>(i, j), self.crop.row::<2>(i, j + 1)) {
             (Some([a, b]), Some([c, d])) => [a, b, c, d],
             _ => [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| self.value(i, j)),
         };
@@ -298,20 +298,20 @@ impl Silhouette {
 
     /// The background pixels with a subject pixel beside, above or below, row-major.
     pub fn edge_pixels(&self) -> impl Iterator<Item = (i32, i32)> {
-        let rect = self.region.rect();
-        let words = self.region.words().max(1);
+        let rect = self.crop.rect();
+        let words = self.crop.words().max(1);
         let subject = |i, j| self.rect.contains(i, j) && self.is_subject(i, j);
         let beside = move |(i, j): (i32, i32)| {
             subject(i - 1, j) || subject(i + 1, j) || subject(i, j - 1) || subject(i, j + 1)
         };
         let word = move |(k, &word): (usize, &Word)| {
-            let (x, y) = (rect.x0 + (k % words * region::WORD) as i32, rect.y0 + (k / words) as i32);
-            (0..region::WORD as i32).filter(move |bit| word >> bit & 1 == 1).map(move |bit| (x + bit, y))
+            let (x, y) = (rect.x0 + (k % words * mask_crop::WORD) as i32, rect.y0 + (k / words) as i32);
+            (0..mask_crop::WORD as i32).filter(move |bit| word >> bit & 1 == 1).map(move |bit| (x + bit, y))
         };
         // The table holds pixels beside an open border too, which is no edge.
         self.derived_tables()
-            .neighbours
-            .edges()
+            .boundary
+            .boundary_pixels()
             .iter()
             .enumerate()
             .flat_map(word)

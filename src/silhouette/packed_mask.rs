@@ -81,7 +81,7 @@ impl PackedMask {
     }
 
     /// Makes it an empty mask of this size, for bits and coverage that are written to it row by row.
-    pub(super) fn clear(&mut self, size: (u32, u32)) {
+    pub(super) fn restart(&mut self, size: (u32, u32)) {
         self.subject.resize(size.0 as usize, size.1 as usize);
         self.subject.words_mut().fill(0);
         self.coverage.clear();
@@ -94,7 +94,7 @@ impl PackedMask {
     }
 
     /// Takes up what was written since it was cleared.
-    pub(super) fn finish(&mut self) {
+    pub(super) fn close_mask(&mut self) {
         self.coverage.end_rows(self.subject.height());
         self.rect = self.subject.rect();
     }

@@ -19,11 +19,11 @@ impl Silhouette {
     /// numbers, exact in any order.
     #[inline(always)]
     fn paper_sum(&self, i: i32, j: i32, half: i32) -> (i32, i32, i32) {
-        let rect = self.region.rect();
+        let rect = self.crop.rect();
         if !rect.contains(i - half, j - half) || !rect.contains(i + half, j + half) {
             return self.paper_sum_anywhere(i, j, half);
         }
-        let rows = self.region.rows_from(i - half, j - half);
+        let rows = self.crop.rows_from(i - half, j - half);
         let (mut x, mut y, mut count) = (0, 0, 0);
         for dy in -half..=half {
             let (pixels, offsets) = sums(!rows.row(dy + half) & ((2 << (2 * half)) - 1));

@@ -28,27 +28,27 @@ const FAR: i32 = 30_000;
 pub(crate) const NEAR: i32 = 10;
 
 /// Pixels left of the middle one in a word around it.
-const SIGHT: i32 = 15;
+const WORD_REACH: i32 = 15;
 
 /// Pixels of a word.
 const WORD: i32 = u32::BITS as i32;
 
 /// A side of a ring: whether it runs along a row, and whether it lies above or left of the middle, -1, or else 1.
 #[derive(Clone, Copy)]
-struct Side {
+struct RingSide {
     is_row: bool,
     sign: i32,
 }
 
-const SIDES: [Side; 4] = [
-    Side { is_row: true, sign: -1 },
-    Side { is_row: false, sign: -1 },
-    Side { is_row: false, sign: 1 },
-    Side { is_row: true, sign: 1 },
+const SIDES: [RingSide; 4] = [
+    RingSide { is_row: true, sign: -1 },
+    RingSide { is_row: false, sign: -1 },
+    RingSide { is_row: false, sign: 1 },
+    RingSide { is_row: true, sign: 1 },
 ];
 
 /// What is searched, and what is found for as many points as are asked together.
-struct Search<'a> {
+struct RingSearch<'a> {
     rows: Bits<'a>,
     columns: Bits<'a>,
     distances: Distances<'a>,
@@ -66,10 +66,10 @@ struct Search<'a> {
 pub(crate) fn nearest(tables: &TableSlices, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
     let rows = Bits::new(tables.subject, tables.words);
     if first.iter().all(|&first| first <= NEAR) {
-        return nearest_in_sight(rows, middle, half);
+        return nearest_in_word(rows, middle, half);
     }
     let (columns, words_in_column) = tables.columns();
-    let mut search = Search {
+    let mut search = RingSearch {
         rows,
         columns: Bits::new(columns, words_in_column),
         distances: Distances::new(tables.distance_words, tables.width),
@@ -97,17 +97,17 @@ pub(crate) fn nearest(tables: &TableSlices, middle: &Pixels, first: &Whole, half
 
 /// The same for pixels near background, by rows outwards.
 #[inline(always)]
-fn nearest_in_sight(rows: Bits, middle: &Pixels, half: &Whole) -> Pixels {
+fn nearest_in_word(rows: Bits, middle: &Pixels, half: &Whole) -> Pixels {
     let (mut squared, mut nearest) = ([i32::MAX; LANES], *middle);
-    for away in 0..=SIGHT {
+    for away in 0..=WORD_REACH {
         let mut left_to_see = 0;
         for k in 0..LANES {
-            let half = half[k].min(SIGHT);
-            let within = u32::MAX >> (2 * (SIGHT - half) + 1) << (SIGHT - half);
+            let half = half[k].min(WORD_REACH);
+            let within = u32::MAX >> (2 * (WORD_REACH - half) + 1) << (WORD_REACH - half);
             for (dy, handicap) in [(-away, 0), (away, 1)] {
-                let background = !rows.from(middle.column[k] - SIGHT, middle.row[k] + dy) & within;
-                let left = (background << (SIGHT + 1)).leading_zeros() as i32;
-                let right = (background >> SIGHT).trailing_zeros() as i32;
+                let background = !rows.from(middle.column[k] - WORD_REACH, middle.row[k] + dy) & within;
+                let left = (background << (WORD_REACH + 1)).leading_zeros() as i32;
+                let right = (background >> WORD_REACH).trailing_zeros() as i32;
                 // The left one wins among equals, and so does the upper one.
                 let dx = if left <= right { -left } else { right };
                 let rank = dx * dx + dy * dy;
@@ -125,7 +125,7 @@ fn nearest_in_sight(rows: Bits, middle: &Pixels, half: &Whole) -> Pixels {
     nearest
 }
 
-impl Search<'_> {
+impl RingSearch<'_> {
     /// Whether background so far along a side of the ring is of interest to any point.
     #[inline(always)]
     fn is_open(&self, offset: &Whole) -> bool {
@@ -138,7 +138,7 @@ impl Search<'_> {
 
     /// Looks at a whole side, as far as it matters.
     #[inline(always)]
-    fn look_along(&mut self, side: Side) {
+    fn look_along(&mut self, side: RingSide) {
         // Most sides are clear from their middle on, farther than anybody looks.
         let mut clear = [0; LANES];
         for k in 0..LANES {
@@ -151,20 +151,20 @@ impl Search<'_> {
                 let mut offset = [0; LANES];
                 for k in 0..LANES {
                     let start = if way < 0 { 1 - WORD - from[k] } else { from[k] };
-                    let background = !self.bits(side, k, start);
+                    let background = !self.side_word(side, k, start);
                     let on = if way < 0 { background.leading_zeros() } else { background.trailing_zeros() };
                     let found = way * (from[k] + on as i32);
                     offset[k] = if background != 0 { found } else { FAR };
                     from[k] += WORD;
                 }
-                self.take(side, &offset);
+                self.keep_nearer(side, &offset);
             }
         }
     }
 
     /// Takes up the background pixels so far along a side, where they are better.
     #[inline(always)]
-    fn take(&mut self, side: Side, offset: &Whole) {
+    fn keep_nearer(&mut self, side: RingSide, offset: &Whole) {
         for k in 0..LANES {
             let (column, row) = self.pixel(side, k, offset[k]);
             let (best_column, best_row) = (self.nearest.column[k], self.nearest.row[k]);
@@ -180,14 +180,14 @@ impl Search<'_> {
 
     /// The subject's bits along a side from so far behind its middle on.
     #[inline(always)]
-    fn bits(&self, side: Side, k: usize, offset: i32) -> u32 {
+    fn side_word(&self, side: RingSide, k: usize, offset: i32) -> u32 {
         let (column, row) = self.pixel(side, k, offset);
         if side.is_row { self.rows.from(column, row) } else { self.columns.from(row, column) }
     }
 
     /// The pixel so far along a side.
     #[inline(always)]
-    fn pixel(&self, side: Side, k: usize, offset: i32) -> (i32, i32) {
+    fn pixel(&self, side: RingSide, k: usize, offset: i32) -> (i32, i32) {
         let (column, row, out) = (self.middle.column[k], self.middle.row[k], side.sign * self.radius[k]);
         if side.is_row { (column + offset, row + out) } else { (column + out, row + offset) }
     }

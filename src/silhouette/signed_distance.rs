@@ -11,7 +11,7 @@
 //! 2012). It is found for each run of one kind by itself: the pixels at its ends are of the other kind, and nothing
 //! beyond them is nearer.
 
-use super::region::WORD;
+use super::mask_crop::WORD;
 use super::{Border, Rect, Silhouette};
 use crate::math::vectorised;
 use std::ops::Range;
@@ -121,7 +121,7 @@ fn domain(silhouette: &Silhouette, rect: &Rect) -> Rect {
     let edge = match silhouette.border() {
         _ if silhouette.rect().is_empty() => silhouette.image(),
         Border::Background => silhouette.rect().grown(1),
-        Border::Open => silhouette.rect().grown(1).intersection(&silhouette.image()),
+        Border::Unknown => silhouette.rect().grown(1).intersection(&silhouette.image()),
     };
     if edge.is_empty() { *rect } else { rect.union(&edge) }
 }
@@ -151,7 +151,7 @@ impl Kinds<'_> {
             column(x0)..column(x1)
         };
 
-        row.fill(if silhouette.border() == Border::Open { BEYOND } else { BACKGROUND });
+        row.fill(if silhouette.border() == Border::Unknown { BEYOND } else { BACKGROUND });
         if (image.y0..image.y1).contains(&j) {
             row[columns(image.x0, image.x1)].fill(BACKGROUND);
         }
@@ -160,7 +160,7 @@ impl Kinds<'_> {
         if (subject.y0..subject.y1).contains(&j) {
             let pixels = row[columns(subject.x0, subject.x1)].chunks_mut(WORD);
             for (i, pixels) in (subject.x0..).step_by(WORD).zip(pixels) {
-                let bits = silhouette.region.rows_from(i, j).row(0);
+                let bits = silhouette.crop.rows_from(i, j).row(0);
                 pixels.iter_mut().enumerate().for_each(|(k, kind)| *kind = (bits >> k & 1) as u8);
             }
         }

@@ -55,7 +55,7 @@ fn brute_force_distance(s: &Silhouette, i: i32, j: i32) -> u16 {
 
 #[test]
 fn distance_is_the_half_width_of_the_first_window_with_background() {
-    for border in [Border::Background, Border::Open] {
+    for border in [Border::Background, Border::Unknown] {
         let s = Silhouette::new(&drawn(70, 50, blob), border);
         for j in 0..50 {
             for i in 0..70 {
@@ -93,25 +93,25 @@ fn rect_is_the_tightest() {
 fn distances_beyond_a_byte_are_exact() {
     // Deep, and wider than a byte from one side only where the border is open.
     let mask = drawn(700, 620, |u, v| (u - 330.0).abs() < 300.0 && (v - 310.0).abs() < 290.0);
-    for border in [Border::Background, Border::Open] {
+    for border in [Border::Background, Border::Unknown] {
         let s = Silhouette::new(&mask, border);
         assert_eq!((s.distance(330, 310), s.distance(31, 310), s.distance(330, 20)), (290, 2, 1));
         assert_eq!(s.distance(330, 310 - 40), 251);
         assert_eq!(s.distance(330, 310 - 30), 261);
     }
-    let half = Silhouette::new(&drawn(900, 40, |u, _| u < 800.0), Border::Open);
+    let half = Silhouette::new(&drawn(900, 40, |u, _| u < 800.0), Border::Unknown);
     assert_eq!([800, 799, 500, 0].map(|i| half.distance(i, 20)), [0, 1, 300, 800]);
 }
 
 #[test]
 fn tiles_never_miss_a_subject_pixel_and_know_empty_ones() {
     let s = Silhouette::new(&drawn(200, 150, |u, v| blob(u - 90.0, v - 60.0)), Border::Background);
-    let (region, tiles) = (s.region.rect(), s.tables().tiles.lookup());
+    let (region, tiles) = (s.crop.rect(), s.tables().occupancy.lookup());
     let may_touch = |rect: &Rect| {
         // As the queries ask: what lies beyond the region is brought to its rim.
         let column = |i: i32| (i - region.x0).clamp(0, region.width() as i32) as u32;
         let row = |j: i32| (j - region.y0).clamp(0, region.height() as i32) as u32;
-        tiles.any([column(rect.x0), row(rect.y0)], [column(rect.x1), row(rect.y1)])
+        tiles.any_occupied([column(rect.x0), row(rect.y0)], [column(rect.x1), row(rect.y1)])
     };
     let mut empty = 0;
     for k in 0..2000 {
@@ -135,8 +135,9 @@ fn a_silhouette_made_in_the_memory_of_another_is_the_same() {
         covered(70, 50, blob),
         drawn(700, 620, |u, v| (u - 330.0).abs() < 300.0 && (v - 310.0).abs() < 290.0),
     ];
-    let mut reused = Silhouette::blank(Border::Open);
-    for (mask, border) in masks.iter().cycle().zip([Border::Background, Border::Open].iter().cycle()).take(10)
+    let mut reused = Silhouette::blank(Border::Unknown);
+    for (mask, border) in
+        masks.iter().cycle().zip([Border::Background, Border::Unknown].iter().cycle()).take(10)
     {
         reused.refill(mask, *border);
         let fresh = Silhouette::new(mask, *border);
@@ -201,7 +202,7 @@ fn weighted_mean(s: &Silhouette, i: i32, j: i32) -> Vector2<f64> {
 fn contact_normals_are_the_weighted_mean_to_the_bit_however_many_are_asked() {
     for (mask, border) in [
         (drawn(70, 50, blob), Border::Background),
-        (drawn(70, 50, blob), Border::Open),
+        (drawn(70, 50, blob), Border::Unknown),
         (covered(70, 50, blob), Border::Background),
         (drawn(9, 7, |u, _| u > 4.0), Border::Background),
     ] {
@@ -222,7 +223,7 @@ fn contact_normals_are_the_weighted_mean_to_the_bit_however_many_are_asked() {
 #[test]
 fn a_full_open_image_has_no_edge_and_a_full_closed_one_has_its_border() {
     let full = drawn(9, 9, |_, _| true);
-    assert_eq!(Silhouette::new(&full, Border::Open).distance(4, 4), u16::MAX);
+    assert_eq!(Silhouette::new(&full, Border::Unknown).distance(4, 4), u16::MAX);
     assert_eq!(Silhouette::new(&full, Border::Background).distance(4, 4), 5);
 }
 
@@ -233,7 +234,7 @@ fn contact_normals_of_a_straight_edge_are_right_at_every_slope() {
         let inside = |u: f64, v: f64| (u - 30.3) * normal.x + (v - 30.2) * normal.y < 0.0;
         // Binary: half a pixel of stair over the 6 px that the window sees, atan(0.5 / 6). Coverage has no stairs.
         for (mask, worst) in [(drawn(60, 60, inside), 4.8_f64), (covered(60, 60, inside), 1.0)] {
-            let s = Silhouette::new(&mask, Border::Open);
+            let s = Silhouette::new(&mask, Border::Unknown);
             for (i, j) in s.edge_pixels().filter(|&(i, j)| (12..48).contains(&i) && (12..48).contains(&j)) {
                 let edge = s.edge(i, j).unwrap();
                 let error = edge.normal.angle(&normal).to_degrees();
@@ -253,7 +254,7 @@ fn coverage_normals_of_a_straight_edge_are_right_to_a_tenth_of_a_degree_on_avera
         let (n, offset) = (Vector2::new(slope.sin(), -slope.cos()), 30.3 * slope.sin() - 30.2 * slope.cos());
         let coverage = |i: u32, j: u32| half_plane_coverage(f64::from(i), f64::from(j), &n, offset);
         let mask = GrayImage::from_fn(60, 60, |i, j| image::Luma([(255.0 * coverage(i, j)).round() as u8]));
-        let s = Silhouette::new(&mask, Border::Open);
+        let s = Silhouette::new(&mask, Border::Unknown);
         let inner = s.edge_pixels().filter(|&(i, j)| (14..46).contains(&i) && (14..46).contains(&j));
         errors.extend(inner.map(|(i, j)| s.edge(i, j).unwrap().normal.angle(&n).to_degrees()));
     }
@@ -277,7 +278,7 @@ fn half_plane_coverage(x: f64, y: f64, n: &Vector2<f64>, offset: f64) -> f64 {
 fn edge_points_lie_on_a_straight_edge() {
     let normal = Vector2::new(0.6, -0.8);
     let offset = |u: f64, v: f64| (u - 30.3) * normal.x + (v - 30.2) * normal.y;
-    let s = Silhouette::new(&covered(60, 60, |u, v| offset(u, v) < 0.0), Border::Open);
+    let s = Silhouette::new(&covered(60, 60, |u, v| offset(u, v) < 0.0), Border::Unknown);
     for (i, j) in s.edge_pixels().filter(|&(i, j)| (12..48).contains(&i) && (12..48).contains(&j)) {
         let point = s.edge(i, j).unwrap().point;
         // Bilinear interpolation of area coverage: within a tenth of a pixel.
@@ -292,7 +293,7 @@ fn paper_normals_have_the_bias_of_their_square_window() {
         let normal = Vector2::new(slope.to_radians().sin(), -slope.to_radians().cos());
         let s = Silhouette::new(
             &drawn(200, 200, |u, v| (u - 100.3) * normal.x + (v - 100.2) * normal.y < 0.0),
-            Border::Open,
+            Border::Unknown,
         );
         let inner = s.edge_pixels().filter(|&(i, j)| (20..180).contains(&i) && (20..180).contains(&j));
         let errors: Vec<f64> =

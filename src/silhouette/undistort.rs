@@ -56,8 +56,8 @@ pub struct Undistortion {
     pinhole: Camera,
     original_size: (u32, u32),
     taps: Vec<Tap>,
-    tiles: TileMap,
-    seen: GrayImage,
+    tile_map: TileMap,
+    field_of_view: GrayImage,
 }
 
 /// Where a pinhole pixel's centre lies in the original image.
@@ -106,7 +106,7 @@ impl Undistortion {
         let seen = taps.iter().map(|tap| if tap.upper_left == UNSEEN { 0 } else { 255 }).collect();
         let seen = GrayImage::from_raw(width, height, seen)?;
         let tiles = TileMap::new(&taps, pinhole.size(), camera.size());
-        Some(Self { pinhole, original_size: camera.size(), taps, tiles, seen })
+        Some(Self { pinhole, original_size: camera.size(), taps, tile_map: tiles, field_of_view: seen })
     }
 
     /// The pinhole camera: the original's name, pose and focal lengths, its principal point moved by whole pixels.
@@ -115,8 +115,8 @@ impl Undistortion {
     }
 
     /// Which of the pinhole's pixels the original sees: 255 there, 0 elsewhere.
-    pub fn seen(&self) -> &GrayImage {
-        &self.seen
+    pub fn field_of_view(&self) -> &GrayImage {
+        &self.field_of_view
     }
 
     /// The pinhole's mask from the original camera's, by bilinear interpolation between pixel centres; unseen pixels

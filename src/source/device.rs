@@ -1,7 +1,7 @@
 //! Cameras that are connected now, through `ffmpeg`.
 
 use super::ffmpeg::Ffmpeg;
-use super::{Frame, Reading, Source, Stopper};
+use super::{CancelHandle, Frame, ReadOptions, Source};
 use crate::{Error, Result};
 use image::RgbImage;
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ impl DeviceOptions {
 #[derive(Debug)]
 pub struct Device {
     path: PathBuf,
-    reading: Reading,
+    reading: ReadOptions,
     rate: Option<f64>,
     epoch: Instant,
     /// `None` once it has failed.
@@ -83,7 +83,7 @@ impl Device {
             return Err(Error::file(path, problem));
         };
         let first = Some((image, epoch.elapsed().as_secs_f64()));
-        let reading = Reading { size: options.size, ..Reading::default() };
+        let reading = ReadOptions { size: options.size, ..ReadOptions::default() };
         let device = Self { path, reading, rate: options.rate, epoch, ffmpeg: Some(ffmpeg), first, next: 0 };
         device.first.iter().try_for_each(|(image, _)| device.check_size(image))?;
         Ok(device)
@@ -132,7 +132,7 @@ impl Source for Device {
         self.rate.map(|rate| 1.0 / rate)
     }
 
-    fn stopper(&self) -> Stopper {
+    fn cancel_handle(&self) -> CancelHandle {
         self.ffmpeg.as_ref().map(Ffmpeg::stopper).unwrap_or_default()
     }
 }
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn a_camera_that_is_lost_is_an_error_and_then_the_end() {
         let mut device = endless();
-        device.stopper().stop();
+        device.cancel_handle().stop();
         let lost = std::iter::from_fn(|| device.next_frame()).find(Result::is_err).unwrap();
         assert_says(lost, &["testsrc", "camera is gone", "ffmpeg said"]);
         assert!(device.next_frame().is_none());

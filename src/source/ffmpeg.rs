@@ -1,6 +1,6 @@
 //! `ffmpeg` as a process of its own: pictures on its standard output, complaints on its standard error.
 
-use super::Stopper;
+use super::CancelHandle;
 use crate::lock::lock;
 use crate::{Error, Result};
 use image::RgbImage;
@@ -114,9 +114,9 @@ impl Ffmpeg {
     }
 
     /// Ends ffmpeg, and so a read that waits for it.
-    pub(super) fn stopper(&self) -> Stopper {
+    pub(super) fn stopper(&self) -> CancelHandle {
         let child = Arc::clone(&self.child);
-        Stopper::new(move || {
+        CancelHandle::new(move || {
             // Fails only where it has ended.
             let _ = lock(&child).kill();
         })

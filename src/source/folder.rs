@@ -1,6 +1,6 @@
 //! Images in a folder, a file each.
 
-use super::{Frame, Reading, Source, Times};
+use super::{Frame, ReadOptions, Source, Times};
 use crate::{Error, Result, image_file};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct ImageFolder {
     files: VecDeque<(u32, PathBuf)>,
-    reading: Reading,
+    reading: ReadOptions,
     times: Times,
 }
 
@@ -20,7 +20,7 @@ impl ImageFolder {
     ///
     /// # Errors
     /// A folder that cannot be read or holds no numbered images, or two of one number; a rate that is not positive.
-    pub fn open(folder: impl AsRef<Path>, reading: Reading) -> Result<Self> {
+    pub fn open(folder: impl AsRef<Path>, reading: ReadOptions) -> Result<Self> {
         let folder = folder.as_ref();
         let files = image_file::numbered(folder, &[""])?;
         if files.is_empty() {
@@ -32,7 +32,7 @@ impl ImageFolder {
     }
 
     /// The images in `files`, by number.
-    pub(crate) fn of_files(files: BTreeMap<u32, PathBuf>, reading: Reading) -> Result<Self> {
+    pub(crate) fn of_files(files: BTreeMap<u32, PathBuf>, reading: ReadOptions) -> Result<Self> {
         let times = reading.times.clone().unwrap_or(Times::Rate(30.0));
         times.check()?;
         let files = files.into_iter().filter(|(number, _)| *number >= reading.first).collect();
@@ -64,23 +64,23 @@ impl Source for ImageFolder {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Folder, assert_says, paint};
+    use super::super::testing::{Folder, assert_says, grey_image};
     use super::*;
 
     #[test]
     fn images_come_in_the_order_of_their_numbers_with_their_times() {
         let folder = Folder::new("order");
         for number in [10_u32, 9, 100, 2] {
-            paint(number as u8, (8, 6)).save(folder.path(&format!("{number}.png"))).unwrap();
+            grey_image(number as u8, (8, 6)).save(folder.path(&format!("{number}.png"))).unwrap();
         }
         std::fs::write(folder.path("notes.txt"), "").unwrap();
-        let reading = Reading { size: Some((8, 6)), first: 9, times: Some(Times::Rate(10.0)) };
+        let reading = ReadOptions { size: Some((8, 6)), first: 9, times: Some(Times::Rate(10.0)) };
         let mut source = ImageFolder::open(folder.path(""), reading).unwrap();
         assert_eq!(source.frames_left(), Some(3));
         for number in [9_u32, 10, 100] {
             let frame = source.next_frame().unwrap().unwrap();
             assert_eq!((frame.number, frame.time), (number, f64::from(number) / 10.0));
-            assert_eq!(frame.image, paint(number as u8, (8, 6)));
+            assert_eq!(frame.image, grey_image(number as u8, (8, 6)));
         }
         assert!(source.next_frame().is_none());
     }
@@ -89,12 +89,12 @@ mod tests {
     fn a_corrupt_image_in_the_middle_is_named_and_the_others_are_read() {
         let folder = Folder::new("corrupt");
         for number in 0..4 {
-            paint(number, (80, 60)).save(folder.path(&format!("{number:06}.png"))).unwrap();
+            grey_image(number, (80, 60)).save(folder.path(&format!("{number:06}.png"))).unwrap();
         }
         let png = std::fs::read(folder.path("000001.png")).unwrap();
         std::fs::write(folder.path("000001.png"), &png[..png.len() / 2]).unwrap();
-        paint(2, (60, 80)).save(folder.path("000002.png")).unwrap();
-        let reading = Reading { size: Some((80, 60)), ..Reading::default() };
+        grey_image(2, (60, 80)).save(folder.path("000002.png")).unwrap();
+        let reading = ReadOptions { size: Some((80, 60)), ..ReadOptions::default() };
         let mut source = ImageFolder::open(folder.path(""), reading).unwrap();
         assert_eq!(source.next_frame().unwrap().unwrap().number, 0);
         assert_says(source.next_frame().unwrap(), &["000001.png", "expected an image"]);
@@ -105,11 +105,14 @@ mod tests {
     #[test]
     fn a_folder_without_images_or_with_a_number_twice_is_refused() {
         let folder = Folder::new("none");
-        let open = || ImageFolder::open(folder.path(""), Reading::default());
+        let open = || ImageFolder::open(folder.path(""), ReadOptions::default());
         assert_says(open(), &["000000.png", "found none"]);
-        assert_says(ImageFolder::open(folder.path("absent"), Reading::default()), &["absent", "found none"]);
-        paint(0, (8, 6)).save(folder.path("1.png")).unwrap();
-        paint(0, (8, 6)).save(folder.path("01.png")).unwrap();
+        assert_says(
+            ImageFolder::open(folder.path("absent"), ReadOptions::default()),
+            &["absent", "found none"],
+        );
+        grey_image(0, (8, 6)).save(folder.path("1.png")).unwrap();
+        grey_image(0, (8, 6)).save(folder.path("01.png")).unwrap();
         assert_says(open(), &["one file for frame 1", "remove one"]);
     }
 
@@ -117,14 +120,14 @@ mod tests {
     fn a_frame_without_a_listed_time_is_named() {
         let folder = Folder::new("unlisted");
         for number in [0, 1] {
-            paint(number, (8, 6)).save(folder.path(&format!("{number}.png"))).unwrap();
+            grey_image(number, (8, 6)).save(folder.path(&format!("{number}.png"))).unwrap();
         }
         let listed = Times::Listed(std::sync::Arc::new(BTreeMap::from([(1, 5.0)])));
-        let reading = Reading { times: Some(listed), ..Reading::default() };
+        let reading = ReadOptions { times: Some(listed), ..ReadOptions::default() };
         let mut source = ImageFolder::open(folder.path(""), reading).unwrap();
         assert_says(source.next_frame().unwrap(), &["0.png", "frame 0", "frames.csv", "frames 1 to 1"]);
         assert_eq!(source.next_frame().unwrap().unwrap().time, 5.0);
-        let reading = Reading { times: Some(Times::Rate(f64::NAN)), ..Reading::default() };
+        let reading = ReadOptions { times: Some(Times::Rate(f64::NAN)), ..ReadOptions::default() };
         assert_says(ImageFolder::open(folder.path(""), reading), &["positive", "NaN"]);
     }
 }

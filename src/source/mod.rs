@@ -82,8 +82,8 @@ pub trait Source: Send {
     }
 
     /// What ends a [`next_frame`](Self::next_frame) that waits on another thread. Needed only where it may wait long.
-    fn stopper(&self) -> Stopper {
-        Stopper::default()
+    fn cancel_handle(&self) -> CancelHandle {
+        CancelHandle::default()
     }
 }
 
@@ -104,16 +104,16 @@ impl<S: Source + ?Sized> Source for Box<S> {
         (**self).notes()
     }
 
-    fn stopper(&self) -> Stopper {
-        (**self).stopper()
+    fn cancel_handle(&self) -> CancelHandle {
+        (**self).cancel_handle()
     }
 }
 
 /// Ends what a [`Source`] waits for, from another thread.
 #[derive(Default)]
-pub struct Stopper(Option<Box<dyn Fn() + Send + Sync>>);
+pub struct CancelHandle(Option<Box<dyn Fn() + Send + Sync>>);
 
-impl Stopper {
+impl CancelHandle {
     /// Calls `stop`, which must not wait for the source.
     pub fn new(stop: impl Fn() + Send + Sync + 'static) -> Self {
         Self(Some(Box::new(stop)))
@@ -126,15 +126,15 @@ impl Stopper {
     }
 }
 
-impl std::fmt::Debug for Stopper {
+impl std::fmt::Debug for CancelHandle {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Stopper").field(&self.0.is_some()).finish()
+        f.debug_tuple("CancelHandle").field(&self.0.is_some()).finish()
     }
 }
 
 /// How to read a folder or a video.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Reading {
+pub struct ReadOptions {
     /// Width and height that the images must have, in pixels: those at which the camera is calibrated.
     pub size: Option<(u32, u32)>,
     /// The number of the first image; earlier ones are passed over.
@@ -143,7 +143,7 @@ pub struct Reading {
     pub times: Option<Times>,
 }
 
-impl Reading {
+impl ReadOptions {
     fn check_size(&self, path: &Path, what: &str, found: (u32, u32)) -> Result<()> {
         match self.size {
             Some((w, h)) if (w, h) != found => Err(Error::file(

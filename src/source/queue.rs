@@ -39,7 +39,7 @@ pub(super) enum Taken {
     Frame(Result<Frame>),
     Ended,
     /// Nothing until the deadline.
-    Silence,
+    Timeout,
 }
 
 impl Queue {
@@ -68,13 +68,13 @@ impl Queue {
         self.changed.notify_all();
     }
 
-    pub(super) fn close(&self) {
+    pub(super) fn disconnect(&self) {
         lock(&self.state).closed = true;
         self.changed.notify_all();
     }
 
     /// The next frame, for which it waits until `deadline` at most.
-    pub(super) fn take(&self, deadline: Option<Instant>) -> Taken {
+    pub(super) fn pop(&self, deadline: Option<Instant>) -> Taken {
         let mut state = lock(&self.state);
         loop {
             if let Some(frame) = state.frames.pop_front() {
@@ -86,7 +86,7 @@ impl Queue {
             }
             state = match deadline.map(|deadline| deadline.saturating_duration_since(Instant::now())) {
                 None => self.wait(state),
-                Some(left) if left.is_zero() => return Taken::Silence,
+                Some(left) if left.is_zero() => return Taken::Timeout,
                 Some(left) => {
                     self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0
                 }

@@ -1,7 +1,7 @@
 //! A source on a thread of its own.
 
 use super::queue::{Queue, Taken, WhenFull};
-use super::{Frame, Source, Stopper};
+use super::{CancelHandle, Frame, Source};
 use crate::{Error, Result};
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -12,9 +12,9 @@ use std::time::Instant;
 /// Errors name the view. Dropping it ends the thread and what the source waits for.
 ///
 /// ```no_run
-/// use ode_visual_hull::source::{ImageFolder, ReadAhead, Reading, WhenFull};
+/// use ode_visual_hull::source::{ImageFolder, ReadAhead, ReadOptions, WhenFull};
 ///
-/// let folder = ImageFolder::open("left/image", Reading::default())?;
+/// let folder = ImageFolder::open("left/image", ReadOptions::default())?;
 /// for frame in ReadAhead::spawn("left", folder, 4, WhenFull::Wait)? {
 ///     let frame = frame?;
 ///     println!("{} at {} s: {:?}", frame.number, frame.time, frame.image.dimensions());
@@ -26,7 +26,7 @@ pub struct ReadAhead {
     frames_left: Option<u32>,
     period: Option<f64>,
     queue: Arc<Queue>,
-    stopper: Stopper,
+    stopper: CancelHandle,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -47,7 +47,7 @@ impl ReadAhead {
         }
         let queue = Arc::new(Queue::new(depth, when_full));
         let (frames_left, period) = (source.frames_left(), source.period());
-        let stopper = source.stopper();
+        let stopper = source.cancel_handle();
         let reader = Reader { name: name.clone(), queue: Arc::clone(&queue), source };
         let thread = std::thread::Builder::new().name(format!("reads {name}")).spawn(move || reader.run());
         let thread =
@@ -81,7 +81,7 @@ impl ReadAhead {
     }
 
     pub(super) fn take_until(&self, deadline: Option<Instant>) -> Taken {
-        self.queue.take(deadline)
+        self.queue.pop(deadline)
     }
 }
 
@@ -91,14 +91,14 @@ impl Iterator for ReadAhead {
     fn next(&mut self) -> Option<Result<Frame>> {
         match self.take_until(None) {
             Taken::Frame(frame) => Some(frame),
-            Taken::Ended | Taken::Silence => None,
+            Taken::Ended | Taken::Timeout => None,
         }
     }
 }
 
 impl Drop for ReadAhead {
     fn drop(&mut self) {
-        self.queue.close();
+        self.queue.disconnect();
         self.stopper.stop();
         if let Some(thread) = self.thread.take() {
             // It has told of its panic as an error.
@@ -161,7 +161,7 @@ mod tests {
     fn a_reader_that_drops_keeps_the_newest_and_counts_the_rest() {
         let fed = Fed::default();
         let ahead = ReadAhead::spawn("left", fed.clone(), 3, WhenFull::DropOldest).unwrap();
-        (0..10).for_each(|n| fed.give(Ok(frame(n, 0.0))));
+        (0..10).for_each(|n| fed.send(Ok(frame(n, 0.0))));
         fed.wait_until_starved();
         assert_eq!(ahead.dropped(), 7);
         fed.end();
@@ -172,8 +172,8 @@ mod tests {
     fn errors_name_the_view_and_are_never_dropped() {
         let fed = Fed::default();
         let mut ahead = ReadAhead::spawn("left", fed.clone(), 2, WhenFull::DropOldest).unwrap();
-        fed.give(Err(Error::argument("broken")));
-        (0..5).for_each(|n| fed.give(Ok(frame(n, 0.0))));
+        fed.send(Err(Error::argument("broken")));
+        (0..5).for_each(|n| fed.send(Ok(frame(n, 0.0))));
         fed.wait_until_starved();
         fed.end();
         assert_says(ahead.next().unwrap(), &["view \"left\"", "broken"]);

@@ -14,7 +14,7 @@ pub struct ImageSet {
     /// The mean of the images' times, in seconds.
     pub time: f64,
     /// From the earliest image to the latest, in seconds; at most the synchroniser's bound.
-    pub spread: f64,
+    pub time_spread: f64,
 }
 
 impl ImageSet {
@@ -22,7 +22,7 @@ impl ImageSet {
     /// with the number `number`.
     pub fn simultaneous(number: u32, time: f64, images: impl IntoIterator<Item = RgbImage>) -> Self {
         let frame = |image| Some(Frame { number, time, image });
-        Self { images: images.into_iter().map(frame).collect(), time, spread: 0.0 }
+        Self { images: images.into_iter().map(frame).collect(), time, time_spread: 0.0 }
     }
 
     /// Whether every camera has an image.
@@ -52,10 +52,10 @@ impl ImageSet {
 /// that follow.
 ///
 /// ```no_run
-/// use ode_visual_hull::source::{ReadAhead, Reading, Synchroniser, Video, WhenFull};
+/// use ode_visual_hull::source::{ReadAhead, ReadOptions, Synchroniser, Video, WhenFull};
 ///
 /// let streams = ["left", "right"].map(|name| {
-///     let video = Video::open(format!("{name}.mp4"), Reading::default())?;
+///     let video = Video::open(format!("{name}.mp4"), ReadOptions::default())?;
 ///     ReadAhead::spawn(name, video, 4, WhenFull::Wait)
 /// });
 /// let streams = streams.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -71,17 +71,17 @@ pub struct Synchroniser {
     bound: f64,
     patience: Option<Duration>,
     /// The end of the last set that was given without waiting for somebody.
-    passed: f64,
+    emitted_until: f64,
 }
 
 #[derive(Debug)]
 struct Stream {
-    ahead: ReadAhead,
+    reader: ReadAhead,
     head: Head,
     /// The time of the last image that it gave.
     last: f64,
     /// It has let a set pass without a sign, and is not waited for until it gives one.
-    is_silent: bool,
+    stalled: bool,
     late: u64,
 }
 
@@ -106,10 +106,15 @@ impl Synchroniser {
         if !(bound.is_finite() && bound >= 0.0) {
             return Err(Error::argument(format!("expected a bound of 0 or more seconds, found {bound}")));
         }
-        let stream =
-            |ahead| Stream { ahead, head: Head::Unread, last: f64::NEG_INFINITY, is_silent: false, late: 0 };
+        let stream = |ahead| Stream {
+            reader: ahead,
+            head: Head::Unread,
+            last: f64::NEG_INFINITY,
+            stalled: false,
+            late: 0,
+        };
         let streams = streams.into_iter().map(stream).collect();
-        Ok(Self { streams, bound, patience: None, passed: f64::NEG_INFINITY })
+        Ok(Self { streams, bound, patience: None, emitted_until: f64::NEG_INFINITY })
     }
 
     /// How long a set that has images waits for a camera that gives none: for live cameras, of which one may stall.
@@ -123,7 +128,7 @@ impl Synchroniser {
 
     /// The streams, in the order of the sets' images.
     pub fn streams(&self) -> impl ExactSizeIterator<Item = &ReadAhead> {
-        self.streams.iter().map(|stream| &stream.ahead)
+        self.streams.iter().map(|stream| &stream.reader)
     }
 
     /// The bound, in seconds.
@@ -138,17 +143,17 @@ impl Synchroniser {
 
     /// How many images of the stream at position `stream` were dropped because nobody took them; 0 where there is none.
     pub fn dropped(&self, stream: usize) -> u64 {
-        self.streams.get(stream).map_or(0, |stream| stream.ahead.dropped())
+        self.streams.get(stream).map_or(0, |stream| stream.reader.dropped())
     }
 
     /// Waits until of each stream is known what comes next, or patience ends while another has an image.
-    fn look(&mut self) -> Result<()> {
+    fn fill_heads(&mut self) -> Result<()> {
         loop {
             let deadline = self.patience.map(|patience| Instant::now() + patience);
             let is_alone = !self.streams.iter().any(|stream| matches!(stream.head, Head::Read(_)));
             for stream in &mut self.streams {
-                let deadline = if stream.is_silent && !is_alone { Some(Instant::now()) } else { deadline };
-                stream.look(deadline, self.passed)?;
+                let deadline = if stream.stalled && !is_alone { Some(Instant::now()) } else { deadline };
+                stream.read_head(deadline, self.emitted_until)?;
             }
             let has = |state: fn(&Head) -> bool| self.streams.iter().any(|stream| state(&stream.head));
             if has(|head| matches!(head, Head::Read(_))) || !has(|head| matches!(head, Head::Unread)) {
@@ -159,21 +164,21 @@ impl Synchroniser {
 }
 
 impl Stream {
-    fn look(&mut self, deadline: Option<Instant>, passed: f64) -> Result<()> {
+    fn read_head(&mut self, deadline: Option<Instant>, passed: f64) -> Result<()> {
         while matches!(self.head, Head::Unread) {
-            match self.ahead.take_until(deadline) {
+            match self.reader.take_until(deadline) {
                 Taken::Ended => self.head = Head::Ended,
-                Taken::Silence => {
-                    self.is_silent = true;
+                Taken::Timeout => {
+                    self.stalled = true;
                     return Ok(());
                 }
                 Taken::Frame(frame) => {
                     let frame = self.check(frame?)?;
-                    if self.is_silent && frame.time <= passed {
+                    if self.stalled && frame.time <= passed {
                         self.late += 1;
                     } else {
                         self.head = Head::Read(frame);
-                        self.is_silent = false;
+                        self.stalled = false;
                     }
                 }
             }
@@ -190,7 +195,7 @@ impl Stream {
         let problem = format!(
             "frame {number}: expected a time after the last image's, {last} s, found {time} s; check its times"
         );
-        Err(Error::view(self.ahead.name(), problem))
+        Err(Error::view(self.reader.name(), problem))
     }
 
     fn time(&self) -> Option<f64> {
@@ -216,17 +221,17 @@ impl Iterator for Synchroniser {
     type Item = Result<ImageSet>;
 
     fn next(&mut self) -> Option<Result<ImageSet>> {
-        if let Err(e) = self.look() {
+        if let Err(e) = self.fill_heads() {
             return Some(Err(e));
         }
         let begin = self.streams.iter().filter_map(Stream::time).min_by(f64::total_cmp)?;
         let end = begin + self.bound;
         let images: Vec<_> = self.streams.iter_mut().map(|stream| stream.take_until(end)).collect();
-        self.passed = end;
+        self.emitted_until = end;
         let times = || images.iter().flatten().map(|frame: &Frame| frame.time);
         let spread = times().fold(begin, f64::max) - begin;
         let time = times().map(|time| time - begin).sum::<f64>() / times().count() as f64 + begin;
-        Some(Ok(ImageSet { images, time, spread }))
+        Some(Ok(ImageSet { images, time, time_spread: spread }))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the tests of several sources need.
 
-use super::{Frame, Source, Stopper};
+use super::{CancelHandle, Frame, Source};
 use crate::Result;
 use image::{Rgb, RgbImage};
 use std::collections::VecDeque;
@@ -31,12 +31,12 @@ impl Drop for Folder {
 }
 
 /// An image of one grey.
-pub fn paint(value: u8, (width, height): (u32, u32)) -> RgbImage {
+pub fn grey_image(value: u8, (width, height): (u32, u32)) -> RgbImage {
     RgbImage::from_pixel(width, height, Rgb([value; 3]))
 }
 
 pub fn frame(number: u32, time: f64) -> Frame {
-    Frame { number, time, image: paint(number as u8, (2, 1)) }
+    Frame { number, time, image: grey_image(number as u8, (2, 1)) }
 }
 
 #[track_caller]
@@ -65,19 +65,19 @@ pub struct Fed(Arc<(Mutex<Feed>, Condvar)>);
 struct Feed {
     frames: VecDeque<Result<Frame>>,
     ended: bool,
-    waits: bool,
+    blocks: bool,
 }
 
 impl Fed {
     /// Gives `frames` and ends.
     pub fn with(frames: impl IntoIterator<Item = Result<Frame>>) -> Self {
         let fed = Self::default();
-        frames.into_iter().for_each(|frame| fed.give(frame));
+        frames.into_iter().for_each(|frame| fed.send(frame));
         fed.end();
         fed
     }
 
-    pub fn give(&self, frame: Result<Frame>) {
+    pub fn send(&self, frame: Result<Frame>) {
         self.0.0.lock().unwrap().frames.push_back(frame);
         self.0.1.notify_all();
     }
@@ -90,7 +90,7 @@ impl Fed {
     /// Returns when all that was given has been taken and somebody waits for more.
     pub fn wait_until_starved(&self) {
         let feed = self.0.0.lock().unwrap();
-        let starved = |feed: &mut Feed| !(feed.frames.is_empty() && feed.waits);
+        let starved = |feed: &mut Feed| !(feed.frames.is_empty() && feed.blocks);
         drop(self.0.1.wait_while(feed, starved).unwrap());
     }
 }
@@ -99,16 +99,16 @@ impl Source for Fed {
     fn next_frame(&mut self) -> Option<Result<Frame>> {
         let mut feed = self.0.0.lock().unwrap();
         while feed.frames.is_empty() && !feed.ended {
-            feed.waits = true;
+            feed.blocks = true;
             self.0.1.notify_all();
             feed = self.0.1.wait(feed).unwrap();
         }
-        feed.waits = false;
+        feed.blocks = false;
         feed.frames.pop_front()
     }
 
-    fn stopper(&self) -> Stopper {
+    fn cancel_handle(&self) -> CancelHandle {
         let fed = self.clone();
-        Stopper::new(move || fed.end())
+        CancelHandle::new(move || fed.end())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::ffmpeg::{Ffmpeg, file_name};
 use super::probe::{self, Header};
-use super::{Frame, Reading, Source, Stopper, Times};
+use super::{CancelHandle, Frame, ReadOptions, Source, Times};
 use crate::{Error, Result};
 use image::RgbImage;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct Video {
     path: PathBuf,
-    reading: Reading,
+    reading: ReadOptions,
     times: Times,
     header: Header,
     /// `None` after the last image.
@@ -32,7 +32,7 @@ impl Video {
     /// # Errors
     /// No `ffmpeg`; a file that is missing or that it cannot read, with what it says; a video of another size than
     /// `reading` asks for, or without its first image; a rate that is not positive, or neither told nor given.
-    pub fn open(path: impl AsRef<Path>, reading: Reading) -> Result<Self> {
+    pub fn open(path: impl AsRef<Path>, reading: ReadOptions) -> Result<Self> {
         let path = path.as_ref().to_owned();
         if !path.is_file() {
             return Err(Error::file(path, "expected a video file, found none; check the path"));
@@ -147,7 +147,7 @@ impl Source for Video {
         self.notes.clone()
     }
 
-    fn stopper(&self) -> Stopper {
+    fn cancel_handle(&self) -> CancelHandle {
         self.ffmpeg.as_ref().map(Ffmpeg::stopper).unwrap_or_default()
     }
 }

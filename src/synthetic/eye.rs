@@ -45,7 +45,7 @@ impl<'c> Eye<'c> {
     }
 
     /// The image's tiles, row by row.
-    pub(super) fn tiles(&self) -> impl Iterator<Item = Tile> + use<> {
+    pub(super) fn image_tiles(&self) -> impl Iterator<Item = Tile> + use<> {
         let (width, height) = self.camera.size();
         (0..height).step_by(TILE as usize).flat_map(move |y| {
             (0..width).step_by(TILE as usize).map(move |x| Tile {
@@ -62,7 +62,7 @@ impl<'c> Eye<'c> {
         &self,
         subject: &'s Subject,
     ) -> impl Iterator<Item = (Tile, Vec<&'s Placed>)> {
-        self.tiles().filter_map(|tile| {
+        self.image_tiles().filter_map(|tile| {
             let patch = self.patch_around(&tile);
             let may_appear = |placed: &&Placed| patch.as_ref().is_none_or(|patch| patch.may_meet(placed));
             let solids: Vec<_> = subject.solids().iter().filter(may_appear).collect();
@@ -128,25 +128,25 @@ pub(super) struct Patch {
     /// From the eye: upper left, upper right, lower left, lower right.
     corners: [Vector3<f64>; 4],
     middle: Vector3<f64>,
-    spread: f64,
+    angular_radius: f64,
 }
 
 /// What a pixel sees of a subject.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum View {
+pub(super) enum PatchContent {
     /// The background alone.
     Background,
     /// Solids alone.
     Subject,
     /// An outline may cross it.
-    Outline,
+    Contour,
 }
 
 impl Patch {
     fn new(eye: &Eye, corners: [Vector3<f64>; 4]) -> Self {
         let middle = corners.iter().sum::<Vector3<f64>>() / 4.0;
         let spread = corners.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
-        Self { eye: eye.centre, forward: eye.forward, corners, middle, spread }
+        Self { eye: eye.centre, forward: eye.forward, corners, middle, angular_radius: spread }
     }
 
     /// The ray at `(s, t)` of the patch, from (0, 0) at its upper left to (1, 1) at its lower right corner.
@@ -169,7 +169,7 @@ impl Patch {
     /// `None` if it is wholly behind the camera.
     fn spread_at(&self, placed: &Placed) -> Option<f64> {
         let farthest = (placed.centre() - self.eye).dot(&self.forward) + placed.solid().bounding_radius();
-        (farthest > 0.0).then_some(farthest * self.spread)
+        (farthest > 0.0).then_some(farthest * self.angular_radius)
     }
 
     /// Whether one of the rays may meet the bounding ball of `placed`.
@@ -182,10 +182,10 @@ impl Patch {
     }
 
     /// What the patch sees of `solids`; those that it may meet are put into `met`.
-    pub(super) fn view<'s>(&self, solids: &[&'s Placed], met: &mut Vec<&'s Placed>) -> View {
+    pub(super) fn content<'s>(&self, solids: &[&'s Placed], met: &mut Vec<&'s Placed>) -> PatchContent {
         met.clear();
         let middle = Ray { origin: self.eye, direction: self.middle.normalize() };
-        let mut view = View::Background;
+        let mut view = PatchContent::Background;
         for &placed in solids {
             if !self.may_meet(placed) {
                 continue;
@@ -199,8 +199,8 @@ impl Patch {
                 continue;
             }
             met.push(placed);
-            if view != View::Subject {
-                view = if meets(-spread) { View::Subject } else { View::Outline };
+            if view != PatchContent::Subject {
+                view = if meets(-spread) { PatchContent::Subject } else { PatchContent::Contour };
             }
         }
         view

@@ -34,7 +34,6 @@
 mod eye;
 pub mod layout;
 mod noise;
-mod paint;
 mod person;
 mod random;
 mod render;
@@ -43,10 +42,10 @@ mod silhouette;
 mod solid;
 mod subject;
 mod tent;
+mod texture;
 mod torus;
 
 pub use noise::{add_noise, flip_boundary};
-pub use paint::{Paint, Pattern};
 pub use person::PERSON_PERIOD;
 pub use render::{Scene, clean_plate, render, render_depth, render_over};
 pub use room::Room;
@@ -54,6 +53,7 @@ pub use silhouette::{coverage, silhouette};
 pub use solid::{Hit, Solid};
 pub use subject::{Placed, Subject};
 pub use tent::Tent;
+pub use texture::{Pattern, Texture};
 
 #[cfg(test)]
 mod tests;

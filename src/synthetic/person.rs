@@ -3,9 +3,9 @@
 //! The feet follow given paths, on the floor or above it; the knees follow from the feet. So a foot that stands,
 //! stands at z = 0 exactly, and everything moves smoothly and returns after [`PERSON_PERIOD`].
 
-use super::paint::Paint;
 use super::solid::Solid;
 use super::subject::{Placed, Subject};
+use super::texture::Texture;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
@@ -86,7 +86,7 @@ fn swinging_arm(phase: f64, sink: Vector3<f64>) -> Vec<Placed> {
     let shoulder = Point3::new(0.0, 0.185, 1.39) + sink;
     let upper = Vector3::new(swing.sin(), 0.14, -swing.cos());
     let lower = Vector3::new((swing + 0.5).sin(), 0.06, -(swing + 0.5).cos());
-    arm(shoulder, upper, lower)
+    arm_capsules(shoulder, upper, lower)
 }
 
 /// The right arm, out to the side with the forearm up.
@@ -95,10 +95,10 @@ fn waving_arm(phase: f64, sink: Vector3<f64>) -> Vec<Placed> {
     let shoulder = Point3::new(0.0, -0.185, 1.39) + sink;
     let upper = Vector3::new(0.15, -0.95, 0.1);
     let lower = Vector3::new(0.2, -wave.sin(), wave.cos());
-    arm(shoulder, upper, lower)
+    arm_capsules(shoulder, upper, lower)
 }
 
-fn arm(shoulder: Point3<f64>, upper: Vector3<f64>, lower: Vector3<f64>) -> Vec<Placed> {
+fn arm_capsules(shoulder: Point3<f64>, upper: Vector3<f64>, lower: Vector3<f64>) -> Vec<Placed> {
     let elbow = shoulder + upper.normalize() * 0.28;
     let wrist = elbow + lower.normalize() * 0.24;
     let knuckles = wrist + lower.normalize() * 0.08;
@@ -116,5 +116,5 @@ fn limb(a: Point3<f64>, b: Point3<f64>, radius: f64, colour: [u8; 3]) -> Placed 
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.5 * TAU));
     let middle = a + along * 0.5;
     let solid = Solid::Capsule { radius, length: along.norm() };
-    Placed::new(solid, Isometry3::from_parts(middle.coords.into(), turn), Paint::cloth(colour))
+    Placed::new(solid, Isometry3::from_parts(middle.coords.into(), turn), Texture::cloth(colour))
 }

@@ -4,7 +4,7 @@
 //! colour that differs from the clean plate is the subject's own. Outside the subject an image equals the clean
 //! plate byte for byte; at its outline the two are mixed by area, as in a real camera.
 
-use super::eye::{Eye, Patch, View};
+use super::eye::{Eye, Patch, PatchContent};
 use super::room::Room;
 use super::solid::Solid;
 use super::subject::{Placed, Subject, nearest_hit};
@@ -57,7 +57,7 @@ pub fn clean_plate(camera: &Camera, room: &Room) -> RgbImage {
     let (width, height) = camera.size();
     let mut image = RgbImage::new(width, height);
     let eye = Eye::new(camera);
-    for tile in eye.tiles() {
+    for tile in eye.image_tiles() {
         eye.for_each_pixel(&tile, |x, y, patch| {
             let sum: Vector3<f64> = patch.rays(ROOM_RAYS).map(|ray| room.colour(&ray)).sum();
             image.put_pixel(x, y, rgb(sum / f64::from(ROOM_RAYS * ROOM_RAYS)));
@@ -73,7 +73,7 @@ pub fn render_depth(camera: &Camera, scene: &Scene) -> Vec<f32> {
     let mut depths = vec![f32::INFINITY; width as usize * height as usize];
     let eye = Eye::new(camera);
     let place = |x: u32, y: u32| y as usize * width as usize + x as usize;
-    for (x, y) in eye.tiles().flat_map(|tile| tile.pixels()) {
+    for (x, y) in eye.image_tiles().flat_map(|tile| tile.pixels()) {
         let Some(ray) = eye.ray(f64::from(x) + 0.5, f64::from(y) + 0.5) else { continue };
         if let Some((t, _)) = scene.room.far_side(&ray) {
             depths[place(x, y)] = eye.depth(&ray, t) as f32;
@@ -96,14 +96,16 @@ fn paint_subject(camera: &Camera, scene: &Scene, image: &mut RgbImage) {
     let mut met = Vec::new();
     for (tile, solids) in eye.tiles_with(&scene.subject) {
         eye.for_each_pixel(&tile, |x, y, patch| {
-            let view = patch.view(&solids, &mut met);
-            if view == View::Background {
+            let view = patch.content(&solids, &mut met);
+            if view == PatchContent::Background {
                 return;
             }
             // Inside one round solid there is no edge to smooth.
-            let is_even =
-                view == View::Subject && met.len() == 1 && !matches!(met[0].solid(), Solid::Cuboid { .. });
-            let (colour, fraction) = seen(&patch, &met, &scene.room, if is_even { 1 } else { EDGE_RAYS });
+            let is_even = view == PatchContent::Subject
+                && met.len() == 1
+                && !matches!(met[0].solid(), Solid::Cuboid { .. });
+            let (colour, fraction) =
+                mean_colour(&patch, &met, &scene.room, if is_even { 1 } else { EDGE_RAYS });
             let pixel = image.get_pixel_mut(x, y);
             let room = Vector3::from(pixel.0.map(f64::from));
             *pixel = rgb(room * (1.0 - fraction) + colour);
@@ -112,7 +114,7 @@ fn paint_subject(camera: &Camera, scene: &Scene, image: &mut RgbImage) {
 }
 
 /// The mean colour of the rays of `patch` that meet `solids`, times their fraction; and that fraction.
-fn seen(patch: &Patch, solids: &[&Placed], room: &Room, n: u32) -> (Vector3<f64>, f64) {
+fn mean_colour(patch: &Patch, solids: &[&Placed], room: &Room, n: u32) -> (Vector3<f64>, f64) {
     let mut sum = Vector3::zeros();
     let mut hits = 0.0;
     for ray in patch.rays(n) {
@@ -128,7 +130,7 @@ fn seen(patch: &Patch, solids: &[&Placed], room: &Room, n: u32) -> (Vector3<f64>
 fn solid_colour(solids: &[&Placed], room: &Room, ray: &Ray) -> Option<Vector3<f64>> {
     let (hit, placed) = nearest_hit(solids.iter().copied(), ray)?;
     let point = ray.at(hit.t);
-    let own = placed.paint().at(&placed.world_from_solid().inverse_transform_point(&point));
+    let own = placed.texture().at(&placed.world_from_solid().inverse_transform_point(&point));
     Some(own * room.light(&point, &hit.normal))
 }
 

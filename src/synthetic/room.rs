@@ -1,6 +1,6 @@
 //! The studio around the subject: a floor, walls hung with green cloth, a ceiling and one lamp.
 
-use super::paint::{checker, noise};
+use super::texture::{checker, noise};
 use crate::camera::Ray;
 use crate::{Error, Result};
 use nalgebra::{Point3, Vector3};
@@ -41,7 +41,7 @@ impl Room {
     }
 
     /// The lamp, below the ceiling and off the middle, in the world.
-    pub fn lamp(&self) -> Point3<f64> {
+    pub fn light_position(&self) -> Point3<f64> {
         Point3::new(0.15 * self.size.x, -0.2 * self.size.y, 0.95 * self.size.z)
     }
 
@@ -81,7 +81,7 @@ impl Room {
     /// How bright `point` of a surface with this unit normal is: a soft light from above and the lamp, without
     /// shadows.
     pub(super) fn light(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
-        let to_lamp = (self.lamp() - point).normalize();
+        let to_lamp = (self.light_position() - point).normalize();
         0.46 + 0.12 * normal.z + 0.42 * normal.dot(&to_lamp).max(0.0)
     }
 

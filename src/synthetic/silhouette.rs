@@ -1,12 +1,12 @@
 //! A subject's exact silhouette in a camera: which pixels it covers, and how much of each.
 
-use super::eye::{Eye, View};
+use super::eye::{Eye, PatchContent};
 use super::subject::Subject;
 use crate::camera::Camera;
 use image::{GrayImage, Luma};
 
 /// Rays along a pixel's edge where an outline crosses it.
-const FINE: u32 = 16;
+const SUBPIXELS: u32 = 16;
 
 /// The binary silhouette: 255 where the ray of the pixel's centre meets the subject, else 0.
 ///
@@ -37,12 +37,13 @@ pub fn coverage(camera: &Camera, subject: &Subject) -> GrayImage {
     let mut met = Vec::new();
     for (tile, solids) in eye.tiles_with(subject) {
         eye.for_each_pixel(&tile, |x, y, patch| {
-            let value = match patch.view(&solids, &mut met) {
-                View::Background => return,
-                View::Subject => 255,
-                View::Outline => {
-                    let hits = patch.rays(FINE).filter(|ray| met.iter().any(|placed| placed.is_hit(ray)));
-                    let fraction = hits.count() as f64 / f64::from(FINE * FINE);
+            let value = match patch.content(&solids, &mut met) {
+                PatchContent::Background => return,
+                PatchContent::Subject => 255,
+                PatchContent::Contour => {
+                    let hits =
+                        patch.rays(SUBPIXELS).filter(|ray| met.iter().any(|placed| placed.is_hit(ray)));
+                    let fraction = hits.count() as f64 / f64::from(SUBPIXELS * SUBPIXELS);
                     (255.0 * fraction).round() as u8
                 }
             };

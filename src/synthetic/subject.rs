@@ -1,7 +1,7 @@
 //! What stands before the cameras: solids with their places and colours.
 
-use super::paint::Paint;
 use super::solid::{Hit, Solid};
+use super::texture::Texture;
 use crate::camera::Ray;
 use nalgebra::{Isometry3, Point3};
 
@@ -10,13 +10,13 @@ use nalgebra::{Isometry3, Point3};
 pub struct Placed {
     solid: Solid,
     world_from_solid: Isometry3<f64>,
-    paint: Paint,
+    texture: Texture,
 }
 
 impl Placed {
     /// `solid` at `world_from_solid`. With a pose that is not finite it is nowhere.
-    pub fn new(solid: Solid, world_from_solid: Isometry3<f64>, paint: Paint) -> Self {
-        Self { solid, world_from_solid, paint }
+    pub fn new(solid: Solid, world_from_solid: Isometry3<f64>, paint: Texture) -> Self {
+        Self { solid, world_from_solid, texture: paint }
     }
 
     /// The solid in its own frame.
@@ -30,8 +30,8 @@ impl Placed {
     }
 
     /// Its colour.
-    pub fn paint(&self) -> &Paint {
-        &self.paint
+    pub fn texture(&self) -> &Texture {
+        &self.texture
     }
 
     /// The solid's origin, the centre of its bounding ball, in the world.

@@ -8,7 +8,7 @@
 //!                  +=========='+
 //! ```
 
-use super::{Paint, Placed, Solid, Subject};
+use super::{Placed, Solid, Subject, Texture};
 use crate::Result;
 use crate::camera::{Camera, Ray};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -40,7 +40,7 @@ impl Tent {
     pub fn above(cameras: &[Camera], top: Point3<f64>, side: f64) -> Result<Self> {
         let cube = Solid::cuboid(Vector3::repeat(side))?;
         let pose = Isometry3::translation(top.x, top.y, top.z - 0.5 * side);
-        let cube = Subject::new(vec![Placed::new(cube, pose, Paint::plain([0; 3]))]);
+        let cube = Subject::new(vec![Placed::new(cube, pose, Texture::plain([0; 3]))]);
         let at = |x: f64, y: f64, height: f64| top + Vector3::new(x * side, y * side, height);
         let places = [(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5), (0.0, 0.0)];
         let sees_top = |camera: &Camera| places.iter().all(|&(x, y)| camera.sees(&at(x, y, 0.0)));

@@ -51,7 +51,7 @@ fn geoms_of_no_size_that_others_made_touch_nothing_and_are_reported() {
             let found = dCollide(world.geom(hull).raw(), flat, 4, contacts.as_mut_ptr(), skip);
             dGeomDestroy(flat);
             assert_eq!(found, 0);
-            assert_says(world.hull(hull).take_trouble().map_or(Ok(()), Err), &["above 0"]);
+            assert_says(world.hull(hull).take_error().map_or(Ok(()), Err), &["above 0"]);
         }
     }
 }
@@ -117,7 +117,7 @@ fn a_body_too_large_for_its_samples_leaves_the_others_alone() {
             assert_finite(&world, body);
             assert_finite(&world, huge);
         }
-        let trouble = world.hull(hull).take_trouble().map_or(Ok(()), Err);
+        let trouble = world.hull(hull).take_error().map_or(Ok(()), Err);
         assert_says(trouble, &["min_feature", "at most 1000000"]);
     });
 }

@@ -62,7 +62,7 @@ fn scatter(world: &mut World, spaces: &[ode_visual_hull::ode::SpaceId]) -> Vec<G
 }
 
 /// What overlaps by the boxes alone.
-fn expected(world: &World, geoms: &[GeomId]) -> BTreeSet<[usize; 2]> {
+fn overlapping_boxes(world: &World, geoms: &[GeomId]) -> BTreeSet<[usize; 2]> {
     let mut overlaps = BTreeSet::new();
     for j in 0..geoms.len() {
         for i in 0..j {
@@ -82,13 +82,13 @@ fn every_kind_of_space_finds_the_same_pairs() {
         let mut world = World::with_space(&ode, kind).unwrap();
         let root = world.root_space();
         let geoms = scatter(&mut world, &[root]);
-        assert!(expected(&world, &geoms).len() > COUNT);
-        assert_eq!(pairs(&mut world, &geoms), expected(&world, &geoms), "{kind:?}");
+        assert!(overlapping_boxes(&world, &geoms).len() > COUNT);
+        assert_eq!(pairs(&mut world, &geoms), overlapping_boxes(&world, &geoms), "{kind:?}");
         // Again, after all have moved.
         for (i, &geom) in geoms[..COUNT].iter().enumerate() {
             world.geom_mut(geom).set_pose(&place(i + 200)).unwrap();
         }
-        assert_eq!(pairs(&mut world, &geoms), expected(&world, &geoms), "{kind:?}, moved");
+        assert_eq!(pairs(&mut world, &geoms), overlapping_boxes(&world, &geoms), "{kind:?}, moved");
     }
 }
 
@@ -104,14 +104,18 @@ fn nested_spaces_find_the_same_pairs() {
             let third = world.add_space(root, outer).unwrap();
             let empty = world.add_space(root, inner).unwrap();
             let geoms = scatter(&mut world, &[root, first, second, third]);
-            assert_eq!(pairs(&mut world, &geoms), expected(&world, &geoms), "{outer:?} around {inner:?}");
+            assert_eq!(
+                pairs(&mut world, &geoms),
+                overlapping_boxes(&world, &geoms),
+                "{outer:?} around {inner:?}"
+            );
             world.remove_space(empty).unwrap();
             for (i, &geom) in geoms[..COUNT].iter().enumerate() {
                 world.geom_mut(geom).set_pose(&place(i + 200)).unwrap();
             }
             assert_eq!(
                 pairs(&mut world, &geoms),
-                expected(&world, &geoms),
+                overlapping_boxes(&world, &geoms),
                 "{outer:?} around {inner:?}, moved"
             );
         }

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Point3, Vector3, point, vector};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{Aabb, HullData};
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, SpaceKind, Surface, World};
-use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, coverage, layout};
+use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
 use std::sync::{Arc, LazyLock};
 
 /// The table's full side lengths; its centre is the origin.
@@ -19,7 +19,7 @@ pub const TOP: f64 = 0.2;
 pub const PIXEL: f64 = 0.0022;
 
 pub fn cuboid(lengths: Vector3<f64>, pose: Isometry3<f64>) -> Placed {
-    Placed::new(Solid::cuboid(lengths).unwrap(), pose, Paint::plain([200, 60, 40]))
+    Placed::new(Solid::cuboid(lengths).unwrap(), pose, Texture::plain([200, 60, 40]))
 }
 
 /// Four cameras that each look along the table's top and one of its sides.

@@ -9,7 +9,7 @@
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, point, vector};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{Aabb, HullData};
-use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, coverage, layout};
+use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
 use std::sync::{Arc, LazyLock, OnceLock};
 
 /// A box to fall on and the four cameras that see it.
@@ -55,7 +55,7 @@ impl Rig {
 
     /// What the cameras see, as the solid of their pictures.
     pub fn placed(&self) -> Placed {
-        Placed::new(Solid::cuboid(self.lengths).unwrap(), self.world_from_box, Paint::plain([200, 60, 40]))
+        Placed::new(Solid::cuboid(self.lengths).unwrap(), self.world_from_box, Texture::plain([200, 60, 40]))
     }
 
     /// Metres that a pixel covers at the support's centre, in the camera that sees it finest.

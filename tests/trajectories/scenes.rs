@@ -13,7 +13,7 @@ pub mod stage;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, point, vector};
 use ode_visual_hull::ode::{JointKind, Shape, Surface};
 use rig::{RAMP, Rig, TABLE};
-use stage::{Ends, Scene, Start};
+use stage::{Ends, InitialState, Scene};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// How high things are dropped from, in metres.
@@ -34,10 +34,10 @@ pub fn all() -> Vec<Scene> {
 }
 
 /// `shape` at rest, its centre `height` above the top of `rig` at `(x, y)` of it, turned by `turn`.
-fn above(rig: &Rig, shape: &Shape, x: f64, y: f64, height: f64, turn: UnitQuaternion<f64>) -> Start {
+fn above(rig: &Rig, shape: &Shape, x: f64, y: f64, height: f64, turn: UnitQuaternion<f64>) -> InitialState {
     let box_from_body = Isometry3::from_parts(Translation3::new(x, y, rig.top() + height), turn);
     let pose = rig.world_from_box * box_from_body;
-    Start { shape: shape.clone(), pose, velocity: Vector3::zeros(), spin: Vector3::zeros() }
+    InitialState { shape: shape.clone(), pose, velocity: Vector3::zeros(), spin: Vector3::zeros() }
 }
 
 fn euler(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
@@ -49,7 +49,7 @@ fn lying() -> UnitQuaternion<f64> {
     euler(FRAC_PI_2, 0.0, 0.0)
 }
 
-fn drop(name: &'static str, about: &'static str, body: Start) -> Scene {
+fn drop(name: &'static str, about: &'static str, body: InitialState) -> Scene {
     Scene {
         name,
         about,
@@ -208,14 +208,15 @@ fn stack() -> Scene {
 }
 
 /// A bob that hangs at the table's +x side, 0.7 m below its pivot, drawn back by 40 degrees.
-fn bob(shape: &Shape, half: f64) -> (Start, nalgebra::Point3<f64>) {
+fn bob(shape: &Shape, half: f64) -> (InitialState, nalgebra::Point3<f64>) {
     let pivot = point![TABLE.lengths.x / 2.0 + half, 0.06, 0.75];
     let swing = Isometry3::rotation_wrt_point(
         UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -40f64.to_radians()),
         pivot,
     );
     let pose = swing * Isometry3::translation(pivot.x, pivot.y, pivot.z - 0.7);
-    let start = Start { shape: shape.clone(), pose, velocity: Vector3::zeros(), spin: Vector3::zeros() };
+    let start =
+        InitialState { shape: shape.clone(), pose, velocity: Vector3::zeros(), spin: Vector3::zeros() };
     (start, pivot)
 }
 

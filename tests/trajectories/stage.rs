@@ -28,7 +28,7 @@ pub enum Support {
 
 /// A body at the start, all in the world's frame; 1 kg.
 #[derive(Debug, Clone)]
-pub struct Start {
+pub struct InitialState {
     pub shape: Shape,
     pub pose: Isometry3<f64>,
     pub velocity: Vector3<f64>,
@@ -42,7 +42,7 @@ pub struct Scene {
     /// What happens, in a sentence.
     pub about: &'static str,
     pub rig: &'static Rig,
-    pub bodies: Vec<Start>,
+    pub bodies: Vec<InitialState>,
     /// What holds the first body to the world.
     pub joint: Option<JointKind>,
     pub surface: Surface,
@@ -138,7 +138,7 @@ impl Stage {
     }
 }
 
-fn add(world: &mut World, start: &Start) -> BodyId {
+fn add(world: &mut World, start: &InitialState) -> BodyId {
     let body = world.add_body();
     let root = world.root_space();
     let geom = world.add_geom(root, &start.shape).unwrap();

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use ode_visual_hull::hull::{Aabb, HullData, Unseen};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::{Calibration, Hints, Rig};
-use ode_visual_hull::{Error, Result, Untold};
+use ode_visual_hull::{Error, MissingHint, Result};
 use std::ops::Range;
 use std::path::Path;
 
@@ -52,22 +52,22 @@ pub fn print_notes(calibration: &Calibration) {
         println!("note: {note}");
     }
     if calibration.is_unit_doubtful {
-        println!("note: {} says otherwise", option(Untold::MetresPerUnit));
+        println!("note: {} says otherwise", option(MissingHint::MetresPerUnit));
     }
 }
 
 /// `error`, and the option that helps where a calibration does not tell what it has to; `with` leads to it.
 pub fn hinted(error: Error, with: &str) -> Error {
     match error {
-        Error::Untold { what, error } => Error::argument(format!("{error}: {with} {}", option(what))),
+        Error::MissingHint { what, error } => Error::argument(format!("{error}: {with} {}", option(what))),
         other => other,
     }
 }
 
-fn option(what: Untold) -> &'static str {
+fn option(what: MissingHint) -> &'static str {
     match what {
-        Untold::Size => "--size WIDTHxHEIGHT",
-        Untold::MetresPerUnit => "--unit METRES",
+        MissingHint::Size => "--size WIDTHxHEIGHT",
+        MissingHint::MetresPerUnit => "--unit METRES",
         _ => "--help",
     }
 }

@@ -79,7 +79,7 @@ struct Report {
 }
 
 impl Report {
-    fn fault(&mut self, sentence: impl Into<String>) {
+    fn add_problem(&mut self, sentence: impl Into<String>) {
         self.faults.push(sentence.into());
     }
 }
@@ -89,7 +89,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let mut report = Report::default();
     print!("{}", rig.describe());
     println!();
-    let comparable = placement::report(&rig, options, &mut report)?;
+    let comparable = placement::describe_rig(&rig, options, &mut report)?;
     if let Some(folder) = folder.as_ref().filter(|_| !comparable) {
         println!("\nthe silhouettes in {} are not compared: the cameras come first", folder.display());
     } else if let Some(folder) = &folder {
@@ -98,7 +98,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
             recorded.check_has(frame)?;
         }
         println!();
-        silhouettes::report(&recorded, options, &mut report)?;
+        silhouettes::describe_silhouettes(&recorded, options, &mut report)?;
         if let Some(out) = &options.pictures {
             pictures::write(&recorded, options.frame, out)?;
         }
@@ -138,5 +138,5 @@ fn verdict(report: &Report) -> Outcome {
     }
     println!("verdict: to be mended");
     report.faults.iter().for_each(|fault| println!("- {fault}"));
-    Outcome::Doubts
+    Outcome::ProblemsFound
 }

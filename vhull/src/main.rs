@@ -1,10 +1,10 @@
 //! `vhull`: from cameras to a visual hull. A verb, a file.
 
 mod arguments;
-mod backdrop;
+mod background_images;
 mod check;
-mod clock;
 mod convert;
+mod frame_times;
 mod mesh;
 mod output;
 mod progress;
@@ -46,7 +46,7 @@ Exit codes:
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Outcome {
     Done,
-    Doubts,
+    ProblemsFound,
 }
 
 fn main() -> ExitCode {
@@ -60,7 +60,7 @@ fn main() -> ExitCode {
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::Doubts) => ExitCode::from(3),
+        Ok(Outcome::ProblemsFound) => ExitCode::from(3),
         Err(error) => {
             // The rig file of a recording, which is read without options.
             let error = arguments::hinted(error, "write the rig file anew, vhull convert ..");

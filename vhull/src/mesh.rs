@@ -8,7 +8,7 @@ use crate::arguments::{VolumeOptions, open_recording, parse_frames, parse_length
 use crate::output::make_folder_of;
 use crate::progress;
 use crate::recorded_hulls::RecordedHulls;
-use field::Field;
+use field::SignedField;
 use ode_visual_hull::{Error, Result};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let bar = progress::bar(frames.len(), "meshes");
     for &frame in &frames {
         let hull = recorded.hull(frame)?;
-        let surface = Surface::of(&Field::of(&hull, options.resolution)?);
+        let surface = Surface::of(&SignedField::of(&hull, options.resolution)?);
         if surface.triangles.is_empty() {
             let problem = format!(
                 "expected a subject in frame {frame}, found a hull without points at {} m; take a finer \

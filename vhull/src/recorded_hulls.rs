@@ -49,14 +49,14 @@ impl RecordedHulls {
     }
 
     /// At most `most` of the frames, evenly spread, the first and the last among them.
-    pub fn spread(&self, most: usize) -> Vec<u32> {
+    pub fn spread_frames(&self, most: usize) -> Vec<u32> {
         let frames = self.recording.frames();
-        spread(frames.len(), most).map(|k| frames[k]).collect()
+        evenly_spaced(frames.len(), most).map(|k| frames[k]).collect()
     }
 }
 
 /// At most `most` of `count` positions, evenly spread, the first and the last among them.
-pub fn spread(count: usize, most: usize) -> impl Iterator<Item = usize> {
+pub fn evenly_spaced(count: usize, most: usize) -> impl Iterator<Item = usize> {
     let chosen = count.min(most);
     (0..chosen).map(move |k| k * (count - 1) / (chosen - 1).max(1))
 }

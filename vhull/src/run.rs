@@ -1,19 +1,19 @@
 //! `vhull run`: virtual bodies and a recorded subject in one simulation.
 
-mod landing;
 mod obstacle;
+mod placement;
 mod playback;
 mod timeline;
 
 use crate::arguments::{VolumeOptions, numbers, parse_frames, parse_rate};
-use crate::clock::ASSUMED_RATE;
+use crate::frame_times::ASSUMED_RATE;
 use crate::{Outcome, progress};
 use clap::ValueEnum;
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::set_random_seed;
 use ode_visual_hull::{Error, Result};
-use ode_visual_hull_film::{Capture, Form, Shooting, Simulation, shoot, view_of};
+use ode_visual_hull_film::{Capture, FilmOptions, Form, Simulation, run_film, view_of};
 use playback::Playback;
 use std::io::Write;
 use std::ops::Range;
@@ -115,7 +115,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
         Some(count) => stack(options, count.into(), &mut playback, &data, &mut simulation)?,
         None => drop(options, &playback, &data, &mut simulation)?,
     };
-    let shooting = Shooting {
+    let shooting = FilmOptions {
         out: &options.out,
         name: "run",
         frames: playback.frames(),
@@ -128,7 +128,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
         );
     }
     let bar = progress::bar(shooting.frames, "frames");
-    let text = shoot(&shooting, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
+    let text = run_film(&shooting, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
     bar.finish_and_clear();
     let (count, seconds) = playback.pace();
     let text = format!("{place}\n{count} recorded frames play in {seconds:.2} s\n{}", text?);
@@ -146,7 +146,7 @@ fn drop(
 ) -> Result<String> {
     let (kind, count) = (options.drop.unwrap_or(Kind::Boxes), options.count.unwrap_or(6).into());
     let side = options.side.unwrap_or(0.1);
-    let poses = landing::poses(data, count, side, playback.pixel_size())?;
+    let poses = placement::poses(data, count, side, playback.pixel_size())?;
     if poses.is_empty() {
         return Err(Error::argument(
             "expected a place above 0.3 m for a body to land, found none; check that the world's z is up and the \
@@ -177,17 +177,17 @@ fn stack(
     let side = options.side.unwrap_or(0.2);
     let (foot, found) = match options.at {
         Some([x, y]) => (obstacle::ground(playback.first(), x, y), "on what is there"),
-        None => match obstacle::in_the_way(playback.survey(), side, side * count as f64) {
+        None => match obstacle::in_the_way(playback.sampled_hulls(), side, side * count as f64) {
             Some(foot) => (foot, "on the floor, in the subject's way"),
             None => {
-                let places = landing::poses(data, 1, side, playback.pixel_size())?;
+                let places = placement::poses(data, 1, side, playback.pixel_size())?;
                 let place = places.first().ok_or_else(|| {
                     Error::argument(
                         "expected a place in the subject's way or on it, found none; say where the stack stands with \
                          --at, or take a smaller --side",
                     )
                 })?;
-                let top = place.translation.vector - Vector3::z() * (0.5 * side + landing::DROP);
+                let top = place.translation.vector - Vector3::z() * (0.5 * side + placement::DROP);
                 (top.into(), "on the subject")
             }
         },

@@ -52,7 +52,7 @@ pub struct Options {
     /// The picture of the empty room is older than the recording, or somebody stands in it: where nearly all of the
     /// recording's own images agree, they show the room. For subjects that move about; clean-plate alone.
     #[arg(long)]
-    mend: bool,
+    refine: bool,
     /// Frames to segment, from A to before B; either may be left out [default: all].
     #[arg(long, value_name = "A..B", value_parser = parse_frames, default_value = "..", hide_default_value = true)]
     frames: Range<u32>,
@@ -141,7 +141,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
         }
     }
     bar.finish_and_clear();
-    tally.report(&options.recording, masks.dir(), &sets)
+    tally.print_summary(&options.recording, masks.dir(), &sets)
 }
 
 /// Refuses options that do not go with the method.
@@ -154,7 +154,7 @@ fn check(options: &Options) -> Result<()> {
                        leave one out";
         return Err(Error::argument(problem));
     }
-    if options.mend && options.method != Method::CleanPlate {
+    if options.refine && options.method != Method::CleanPlate {
         return Err(Error::argument("--mend: expected --method clean-plate, found another; leave one out"));
     }
     Ok(())
@@ -181,11 +181,11 @@ fn segmenters(
         return empty.iter().map(|images| learnt(images)).collect();
     }
     let plates = empty.iter().map(|images| CleanPlate::from_empty(images, Thresholds::default()));
-    if !options.mend {
+    if !options.refine {
         return plates.map(|plate| Ok(Box::new(plate?) as _)).collect();
     }
     let frames = empty_room::throughout(recording, streaming)?;
-    plates.zip(&frames).map(|(plate, frames)| Ok(Box::new(plate?.mended_by(frames)?) as _)).collect()
+    plates.zip(&frames).map(|(plate, frames)| Ok(Box::new(plate?.refined_with(frames)?) as _)).collect()
 }
 
 fn learnt(empty: &[RgbImage]) -> Result<Box<dyn Segmenter>> {

@@ -10,7 +10,7 @@ use ode_visual_hull::camera::Camera;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::synthetic::{
-    Paint, Placed, Room, Scene, Solid, Subject, add_noise, clean_plate, coverage, layout, render_over,
+    Placed, Room, Scene, Solid, Subject, Texture, add_noise, clean_plate, coverage, layout, render_over,
 };
 use ode_visual_hull::{Error, Result};
 use std::path::PathBuf;
@@ -129,7 +129,7 @@ fn cameras(options: &Options) -> Result<Vec<Camera>> {
 fn subject(who: Who, t: f64) -> Result<Subject> {
     let placed = |solid, height: f64, turn: UnitQuaternion<f64>, colour| {
         let pose = Isometry3::from_parts(Vector3::new(0.0, 0.0, height).into(), turn);
-        Subject::new(vec![Placed::new(solid, pose, Paint::cloth(colour))])
+        Subject::new(vec![Placed::new(solid, pose, Texture::cloth(colour))])
     };
     let about_z = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.3 + t);
     let upright = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.5 * std::f64::consts::PI);

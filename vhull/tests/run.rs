@@ -4,7 +4,7 @@ use image::{GrayImage, RgbImage};
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
-use ode_visual_hull::synthetic::{Paint, Placed, Solid, Subject, layout, silhouette};
+use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, layout, silhouette};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -16,7 +16,7 @@ fn rig() -> Rig {
 }
 
 fn placed(solid: Solid, x: f64, z: f64) -> Subject {
-    Subject::new(vec![Placed::new(solid, Isometry3::translation(x, 0.0, z), Paint::plain([180, 40, 40]))])
+    Subject::new(vec![Placed::new(solid, Isometry3::translation(x, 0.0, z), Texture::plain([180, 40, 40]))])
 }
 
 fn table(_: u32) -> Subject {

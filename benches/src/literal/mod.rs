@@ -10,7 +10,7 @@
 //! does not see a point makes it outside, as in the paper.
 
 mod body;
-mod march;
+mod line_walk;
 mod search;
 mod view;
 
@@ -83,10 +83,10 @@ impl<'a> LiteralHull<'a> {
     /// Metres from `a` along `direction` to where some view first sees background, or the work volume ends. The view
     /// asked `first` is likely to decide, so that the others need not walk far.
     pub fn exit(&self, a: &Vec3, direction: &Vec3, first: usize) -> f32 {
-        let mut nearest = wall(&self.bounds, a, direction);
+        let mut nearest = bounds_face(&self.bounds, a, direction);
         let others = (0..self.views.len()).filter(|&view| view != first);
         for view in [first].into_iter().chain(others) {
-            nearest = self.views[view].march(a, direction, nearest);
+            nearest = self.views[view].walk_line(a, direction, nearest);
         }
         nearest
     }
@@ -108,7 +108,7 @@ fn within([min, max]: &[Vec3; 2], p: &Vec3) -> bool {
 }
 
 /// Where the half-line leaves the box.
-fn wall([min, max]: &[Vec3; 2], a: &Vec3, direction: &Vec3) -> f32 {
+fn bounds_face([min, max]: &[Vec3; 2], a: &Vec3, direction: &Vec3) -> f32 {
     let along = |axis: usize| {
         let wall = if direction[axis] > 0.0 { max[axis] } else { min[axis] };
         if direction[axis] == 0.0 { f32::INFINITY } else { (wall - a[axis]) / direction[axis] }

@@ -31,7 +31,7 @@ impl LiteralHull<'_> {
         let windows = &mut windows[..self.views.len()];
         let mut d_max = 0.0_f32;
         for (window, view) in windows.iter_mut().zip(&self.views) {
-            (window.centre, window.growth) = view.sight(a);
+            (window.centre, window.growth) = view.project(a);
             d_max = d_max.max(window.growth);
         }
         windows.iter_mut().for_each(|window| window.growth = d_max / window.growth);

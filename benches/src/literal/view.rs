@@ -68,7 +68,7 @@ impl<'a> LiteralView<'a> {
     }
 
     /// The pixel of a point that the view sees, and the metres that a pixel covers there.
-    pub(super) fn sight(&self, p: &Vec3) -> ((i32, i32), f32) {
+    pub(super) fn project(&self, p: &Vec3) -> ((i32, i32), f32) {
         let h = self.homogeneous(p);
         (((h[0] / h[2]) as i32, (h[1] / h[2]) as i32), h[2] * self.pixel_at_1m)
     }

@@ -74,7 +74,7 @@ impl Boxes {
             );
             let geom = dCreateTriMesh(null_mut(), data, None, None, None);
             let counts: *mut Vec<usize> = counts;
-            dSpaceCollide2(geom, self.space.cast(), counts.cast(), Some(near));
+            dSpaceCollide2(geom, self.space.cast(), counts.cast(), Some(near_callback));
             dGeomDestroy(geom);
             dGeomTriMeshDataDestroy(data);
         }
@@ -89,7 +89,7 @@ impl Drop for Boxes {
 }
 
 /// Counts the contacts of a pair whose boxes overlap: the mesh and a box.
-unsafe extern "C" fn near(counts: *mut c_void, first: dGeomID, second: dGeomID) {
+unsafe extern "C" fn near_callback(counts: *mut c_void, first: dGeomID, second: dGeomID) {
     let mut contacts = [dContactGeom::default(); MOST_CONTACTS];
     // SAFETY: ODE passes two living geoms, and the pointer to the counts, which has a place for each index that was
     // given to a box; the buffer holds as many contacts as are asked for.

@@ -17,7 +17,7 @@ use crate::math::vectorised;
 
 /// Points on their way, in blocks; the last block is filled up with its last point.
 #[derive(Debug, Default)]
-pub(super) struct Exits {
+pub(super) struct ExitFinder {
     blocks: Vec<RayBlock>,
     /// By the view that is likely to decide: the places of the points.
     first: Vec<Vec<u32>>,
@@ -29,7 +29,7 @@ pub(super) struct Exits {
     queue: RayQueue,
 }
 
-impl Exits {
+impl ExitFinder {
     /// Writes to `exits` the exits of `rays`, at most `t_max`, and to the rays the views that decided them.
     pub(super) fn find(
         &mut self,
@@ -39,7 +39,7 @@ impl Exits {
         t_max: f64,
         exits: &mut Vec<f64>,
     ) {
-        self.take_up(kernels, rays);
+        self.fill_blocks(kernels, rays);
         exits.clear();
         // Filled up as the blocks are.
         exits.resize(self.blocks.len() * LANES, t_max);
@@ -57,11 +57,11 @@ impl Exits {
         }
         let mut nearest = NearestExits { exits, deciders: &mut deciders };
         for place in 0..kernels.len() {
-            walk_first(kernels, place, self, &mut nearest);
+            trace_likely_view(kernels, place, self, &mut nearest);
         }
         self.queue.drain(kernels, &mut nearest);
         for place in 0..kernels.len() {
-            walk_others(kernels, place, self, &mut nearest);
+            trace_other_views(kernels, place, self, &mut nearest);
         }
         self.queue.drain(kernels, &mut nearest);
 
@@ -69,11 +69,11 @@ impl Exits {
         rays.iter_mut().zip(&deciders).for_each(|(ray, &place)| ray.view = kernels[place as usize].index);
         self.deciders = deciders;
         if let Some(first) = kernels.first() {
-            self.weigh_views(hull, rays, first.edge, t_max, exits);
+            self.retrace_beyond_sight(hull, rays, first.edge, t_max, exits);
         }
     }
 
-    fn take_up(&mut self, kernels: &[ViewKernel], rays: &[ExitRay]) {
+    fn fill_blocks(&mut self, kernels: &[ViewKernel], rays: &[ExitRay]) {
         let Self { blocks, first, .. } = self;
         first.resize_with(first.len().max(kernels.len()), Vec::new);
         first.iter_mut().for_each(Vec::clear);
@@ -97,7 +97,14 @@ impl Exits {
 
     /// Asks all views in step for the exits that lie beyond what the views are known to see: there the policy for views
     /// that do not see a point decides.
-    fn weigh_views(&self, hull: &Hull, rays: &[ExitRay], edge: EdgeModel, t_max: f64, exits: &mut [f64]) {
+    fn retrace_beyond_sight(
+        &self,
+        hull: &Hull,
+        rays: &[ExitRay],
+        edge: EdgeModel,
+        t_max: f64,
+        exits: &mut [f64],
+    ) {
         for ((ray, sight_end), exit) in rays.iter().zip(&self.sight_ends).zip(exits) {
             if *exit > *sight_end {
                 *exit = hull.exit_within(&ray.point, &ray.direction, edge, t_max);
@@ -108,8 +115,8 @@ impl Exits {
 
 vectorised! {
     /// Walks the points through the view at `place` that is likely to decide them.
-    fn walk_first(kernels: &[ViewKernel], place: usize, memory: &mut Exits, nearest: &mut NearestExits) {
-        let Exits { blocks, first, lines, queue, sight_ends, .. } = memory;
+    fn trace_likely_view(kernels: &[ViewKernel], place: usize, memory: &mut ExitFinder, nearest: &mut NearestExits) {
+        let ExitFinder { blocks, first, lines, queue, sight_ends, .. } = memory;
         for points in first[place].chunks(LANES) {
             let mut block = RayBlock::empty(points.len());
             for k in 0..LANES {
@@ -129,8 +136,8 @@ vectorised! {
 
 vectorised! {
     /// Walks all other points through it, unless it surely sees them inside up to their exits so far.
-    fn walk_others(kernels: &[ViewKernel], place: usize, memory: &mut Exits, nearest: &mut NearestExits) {
-        let Exits { blocks, lines, queue, sight_ends, .. } = memory;
+    fn trace_other_views(kernels: &[ViewKernel], place: usize, memory: &mut ExitFinder, nearest: &mut NearestExits) {
+        let ExitFinder { blocks, lines, queue, sight_ends, .. } = memory;
         for (k, block) in blocks.iter().enumerate() {
             let base = k * LANES;
             for lane in 0..LANES {

@@ -30,7 +30,7 @@ pub(super) struct ImageLines {
     /// The places of the points that walk them.
     pub(super) point: [u32; LANES],
     pub(super) start: [Wide; 3],
-    pub(super) ahead: [Wide; 3],
+    pub(super) direction: [Wide; 3],
     /// The cell that each is in, when it entered it, and its distance to background. Cells are pixels; where the view's
     /// edge is taken inside pixels, the squares between four pixel centres, once a line sets out.
     pub(super) column: Wide,
@@ -50,7 +50,7 @@ impl Default for ImageLines {
         Self {
             point: [0; LANES],
             start: vector,
-            ahead: vector,
+            direction: vector,
             column: lane,
             row: lane,
             distance: lane,
@@ -71,7 +71,7 @@ impl ImageLines {
         for (axis, row) in kernel.p.iter().enumerate() {
             for k in 0..LANES {
                 self.start[axis][k] = row[0] * x[k] + row[1] * y[k] + row[2] * z[k] + row[3];
-                self.ahead[axis][k] = row[0] * dx[k] + row[1] * dy[k] + row[2] * dz[k];
+                self.direction[axis][k] = row[0] * dx[k] + row[1] * dy[k] + row[2] * dz[k];
             }
         }
         for k in 0..LANES {
@@ -116,7 +116,7 @@ impl ImageLines {
 
         for k in 0..LANES {
             let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
-            let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+            let [x1, y1, z1] = [self.direction[0][k], self.direction[1][k], self.direction[2][k]];
             let ([u0, v0], [u1, v1]) = ([low[0][k], low[1][k]], [high[0][k], high[1][k]]);
             // Times the depth each side of what is seen is linear in t: seen where no `constant + slope t` is negative.
             let sides = [
@@ -148,7 +148,8 @@ impl ImageLines {
     /// around the start, and so does all between, since a line's image is straight.
     #[inline(always)]
     pub(super) fn stay_inside(&self, kernel: &ViewKernel) -> u32 {
-        let (rim, mut stays, [x, y, z], [dx, dy, dz]) = (kernel.rim(), [0; LANES], &self.start, &self.ahead);
+        let (rim, mut stays, [x, y, z], [dx, dy, dz]) =
+            (kernel.rim(), [0; LANES], &self.start, &self.direction);
         for k in 0..LANES {
             let (reach, t) = (self.distance[k] - rim, self.t_max[k]);
             let (end_x, end_y, end_z) = (x[k] + dx[k] * t, y[k] + dy[k] * t, z[k] + dz[k] * t);
@@ -169,7 +170,7 @@ impl ImageLines {
         let (mut longest, mut offsets, mut in_rect) = ([0.0; LANES], [[0.0; LANES]; 2], [0; LANES]);
         for k in 0..LANES {
             let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
-            let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+            let [x1, y1, z1] = [self.direction[0][k], self.direction[1][k], self.direction[2][k]];
             let t = self.t_max[k];
             let (x, y, z) = (x0 + x1 * t, y0 + y1 * t, z0 + z1 * t);
             let (u0, v0, u1, v1) = (self.u[k], self.v[k], x / z, y / z);
@@ -208,10 +209,10 @@ impl ImageLines {
 
     /// Line k is line j of `other`.
     #[inline(always)]
-    pub(super) fn take(&mut self, k: usize, other: &Self, j: usize) {
+    pub(super) fn copy_lane(&mut self, k: usize, other: &Self, j: usize) {
         for axis in 0..3 {
             self.start[axis][k] = other.start[axis][j];
-            self.ahead[axis][k] = other.ahead[axis][j];
+            self.direction[axis][k] = other.direction[axis][j];
         }
         (self.point[k], self.t[k], self.t_max[k]) = (other.point[j], other.t[j], other.t_max[j]);
         (self.column[k], self.row[k], self.distance[k]) = (other.column[j], other.row[j], other.distance[j]);

@@ -4,7 +4,7 @@
 //! walk ends in background, where an edge crosses its cell, or at its limit; where something rare comes up, [`March`]
 //! goes on with it. Most have ended after two steps; others take their lanes.
 
-use super::super::query::March;
+use super::super::query::MaskTraversal;
 use super::Wide;
 use super::image_lines::ImageLines;
 use super::projection::ViewKernel;
@@ -16,7 +16,7 @@ use crate::silhouette::HALF_COVERAGE;
 use nalgebra::Vector3;
 
 /// So few rays are sooner walked one by one.
-const FEW: usize = 4;
+const SCALAR_BELOW: usize = 4;
 
 /// The first crossing of one half in a cell that an edge crosses.
 enum Crossing {
@@ -69,16 +69,16 @@ impl RayQueue {
         for k in set_bits(which) {
             self.set(self.used.trailing_ones() as usize, &kernels[place], place, lines, k);
             if self.used == u32::MAX {
-                walk(self, kernels, LANES - 1, nearest);
+                trace_until(self, kernels, LANES - 1, nearest);
             }
         }
     }
 
     /// Walks all that are left to their ends.
     pub(super) fn drain(&mut self, kernels: &[ViewKernel], nearest: &mut NearestExits) {
-        walk(self, kernels, FEW, nearest);
+        trace_until(self, kernels, SCALAR_BELOW, nearest);
         for k in set_bits(self.used) {
-            let exit = self.lines.exit_alone(k, &kernels[self.place[k] as usize]);
+            let exit = self.lines.finish_scalar(k, &kernels[self.place[k] as usize]);
             nearest.lower(self.lines.point[k] as usize, exit, self.place[k]);
         }
         self.used = 0;
@@ -87,7 +87,7 @@ impl RayQueue {
 
 vectorised! {
     /// Walks until at most so many rays are left.
-    fn walk(queue: &mut RayQueue, kernels: &[ViewKernel], most: usize, nearest: &mut NearestExits) {
+    fn trace_until(queue: &mut RayQueue, kernels: &[ViewKernel], most: usize, nearest: &mut NearestExits) {
         while queue.used.count_ones() > most as u32 {
             let mut ended = queue.step(kernels) & queue.used;
             ended &= !queue.cross_edges(ended, kernels);
@@ -101,7 +101,7 @@ impl RayQueue {
     /// Lane k is line j of some lines, which begin in the view at `place`.
     #[inline(always)]
     fn set(&mut self, k: usize, kernel: &ViewKernel, place: usize, lines: &ImageLines, j: usize) {
-        self.lines.take(k, lines, j);
+        self.lines.copy_lane(k, lines, j);
         self.place[k] = place as u32;
         (self.shift[k], self.stride[k], self.origin[k]) = (kernel.shift, kernel.stride, kernel.origin);
         self.used |= 1 << k;
@@ -185,7 +185,7 @@ impl RayQueue {
             }
             let mut exit = lines.t[k];
             if lines.distance[k] > 0.0 {
-                exit = lines.exit_alone(k, &kernels[self.place[k] as usize]);
+                exit = lines.finish_scalar(k, &kernels[self.place[k] as usize]);
             }
             nearest.lower(lines.point[k] as usize, exit, self.place[k]);
         }
@@ -207,7 +207,7 @@ impl ImageLines {
     #[inline(always)]
     fn advance(&mut self, k: usize, shift: f64) -> bool {
         let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
-        let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+        let [x1, y1, z1] = [self.direction[0][k], self.direction[1][k], self.direction[2][k]];
         let half = self.distance[k] - 1.0;
         let (left, above) = (self.column[k] - half, self.row[k] - half);
         let (right, below) = (self.column[k] + half + 1.0, self.row[k] + half + 1.0);
@@ -238,7 +238,7 @@ impl ImageLines {
     #[inline(always)]
     fn crossing(&self, k: usize, corners: &[f64; 4], shift: f64) -> Crossing {
         let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
-        let [x1, y1, z1] = [self.ahead[0][k], self.ahead[1][k], self.ahead[2][k]];
+        let [x1, y1, z1] = [self.direction[0][k], self.direction[1][k], self.direction[2][k]];
         let (i, j, t0) = (self.column[k], self.row[k], self.t[k]);
         let by_column = |u: f64| (u * z0 - x0) / (x1 - u * z1);
         let by_row = |v: f64| (v * z0 - y0) / (y1 - v * z1);
@@ -282,17 +282,17 @@ impl ImageLines {
     }
 
     /// Where line k leaves, walked on alone from where it stands; infinite if not before its limit.
-    fn exit_alone(&self, k: usize, kernel: &ViewKernel) -> f64 {
+    fn finish_scalar(&self, k: usize, kernel: &ViewKernel) -> f64 {
         let (t, t_max) = (self.t[k], self.t_max[k]);
         let cell = (self.column[k] as i32, self.row[k] as i32);
-        let mut march = March::from_cell(kernel.view, self.line(k), cell, t, kernel.edge);
-        let exit = march.exit_by(t, t_max);
+        let mut march = MaskTraversal::from_cell(kernel.view, self.line(k), cell, t, kernel.edge);
+        let exit = march.advance_until_exit(t, t_max);
         if exit < t_max { exit } else { f64::INFINITY }
     }
 
     fn line(&self, k: usize) -> ImageLine {
         let vector = |of: &[Wide; 3]| Vector3::from(of.map(|of| of[k]));
-        ImageLine::new(vector(&self.start), vector(&self.ahead))
+        ImageLine::new(vector(&self.start), vector(&self.direction))
     }
 }
 

@@ -29,7 +29,7 @@ use crate::math::point_cloud::LANES;
 use crate::math::vectorised;
 use crate::recycle::recycle;
 use crate::silhouette::HALF_COVERAGE;
-use exits::Exits;
+use exits::ExitFinder;
 use nalgebra::{Point3, Vector3};
 use nearest_edge::EdgeQueries;
 use projection::{PointBlock, ViewKernel};
@@ -53,7 +53,7 @@ pub(crate) struct Scratch {
     kernels: Vec<ViewKernel<'static>>,
     block: PointBlock,
     queries: EdgeQueries,
-    exits: Exits,
+    exits: ExitFinder,
 }
 
 impl Hull {
@@ -135,17 +135,18 @@ impl Hull {
 /// Whether a view sees background at `p`, however its place is rounded.
 fn provably_outside(view: &View, p: &Point3<f64>, edge: EdgeModel) -> bool {
     /// Far more than rounding, in pixels.
-    const RIM: f64 = 1e-6;
+    const ROUNDING_PX: f64 = 1e-6;
     let silhouette = view.silhouette();
     let Some(at) = view.project(p) else { return false };
     let (i, j) = floor_pixel(at.u, at.v);
     let (x, y) = (at.u - f64::from(i), at.v - f64::from(j));
-    let within = |x: f64| x > RIM && x < 1.0 - RIM;
+    let within = |x: f64| x > ROUNDING_PX && x < 1.0 - ROUNDING_PX;
     if !view.sees(i, j) || !within(x) || !within(y) {
         false
     } else if edge == EdgeModel::Coverage && silhouette.has_coverage() {
         // Between subject pixels alone coverage is one half at least.
-        silhouette.distance(i, j) <= 1 && silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * RIM
+        silhouette.distance(i, j) <= 1
+            && silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * ROUNDING_PX
     } else {
         silhouette.distance(i, j) == 0
     }
@@ -170,7 +171,7 @@ struct Batch<'a> {
     kernels: &'a [ViewKernel<'a>],
     block: &'a mut PointBlock,
     queries: &'a mut EdgeQueries,
-    exits: &'a mut Exits,
+    exits: &'a mut ExitFinder,
 }
 
 impl Scratch {

@@ -69,7 +69,7 @@ impl EdgeQueries {
         inside: u32,
         rays: &mut Vec<ExitRay>,
     ) -> u32 {
-        let decision = decide(kernels, block);
+        let decision = select_view(kernels, block);
         self.queries.resize_with(self.queries.len().max(kernels.len()), Default::default);
         let mut has_edge = [0; LANES];
         for k in 0..LANES {
@@ -310,7 +310,7 @@ impl ViewKernel<'_> {
 /// The first k at which a window, `1 + floor(k d_max / d_i)`, reaches the view's distance; the first view among
 /// equals. As [`Hull::nearest_edge`](super::super::Hull::nearest_edge) has it.
 #[inline(always)]
-fn decide(kernels: &[ViewKernel], block: &mut PointBlock) -> Decision {
+fn select_view(kernels: &[ViewKernel], block: &mut PointBlock) -> Decision {
     let mut largest = [0.0; LANES];
     for (kernel, sample) in kernels.iter().zip(&mut block.samples) {
         kernel.footprint.at_each(&sample.at[2], &mut sample.footprint);

@@ -48,12 +48,12 @@ pub(super) struct ViewKernel<'a> {
 #[derive(Debug, Default)]
 pub(super) struct PointBlock {
     pub(super) point: [Wide; 3],
-    pub(super) samples: Vec<ViewSample>,
+    pub(super) samples: Vec<ProjectedBlock>,
 }
 
 /// Where one view sees a block of points.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct ViewSample {
+pub(super) struct ProjectedBlock {
     /// Homogeneous image coordinates; depth 0 where the view does not see a point and abstains.
     pub(super) at: [Wide; 3],
     pub(super) column: Wide,
@@ -166,7 +166,7 @@ impl<'a> ViewKernel<'a> {
 
     /// Where the view sees points. A bit for each that it sees, and for each that it sees inside, of those `asked`.
     #[inline(always)]
-    fn project(&self, [x, y, z]: &[Wide; 3], asked: u32, sample: &mut ViewSample) -> (u32, u32) {
+    fn project(&self, [x, y, z]: &[Wide; 3], asked: u32, sample: &mut ProjectedBlock) -> (u32, u32) {
         for (row, at) in self.p.iter().zip(&mut sample.at) {
             for k in 0..LANES {
                 at[k] = row[0] * x[k] + row[1] * y[k] + row[2] * z[k] + row[3];
@@ -212,7 +212,7 @@ impl<'a> ViewKernel<'a> {
 
     /// Which of `doubtful` points beside the edge, or beyond, are inside by coverage.
     #[inline(always)]
-    fn covered(&self, sample: &ViewSample, doubtful: u32) -> u32 {
+    fn covered(&self, sample: &ProjectedBlock, doubtful: u32) -> u32 {
         let mut inside = 0;
         for k in set_bits(doubtful) {
             let pixel = (sample.column[k] as i32, sample.row[k] as i32);
@@ -237,7 +237,7 @@ impl<'a> ViewKernel<'a> {
     }
 
     /// Which of the points `asked` lie in pixels that the lens did not see. Its mask shows subject there.
-    fn in_blind_spots(&self, sample: &ViewSample, asked: u32) -> u32 {
+    fn in_blind_spots(&self, sample: &ProjectedBlock, asked: u32) -> u32 {
         let Some(field_of_view) = self.view.blind_spots() else { return 0 };
         let is_unseen = |k: usize| !field_of_view.is_subject(sample.column[k] as i32, sample.row[k] as i32);
         set_bits(asked).filter(|&k| is_unseen(k)).fold(0, |unseen, k| unseen | 1 << k)
@@ -261,7 +261,7 @@ fn look_up(table: &Distances, places: &[u32; LANES], distances: &mut Wide, exact
     }
 }
 
-impl ViewSample {
+impl ProjectedBlock {
     /// Lets the view decide nothing for points that it does not see.
     #[inline(always)]
     fn forget_unseen(&mut self, visible: u32) {
@@ -306,7 +306,7 @@ impl PointBlock {
     /// policy for views that do not see a point.
     #[inline(always)]
     pub(super) fn project_if_inside(&mut self, kernels: &[ViewKernel], unseen: Unseen, asked: u32) -> u32 {
-        self.samples.resize(kernels.len(), ViewSample::default());
+        self.samples.resize(kernels.len(), ProjectedBlock::default());
         let (mut inside, mut seen_by) = (asked, [0; LANES]);
         let may_abstain = if unseen == Unseen::Outside { 0 } else { u32::MAX };
         for (kernel, sample) in kernels.iter().zip(&mut self.samples) {

@@ -9,7 +9,7 @@ use crate::math::vectorised;
 use crate::silhouette::HALF_COVERAGE;
 
 /// Far more than rounding, in pixels.
-const RIM: f64 = 1e-6;
+const ROUNDING_PX: f64 = 1e-6;
 
 vectorised! {
     /// Adds the places of those of `rays` to `kept` that are not provably outside at their `t`, since no view sees
@@ -55,12 +55,15 @@ impl ViewKernel<'_> {
             let pv = pv[0] * x[k] + pv[1] * y[k] + pv[2] * z[k] + pv[3];
             let pd = pd[0] * x[k] + pd[1] * y[k] + pd[2] * z[k] + pd[3];
             let (u, v) = (pu / pd, pv / pd);
-            let within = (u >= RIM) & (u < self.size[0] - RIM) & (v >= RIM) & (v < self.size[1] - RIM);
+            let within = (u >= ROUNDING_PX)
+                & (u < self.size[0] - ROUNDING_PX)
+                & (v >= ROUNDING_PX)
+                & (v < self.size[1] - ROUNDING_PX);
             let within = within & (pd > MIN_DEPTH);
             let (u, v) = (select(within, u, 0.5) - self.shift, select(within, v, 0.5) - self.shift);
             let (i, j) = (floor(u), floor(v));
             // Bilinear coverage is continuous, so that only whole pixels have a rim.
-            let off_rim = |x: f64, i: f64| (x - i > RIM) & (x - i < 1.0 - RIM);
+            let off_rim = |x: f64, i: f64| (x - i > ROUNDING_PX) & (x - i < 1.0 - ROUNDING_PX);
             let is_sure = self.by_coverage | (off_rim(u, i) & off_rim(v, j));
             may_be[k] = u32::from(within & is_sure);
             // Farther out all is background.
@@ -76,7 +79,7 @@ impl ViewKernel<'_> {
         let mut outside = (background | !in_reach) & may_be;
         for k in set_bits(on_edge & in_reach & may_be) {
             let (u, v) = (at[0][k] + self.shift, at[1][k] + self.shift);
-            let is_outside = self.coverage(u, v) < HALF_COVERAGE - 255.0 * RIM;
+            let is_outside = self.coverage(u, v) < HALF_COVERAGE - 255.0 * ROUNDING_PX;
             outside |= u32::from(is_outside) << k;
         }
         outside

@@ -41,14 +41,14 @@ fn draw_hulls() -> Vec<Hull> {
 
 /// A hull whose views see specks.
 fn specked(Kind { unseen, coverage, has_lenses, is_mixed }: Kind) -> Hull {
-    let border = if unseen == Unseen::Outside { Border::Background } else { Border::Open };
+    let border = if unseen == Unseen::Outside { Border::Background } else { Border::Unknown };
     let mut random = Random(3);
     let view = |(k, camera): (usize, crate::camera::Camera)| {
         let mut mask = specks(&mut random, coverage && !(is_mixed && k == 1));
         let lens = has_lenses && !(is_mixed && k == 2);
         let field_of_view = lens.then(|| disc(75.0));
         if let Some(seen) = &field_of_view {
-            let beyond = if border == Border::Open { 255 } else { 0 };
+            let beyond = if border == Border::Unknown { 255 } else { 0 };
             let pixels = mask.iter_mut().zip(seen.iter());
             pixels.filter(|(_, seen)| **seen == 0).for_each(|(pixel, _)| *pixel = beyond);
         }
@@ -85,7 +85,7 @@ fn points(hull: &Hull, count: usize) -> Vec<Point3<f64>> {
 /// The rays of points that are inside, by [`Hull::push`] or [`Hull::respond`], one by one.
 fn single_ray(hull: &Hull, point: Point3<f64>, edge: EdgeModel) -> Option<Vector3<f64>> {
     match edge {
-        EdgeModel::Coverage => hull.push(&point).map(|push| push.direction),
+        EdgeModel::Coverage => hull.exit_vector(&point).map(|push| push.direction),
         EdgeModel::Pixel => hull.respond(&point).map(|response| response.normal),
     }
 }

@@ -12,7 +12,7 @@
 use super::super::{Hull, View};
 use crate::math::lanes::{floor_clamped, lane_mask, select};
 use crate::math::point_cloud::{Block, LANES, Points};
-use crate::silhouette::{Bits, Distances, Lookup, TableSlices};
+use crate::silhouette::{Bits, Distances, OccupancyLookup, TableSlices};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Point3, Translation3, Vector3};
 
@@ -43,7 +43,7 @@ const ROUNDING_PX: f32 = 0.02;
 pub(super) struct BodyView<'a> {
     /// Points to `(u depth, v depth, depth)`, with (u, v) from the corner of the silhouette's region.
     pub(super) p: [[f32; 4]; 3],
-    exact: Matrix3x4<f64>,
+    projection: Matrix3x4<f64>,
     /// By how much the depth changes at most, per metre.
     depth_slope: f32,
     /// By how many pixels columns and rows of the region change at most, per metre at a depth of one metre: the
@@ -51,12 +51,12 @@ pub(super) struct BodyView<'a> {
     slope: [f32; 2],
     pub(super) tables: TableSlices<'a>,
     /// `None` where what the view does not see is outside, as its mask's background says.
-    pub(super) sight: Option<Sight<'a>>,
+    pub(super) field_of_view: Option<FieldOfView<'a>>,
 }
 
 /// What a view sees, where a point that it does not see may be inside or lies beyond no silhouette edge.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sight<'a> {
+pub(super) struct FieldOfView<'a> {
     /// The image from the region's corner: first column and row, and those behind the last ones.
     low: [f32; 2],
     high: [f32; 2],
@@ -153,18 +153,18 @@ impl<'a> BodyView<'a> {
         };
         Self {
             p: rounded(&p),
-            exact: p,
+            projection: p,
             depth_slope: p.fixed_view::<1, 3>(2, 0).norm() as f32,
             slope: [slope(0, tables.width), slope(1, tables.height)],
             tables,
-            sight: (!hull.is_closed(view)).then(|| Sight::new(view, tables.corner)),
+            field_of_view: (!hull.is_closed(view)).then(|| FieldOfView::new(view, tables.corner)),
         }
     }
 
     /// The view as points in a pose see it; slopes are the same however they are turned.
     pub(super) fn seen_from(&self, placement: &BodyPlacement) -> Self {
-        let exact = self.exact * placement.exact;
-        Self { p: rounded(&exact), exact, ..self.clone() }
+        let exact = self.projection * placement.exact;
+        Self { p: rounded(&exact), projection: exact, ..self.clone() }
     }
 
     /// Where point k of a block appears, from the corner of the region, and its depth; at the corner where it is behind
@@ -185,8 +185,8 @@ impl<'a> BodyView<'a> {
 
     /// The bits of the silhouette, dilated.
     #[inline(always)]
-    pub(super) fn bits(&self, dilation: MaskDilation) -> Bits<'a> {
-        let words = if dilation == MaskDilation::None { self.tables.subject } else { self.tables.near };
+    pub(super) fn mask_bits(&self, dilation: MaskDilation) -> Bits<'a> {
+        let words = if dilation == MaskDilation::None { self.tables.subject } else { self.tables.dilated };
         Bits::new(words, self.tables.words)
     }
 
@@ -201,7 +201,7 @@ impl<'a> BodyView<'a> {
     #[inline(always)]
     pub(super) fn sphere(
         &self,
-        (tiles, distances): (&Lookup, &Distances),
+        (tiles, distances): (&OccupancyLookup, &Distances),
         [x, y, z]: [f32; 3],
         radius: f32,
         dilation_px: f32,
@@ -217,7 +217,7 @@ impl<'a> BodyView<'a> {
         let from = [floor_clamped(u - reach(0), right), floor_clamped(v - reach(1), below)];
         let to = [floor_clamped(u + reach(0), right) + 1, floor_clamped(v + reach(1), below) + 1];
         let is_ahead = nearest > NEAREST;
-        let touches = !is_ahead | tiles.any(from, to);
+        let touches = !is_ahead | tiles.any_occupied(from, to);
         // Background lies as many pixels away as the distance says, or farther.
         let clear = distances.at(floor_clamped(u, right), floor_clamped(v, below)) as f32 - 1.0;
         (touches, is_ahead & (reach(0) <= clear) & (reach(1) <= clear))
@@ -225,7 +225,7 @@ impl<'a> BodyView<'a> {
 
     /// Whether the image surely holds all that lies within `radius` of a point, by a view that may not see it.
     #[inline(always)]
-    pub(super) fn sees_sphere(&self, sight: &Sight, [x, y, z]: [f32; 3], radius: f32) -> bool {
+    pub(super) fn sees_sphere(&self, sight: &FieldOfView, [x, y, z]: [f32; 3], radius: f32) -> bool {
         let at = |row: &[f32; 4]| row[0].mul_add(x, row[1].mul_add(y, row[2].mul_add(z, row[3])));
         let depth = at(&self.p[2]);
         let nearest = depth - radius * self.depth_slope;
@@ -235,7 +235,7 @@ impl<'a> BodyView<'a> {
     }
 }
 
-impl<'a> Sight<'a> {
+impl<'a> FieldOfView<'a> {
     fn new(view: &'a View, corner: (i32, i32)) -> Self {
         let image = view.silhouette().image();
         Self {

@@ -7,7 +7,7 @@ use crate::math::point_cloud::{BLOCKS_PER_GROUP, Block, BoundingSpheres, LANES, 
 use crate::math::vectorised;
 
 /// So few blocks are sooner asked point by point than in further views by the spheres around them.
-const FEW: u32 = 2;
+const FEW_POINTS: u32 = 2;
 
 /// Points inside.
 #[derive(Debug, Default)]
@@ -41,7 +41,7 @@ vectorised! {
     pub(super) fn may_be_inside(views: &[BodyView], placement: &BodyPlacement, filter: &Filter) -> bool {
         let mut may_be = true;
         for view in views {
-            let tables = (&view.tables.tiles.lookup(), &view.distances());
+            let tables = (&view.tables.occupancy.lookup(), &view.distances());
             let (middle, radius) = (placement.middle(), placement.radius);
             let (touches, _) = view.sphere(tables, middle, radius, filter.dilation.pixels());
             may_be = may_be && (touches || filter.may_abstain_on(view, middle, radius));
@@ -64,7 +64,7 @@ vectorised! {
                 let (touched, inside) = classify_spheres(&views[view], spheres, filter);
                 asked &= touched;
                 fully_inside[view] = inside;
-                if asked.count_ones() <= FEW {
+                if asked.count_ones() <= FEW_POINTS {
                     first_of_spheres = view;
                     break;
                 }
@@ -97,12 +97,12 @@ impl Filter<'_> {
         &self,
         views: &[BodyView],
         block: &Block,
-        asked: u32,
+        queried: u32,
         is_inside: impl Fn(usize) -> bool,
         first: &mut usize,
     ) -> u32 {
         let may_abstain = self.unseen != Unseen::Outside;
-        let (mut inside, mut seen_by) = (asked, [0; LANES]);
+        let (mut inside, mut seen_by) = (queried, [0; LANES]);
         for view in round(*first, views.len()) {
             let mut verdict = ViewVerdict { admitted: u32::MAX, seen_inside: u32::MAX };
             if !is_inside(view) {
@@ -133,7 +133,7 @@ impl Filter<'_> {
     /// Whether a view may abstain on some of what lies within `radius` of a point.
     #[inline(always)]
     fn may_abstain_on(&self, view: &BodyView, centre: [f32; 3], radius: f32) -> bool {
-        match &view.sight {
+        match &view.field_of_view {
             Some(sight) => self.unseen != Unseen::Outside && !view.sees_sphere(sight, centre, radius),
             None => false,
         }
@@ -142,7 +142,7 @@ impl Filter<'_> {
     /// What a view says of a block of points.
     #[inline(always)]
     fn verdict(&self, view: &BodyView, block: &Block) -> ViewVerdict {
-        let Some(sight) = &view.sight else {
+        let Some(sight) = &view.field_of_view else {
             let inside = subject(view, block, self.dilation);
             return ViewVerdict { admitted: inside, seen_inside: inside };
         };
@@ -173,7 +173,7 @@ fn round(first: usize, count: usize) -> impl Iterator<Item = usize> {
 /// Which of many spheres may be inside by a view, and which surely are as a whole, a bit each.
 #[inline(always)]
 fn classify_spheres(view: &BodyView, spheres: &BoundingSpheres, filter: &Filter) -> (u32, u32) {
-    let tiles = view.tables.tiles.lookup();
+    let tiles = view.tables.occupancy.lookup();
     let distances = view.distances();
     let (dilation, mut touched, mut inside) =
         (filter.dilation.pixels(), [0; BLOCKS_PER_GROUP], [0; BLOCKS_PER_GROUP]);
@@ -183,7 +183,7 @@ fn classify_spheres(view: &BodyView, spheres: &BoundingSpheres, filter: &Filter)
         (touched[k], inside[k]) = (u32::from(touches), u32::from(is_inside));
     }
     let (touched, inside) = (lane_mask(&touched), lane_mask(&inside));
-    let Some(sight) = &view.sight else { return (touched, inside) };
+    let Some(sight) = &view.field_of_view else { return (touched, inside) };
 
     // What the view may not see it neither rejects nor surely sees.
     let mut seen = [0; BLOCKS_PER_GROUP];
@@ -201,7 +201,7 @@ fn classify_spheres(view: &BodyView, spheres: &BoundingSpheres, filter: &Filter)
 /// One loop over all that happens to a point, so that the compiler turns it into vector instructions as a whole.
 #[inline(always)]
 fn subject(view: &BodyView, block: &Block, dilation: MaskDilation) -> u32 {
-    let (bits, [pu, pv, pd]) = (view.bits(dilation), &view.p);
+    let (bits, [pu, pv, pd]) = (view.mask_bits(dilation), &view.p);
     let [right, below] = view.last_pixel();
     let mut hit = [0; LANES];
     for k in 0..LANES {

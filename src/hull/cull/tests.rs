@@ -80,7 +80,7 @@ fn candidates_miss_nothing_that_is_inside_by_any_edge() {
 fn beyond_an_open_border_a_batch_answers_as_single_points_do() {
     // A subject that the image's side cuts off: beyond it nothing is background, and nothing is seen.
     let mask = GrayImage::from_fn(160, 120, |i, _| Luma([if i < 100 { 255 } else { 0 }]));
-    let view = |camera| View::new(Arc::new(camera), Arc::new(Silhouette::new(&mask, Border::Open)), None);
+    let view = |camera| View::new(Arc::new(camera), Arc::new(Silhouette::new(&mask, Border::Unknown)), None);
     let wide = bounds().grown(1.5);
     let hull = Hull::new(cameras().into_iter().map(view).collect(), wide, Unseen::Outside, 0.0);
     let (mut workspace, mut random) = (Workspace::new(), Random(7));

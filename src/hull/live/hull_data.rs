@@ -1,6 +1,6 @@
 //! The views, masks and frames of one subject: what cameras write and simulations read.
 
-use super::view_state::Slot;
+use super::view_state::ViewState;
 use crate::camera::Camera;
 use crate::hull::{Aabb, Hull, Unseen, View};
 use crate::lock::lock;
@@ -21,7 +21,7 @@ pub struct HullData {
 
 #[derive(Debug)]
 struct State {
-    views: Vec<Slot>,
+    views: Vec<ViewState>,
     bounds: Option<Aabb>,
     unseen: Unseen,
     latest: Option<Arc<Hull>>,
@@ -62,7 +62,7 @@ impl HullData {
     /// # Errors
     /// As [`add_view`](Self::add_view).
     pub fn add_views(&self, cameras: &[Camera]) -> Result<usize> {
-        let slots = cameras.iter().cloned().map(Slot::new).collect::<Result<Vec<Slot>>>()?;
+        let slots = cameras.iter().cloned().map(ViewState::new).collect::<Result<Vec<ViewState>>>()?;
         let mut state = self.lock();
         let first = state.views.len();
         for slot in slots {
@@ -87,7 +87,7 @@ impl HullData {
     /// # Errors
     /// An index out of range.
     pub fn camera(&self, view: usize) -> Result<Arc<Camera>> {
-        Ok(self.lock().slot(view)?.camera().clone())
+        Ok(self.lock().view(view)?.camera().clone())
     }
 
     /// Sets the work volume: points outside are outside the hull.
@@ -122,7 +122,7 @@ impl HullData {
     /// # Errors
     /// An index out of range.
     pub fn set_view_enabled(&self, view: usize, enabled: bool) -> Result<()> {
-        self.lock().slot_mut(view)?.enabled = enabled;
+        self.lock().view_mut(view)?.enabled = enabled;
         Ok(())
     }
 
@@ -165,7 +165,7 @@ impl HullData {
         let (mut preparation, border) = {
             let mut state = self.lock();
             let border = border_of(state.unseen);
-            let slot = state.slot_mut(view)?;
+            let slot = state.view_mut(view)?;
             slot.check_time(time)?;
             (slot.take_buffers(), border)
         };
@@ -175,7 +175,7 @@ impl HullData {
         if border != border_of(state.unseen) {
             preparation.prepare(mask, border_of(state.unseen))?;
         }
-        state.slot_mut(view)?.commit(preparation, time)
+        state.view_mut(view)?.commit(preparation, time)
     }
 
     /// Publishes the masks as the frame of `time` seconds, and returns it.
@@ -191,7 +191,7 @@ impl HullData {
                  clock"
             )));
         }
-        let hull = state.frame(time, Slot::next_view)?;
+        let hull = state.frame(time, ViewState::next_view)?;
         state.views.iter_mut().for_each(|slot| slot.publish(time));
         let past = state.latest.replace(hull.clone());
         state.retired.extend(past);
@@ -214,7 +214,7 @@ impl HullData {
     /// # Errors
     /// A time that is not finite; otherwise as [`update`](Self::update).
     pub fn at(&self, time: f64) -> Result<Arc<Hull>> {
-        self.lock().frame(time, Slot::view_at)
+        self.lock().frame(time, ViewState::view_at)
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -223,18 +223,22 @@ impl HullData {
 }
 
 impl State {
-    fn slot(&self, view: usize) -> Result<&Slot> {
+    fn view(&self, view: usize) -> Result<&ViewState> {
         let count = self.views.len();
         self.views.get(view).ok_or_else(|| no_such_view(view, count))
     }
 
-    fn slot_mut(&mut self, view: usize) -> Result<&mut Slot> {
+    fn view_mut(&mut self, view: usize) -> Result<&mut ViewState> {
         let count = self.views.len();
         self.views.get_mut(view).ok_or_else(|| no_such_view(view, count))
     }
 
     /// A frame of the views that `view` makes for the bounds and `time`.
-    fn frame(&mut self, time: f64, view: fn(&mut Slot, &Aabb, f64) -> Result<View>) -> Result<Arc<Hull>> {
+    fn frame(
+        &mut self,
+        time: f64,
+        view: fn(&mut ViewState, &Aabb, f64) -> Result<View>,
+    ) -> Result<Arc<Hull>> {
         if self.views.is_empty() {
             return Err(Error::argument(
                 "expected at least one view, found none; add views before the update",
@@ -277,7 +281,7 @@ impl State {
                 slot.recycle(silhouette);
             }
         }
-        self.views.iter_mut().for_each(Slot::recycle_past_tables);
+        self.views.iter_mut().for_each(ViewState::recycle_past_tables);
     }
 }
 
@@ -285,7 +289,7 @@ impl State {
 fn border_of(unseen: Unseen) -> Border {
     match unseen {
         Unseen::Outside => Border::Background,
-        Unseen::Abstain { .. } => Border::Open,
+        Unseen::Abstain { .. } => Border::Unknown,
     }
 }
 

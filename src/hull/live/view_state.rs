@@ -13,12 +13,12 @@ const MAX_RECYCLED: usize = 3;
 
 /// A view's camera and latest silhouettes.
 #[derive(Debug)]
-pub(super) struct Slot {
-    lens: Arc<Lens>,
+pub(super) struct ViewState {
+    calibration: Arc<ViewCalibration>,
     masks: MaskRing,
     pub(super) enabled: bool,
     /// Whether the camera sees some of the work volume given beside.
-    sees: Option<(Aabb, bool)>,
+    sees_volume: Option<(Aabb, bool)>,
     /// Silhouettes without another owner and without tables: memory for the bits of the next masks.
     recycled_silhouettes: Vec<Arc<Silhouette>>,
     /// Tables of past silhouettes: memory for those of the next masks, nine tenths of all.
@@ -28,22 +28,22 @@ pub(super) struct Slot {
 
 /// What never changes of a view.
 #[derive(Debug)]
-pub(super) struct Lens {
+pub(super) struct ViewCalibration {
     camera: Arc<Camera>,
     pinhole: Arc<Camera>,
     undistortion: Option<Undistortion>,
-    seen: Option<Arc<Silhouette>>,
+    field_of_view: Option<Arc<Silhouette>>,
 }
 
 /// A mask's preparation, which needs no lock.
 #[derive(Debug)]
 pub(super) struct Preparation {
-    lens: Arc<Lens>,
+    lens: Arc<ViewCalibration>,
     silhouette: Arc<Silhouette>,
     scratch: MaskScratch,
 }
 
-impl Slot {
+impl ViewState {
     pub(super) fn new(camera: Camera) -> Result<Self> {
         let undistortion = Undistortion::new(&camera);
         if undistortion.is_none() && !camera.distortion().is_none() {
@@ -55,16 +55,18 @@ impl Slot {
             );
             return Err(Error::view(camera.name(), problem));
         }
-        let seen = undistortion.as_ref().map(|lens| Silhouette::new(lens.seen(), Border::Background));
+        let seen =
+            undistortion.as_ref().map(|lens| Silhouette::new(lens.field_of_view(), Border::Background));
         let camera = Arc::new(camera);
         let pinhole =
             undistortion.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
-        let lens = Arc::new(Lens { camera, pinhole, undistortion, seen: seen.map(Arc::new) });
+        let lens =
+            Arc::new(ViewCalibration { camera, pinhole, undistortion, field_of_view: seen.map(Arc::new) });
         Ok(Self {
-            lens,
+            calibration: lens,
             masks: MaskRing::default(),
             enabled: true,
-            sees: None,
+            sees_volume: None,
             recycled_silhouettes: Vec::new(),
             recycled_tables: Vec::new(),
             scratch: MaskScratch::default(),
@@ -72,11 +74,11 @@ impl Slot {
     }
 
     pub(super) fn name(&self) -> &str {
-        self.lens.camera.name()
+        self.calibration.camera.name()
     }
 
     pub(super) fn camera(&self) -> &Arc<Camera> {
-        &self.lens.camera
+        &self.calibration.camera
     }
 
     /// What the next mask's preparation needs, in recycled memory where there is any.
@@ -88,7 +90,7 @@ impl Slot {
         {
             unshared.recycle_tables(tables);
         }
-        Preparation { lens: self.lens.clone(), silhouette, scratch: std::mem::take(&mut self.scratch) }
+        Preparation { lens: self.calibration.clone(), silhouette, scratch: std::mem::take(&mut self.scratch) }
     }
 
     /// Refuses the time of a mask that cannot be the next one.
@@ -151,9 +153,9 @@ impl Slot {
     pub(super) fn change_border(&mut self, border: Border) {
         for silhouette in self.masks.all() {
             let mut mask = silhouette.to_mask();
-            if let Some(lens) = &self.lens.undistortion {
+            if let Some(lens) = &self.calibration.undistortion {
                 let unseen = unseen_value(border);
-                let pixels = mask.iter_mut().zip(lens.seen().iter());
+                let pixels = mask.iter_mut().zip(lens.field_of_view().iter());
                 pixels.filter(|(_, seen)| **seen < SUBJECT).for_each(|(pixel, _)| *pixel = unseen);
             }
             *silhouette = Arc::new(Silhouette::new(&mask, border));
@@ -177,14 +179,14 @@ impl Slot {
         let (silhouette, time) = match mask {
             Some((silhouette, time)) => (silhouette, Some(time)),
             // A disabled view is never asked.
-            None if !self.enabled => (Arc::new(Silhouette::blank(Border::Open)), None),
+            None if !self.enabled => (Arc::new(Silhouette::blank(Border::Unknown)), None),
             None => {
                 let problem =
                     "expected a mask before the first update, found none; set one, or disable the view";
                 return Err(Error::view(self.name(), problem));
             }
         };
-        let Lens { pinhole, seen, .. } = &*self.lens;
+        let ViewCalibration { pinhole, field_of_view: seen, .. } = &*self.calibration;
         let view = View::new(pinhole.clone(), silhouette, seen.clone());
         let view = view.with_enabled(self.enabled).with_time(time);
         if self.enabled && !self.sees_some_of(&view, bounds) {
@@ -204,9 +206,9 @@ impl Slot {
 
     /// Asked once a work volume.
     fn sees_some_of(&mut self, view: &View, bounds: &Aabb) -> bool {
-        let (_, sees) = match self.sees {
+        let (_, sees) = match self.sees_volume {
             Some(known) if known.0 == *bounds => known,
-            _ => *self.sees.insert((*bounds, view.sees_some_of(bounds))),
+            _ => *self.sees_volume.insert((*bounds, view.sees_some_of(bounds))),
         };
         sees
     }
@@ -251,7 +253,7 @@ impl Preparation {
     }
 }
 
-impl Lens {
+impl ViewCalibration {
     fn check_size(&self, found: (u32, u32)) -> Result<()> {
         let (width, height) = self.camera.size();
         if found != (width, height) {
@@ -274,5 +276,5 @@ impl Lens {
 
 /// The mask's value where a lens did not see.
 fn unseen_value(border: Border) -> u8 {
-    if border == Border::Open { 255 } else { 0 }
+    if border == Border::Unknown { 255 } else { 0 }
 }

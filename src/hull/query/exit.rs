@@ -3,7 +3,7 @@
 //! For one line all views walk in step, whatever they see. Many lines go through [`batch`](crate::hull::batch), bit by bit
 //! the same: a view walks alone here too, and the first to leave ends it.
 
-use super::interval_merge::Sweep;
+use super::interval_merge::IntervalMerge;
 use crate::hull::{EdgeModel, Hull};
 use nalgebra::{Point3, Vector3};
 
@@ -11,7 +11,7 @@ impl Hull {
     /// Metres from `p`, a point inside, along the unit `direction` to where the hull ends: the nearest exit over the
     /// views and the work volume.
     pub fn exit(&self, p: &Point3<f64>, direction: &Vector3<f64>, edge: EdgeModel) -> f64 {
-        Sweep::new(self, p, direction, edge).map_or(0.0, |mut sweep| sweep.exit().t)
+        IntervalMerge::new(self, p, direction, edge).map_or(0.0, |mut sweep| sweep.exit().t)
     }
 
     /// Metres from `p`, a point inside, along the unit `direction` to where the hull ends ([`Self::exit`]), at most `most`.

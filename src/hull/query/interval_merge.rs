@@ -1,6 +1,6 @@
 //! All views' walks along one half-line, merged in the order of their changes: where the hull begins and ends on it.
 
-use super::line_walk::March;
+use super::line_walk::MaskTraversal;
 use crate::hull::{EdgeModel, Hull, Verdict, View};
 use nalgebra::{Point3, Vector3};
 
@@ -15,9 +15,9 @@ pub(super) struct Crossing<'a> {
 }
 
 /// A walk along a half-line through the whole hull.
-pub(super) struct Sweep<'a> {
+pub(super) struct IntervalMerge<'a> {
     hull: &'a Hull,
-    marches: Vec<March<'a>>,
+    marches: Vec<MaskTraversal<'a>>,
     t: f64,
     latest: Option<usize>,
     wall_entry: (f64, Vector3<f64>),
@@ -26,7 +26,7 @@ pub(super) struct Sweep<'a> {
     origin: Point3<f64>,
 }
 
-impl<'a> Sweep<'a> {
+impl<'a> IntervalMerge<'a> {
     /// `None` where the half-line misses the work volume.
     pub(super) fn new(
         hull: &'a Hull,
@@ -35,7 +35,8 @@ impl<'a> Sweep<'a> {
         edge: EdgeModel,
     ) -> Option<Self> {
         let (entry, exit, normal) = hull.bounds().span(origin, direction)?;
-        let marches = hull.enabled_views().map(|view| March::new(view, origin, direction, edge)).collect();
+        let marches =
+            hull.enabled_views().map(|view| MaskTraversal::new(view, origin, direction, edge)).collect();
         let (direction, origin) = (*direction, *origin);
         let wall_entry = (entry, normal);
         Some(Self { hull, marches, t: 0.0, latest: None, wall_entry, wall_exit: exit, direction, origin })

@@ -7,14 +7,14 @@
 //!
 //! Inside the silhouette a step jumps the largest square of subject pixels, which the distance table gives.
 
-use crate::camera::{ImageLine, Leave, MIN_DEPTH, floor};
+use crate::camera::{CellExit, ImageLine, MIN_DEPTH, floor};
 use crate::hull::{EdgeModel, Verdict, View};
 use crate::silhouette::{HALF_COVERAGE, Rect};
 use nalgebra::{Point3, Vector3};
 
 /// A view's walk along a half-line: the verdict that holds now, and until when it surely holds.
 #[derive(Debug)]
-pub(in crate::hull) struct March<'a> {
+pub(in crate::hull) struct MaskTraversal<'a> {
     view: &'a View,
     line: ImageLine,
     /// Cells are pixels (0), or the squares between four pixel centres (one half).
@@ -22,31 +22,31 @@ pub(in crate::hull) struct March<'a> {
     /// Where subject pixels may be.
     region: Rect,
     /// When the line is in the image and in the region, once that is asked.
-    stays: Option<Stays>,
-    walk: Option<Walk>,
+    visible_span: Option<VisibleSpan>,
+    segment: Option<Segment>,
     verdict: Verdict,
     until: f64,
 }
 
 /// When a line is in the image, and in the region.
 #[derive(Debug, Clone, Copy)]
-struct Stays {
+struct VisibleSpan {
     in_image: (f64, f64),
     in_region: (f64, f64),
 }
 
 /// The part of a walk in one square of cells that are alike, or in one cell that an edge crosses.
 #[derive(Debug)]
-struct Walk {
+struct Segment {
     cells: Rect,
-    leave: Leave,
+    leave: CellExit,
     /// Whether the next cell surely lies in the region too.
-    goes_on: bool,
+    stays_in_region: bool,
     /// Crossings of one half still ahead in the cell, the last one first.
     crossings: [Option<f64>; 2],
 }
 
-impl<'a> March<'a> {
+impl<'a> MaskTraversal<'a> {
     pub(in crate::hull) fn new(
         view: &'a View,
         origin: &Point3<f64>,
@@ -60,7 +60,7 @@ impl<'a> March<'a> {
     /// The walk along a line whose image is known.
     pub(in crate::hull) fn from_start(view: &'a View, line: ImageLine, edge: EdgeModel) -> Self {
         let mut march = Self::before_start(view, line, edge);
-        march.take_up(0.0);
+        march.resume_at(0.0);
         march
     }
 
@@ -84,17 +84,17 @@ impl<'a> March<'a> {
         // Pixels that a lens did not see lie anywhere in the image, so that there the whole image has to be walked.
         let region = if view.blind_spots().is_some() { silhouette.image() } else { silhouette.rect() };
         let (verdict, until) = (Verdict::Unseen, 0.0);
-        Self { view, line, shift, region, stays: None, walk: None, verdict, until }
+        Self { view, line, shift, region, visible_span: None, segment: None, verdict, until }
     }
 
-    fn stays(&mut self) -> Stays {
-        *self.stays.get_or_insert_with(|| {
+    fn visible_span(&mut self) -> VisibleSpan {
+        *self.visible_span.get_or_insert_with(|| {
             let never = (f64::INFINITY, f64::INFINITY);
             let in_image = within(&self.line, &self.view.silhouette().image(), 0.0).unwrap_or(never);
             let in_region = within(&self.line, &self.region, self.shift)
                 .map(|(t0, t1)| (t0.max(in_image.0), t1.min(in_image.1)));
             let in_region = in_region.filter(|(t0, t1)| t0 < t1).unwrap_or((in_image.1, in_image.1));
-            Stays { in_image, in_region }
+            VisibleSpan { in_image, in_region }
         })
     }
 
@@ -114,7 +114,7 @@ impl<'a> March<'a> {
 
     /// Goes on as long as the verdict is inside: where it began to be another, at most `limit`; `from` where it is from the
     /// start.
-    pub(in crate::hull) fn exit_by(&mut self, from: f64, limit: f64) -> f64 {
+    pub(in crate::hull) fn advance_until_exit(&mut self, from: f64, limit: f64) -> f64 {
         let mut left = from;
         while self.verdict == Verdict::Inside && self.until < limit {
             left = self.until;
@@ -126,29 +126,29 @@ impl<'a> March<'a> {
     /// Goes on to what holds after `until`.
     pub(in crate::hull) fn step(&mut self) {
         let t = self.until;
-        match self.walk.take() {
+        match self.segment.take() {
             Some(walk) if walk.crossings[0].is_some() => {
                 self.verdict =
                     if self.verdict == Verdict::Inside { Verdict::Outside } else { Verdict::Inside };
-                let walk = Walk { crossings: [walk.crossings[1], None], ..walk };
+                let walk = Segment { crossings: [walk.crossings[1], None], ..walk };
                 self.until = walk.crossings[0].unwrap_or(walk.leave.t);
-                self.walk = Some(walk);
+                self.segment = Some(walk);
             }
-            Some(walk) if walk.goes_on || t < self.stays().in_region.1 => {
+            Some(walk) if walk.stays_in_region || t < self.visible_span().in_region.1 => {
                 let (i, j) = self.line.entered(&walk.leave, &walk.cells, self.shift);
                 self.enter_cell(i, j, t);
             }
             Some(_) => {
-                let end = self.stays().in_region.1;
-                self.take_up(end);
+                let end = self.visible_span().in_region.1;
+                self.resume_at(end);
             }
-            None => self.take_up(t),
+            None => self.resume_at(t),
         }
     }
 
     /// Takes the walk up at `t` by position alone.
-    fn take_up(&mut self, t: f64) {
-        let Stays { in_image, in_region } = self.stays();
+    fn resume_at(&mut self, t: f64) {
+        let VisibleSpan { in_image, in_region } = self.visible_span();
         let mut rest = |verdict, until| (self.verdict, self.until) = (verdict, until);
         if t < in_image.0 {
             rest(Verdict::Unseen, in_image.0);
@@ -178,9 +178,9 @@ impl<'a> March<'a> {
         let (verdict, half) = self.cell_verdict(i, j);
         let cells = Rect::window(i, j, half);
         let mut leave = self.line.leave(&cells, self.shift, t);
-        let goes_on = self.goes_on(&cells, leave.t);
+        let goes_on = self.stays_in_region(&cells, leave.t);
         if !goes_on {
-            leave.t = leave.t.min(self.stays().in_region.1);
+            leave.t = leave.t.min(self.visible_span().in_region.1);
         }
         let mut crossings = [None, None];
         self.verdict = match verdict {
@@ -192,12 +192,12 @@ impl<'a> March<'a> {
             }
         };
         self.until = crossings[0].unwrap_or(leave.t);
-        self.walk = Some(Walk { cells, leave, goes_on, crossings });
+        self.segment = Some(Segment { cells, leave, stays_in_region: goes_on, crossings });
     }
 
     /// Whether the line, as it leaves `cells` at `t`, surely stays in the region for a pixel more, and before the
     /// camera: then it need not be asked when exactly it leaves that.
-    fn goes_on(&self, cells: &Rect, t: f64) -> bool {
+    fn stays_in_region(&self, cells: &Rect, t: f64) -> bool {
         let region = &self.region;
         let inner =
             cells.x0 > region.x0 && cells.x1 < region.x1 && cells.y0 > region.y0 && cells.y1 < region.y1;
@@ -296,18 +296,18 @@ mod tests {
         // Subject in the first column, and one pixel far off.
         let mask =
             GrayImage::from_fn(160, 120, |i, j| Luma([if i == 0 || (i, j) == (50, 60) { 255 } else { 0 }]));
-        let (camera, silhouette) = (cameras().swap_remove(0), Silhouette::new(&mask, Border::Open));
+        let (camera, silhouette) = (cameras().swap_remove(0), Silhouette::new(&mask, Border::Unknown));
         let view = View::new(Arc::new(camera), Arc::new(silhouette), None);
         let mut random = Random(5);
         for _ in 0..300 {
             let row = 1.0 + 118.0 * random.unit();
             let mut place = |u: f64| view.camera().unproject(u, row, 1.0 + random.unit());
             let (Some(from), Some(to)) = (place(-20.0), place(40.0)) else { panic!("a pinhole sees both") };
-            let mut march = March::new(&view, &from, &(to - from).normalize(), EdgeModel::Pixel);
+            let mut march = MaskTraversal::new(&view, &from, &(to - from).normalize(), EdgeModel::Pixel);
             assert_eq!(march.verdict(), Verdict::Unseen);
             march.step();
             assert_eq!(march.verdict(), Verdict::Inside);
-            let left = march.exit_by(0.0, f64::INFINITY);
+            let left = march.advance_until_exit(0.0, f64::INFINITY);
             let u = march.line.at(left).0;
             assert!((u - 1.0).abs() < 1e-9, "left at column {u}, entered in row {row}");
         }

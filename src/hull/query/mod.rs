@@ -10,9 +10,9 @@ mod ray_cast;
 mod response;
 mod window_search;
 
-pub(super) use line_walk::March;
+pub(super) use line_walk::MaskTraversal;
 pub use ray_cast::RayHit;
 pub(super) use response::towards;
-pub use response::{Push, Response};
+pub use response::{ExitVector, Response};
 pub use window_search::NearestEdge;
 pub(super) use window_search::window_half_width;

@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 /// Where one view sees a point.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sighting {
+pub(super) struct ViewSample {
     /// Index of the view.
     pub(super) index: usize,
     pub(super) at: Pixel,
@@ -21,37 +21,37 @@ pub(super) struct Sighting {
 
 /// How the enabled views see a point.
 #[derive(Debug, Default)]
-pub(super) struct Sightings {
-    pub(super) seen: Vec<Sighting>,
+pub(super) struct ViewSamples {
+    pub(super) seen: Vec<ViewSample>,
     /// How many views do not see it.
     pub(super) unseen: usize,
 }
 
 thread_local! {
     /// Memory for one point at a time.
-    static SPARE: Cell<Option<Sightings>> = const { Cell::new(None) };
+    static SCRATCH: Cell<Option<ViewSamples>> = const { Cell::new(None) };
 }
 
-impl Sightings {
+impl ViewSamples {
     /// Runs `ask` on memory that is used again.
     pub(super) fn with<R>(ask: impl FnOnce(&mut Self) -> R) -> R {
-        let mut sightings = SPARE.take().unwrap_or_default();
+        let mut sightings = SCRATCH.take().unwrap_or_default();
         let answer = ask(&mut sightings);
-        SPARE.set(Some(sightings));
+        SCRATCH.set(Some(sightings));
         answer
     }
 
     /// Takes up how all views see `p`.
-    pub(super) fn take(&mut self, hull: &Hull, p: &Point3<f64>) {
-        self.start();
+    pub(super) fn project(&mut self, hull: &Hull, p: &Point3<f64>) {
+        self.clear_samples();
         for (index, view) in hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
             self.add(index, view, p);
         }
     }
 
     /// The same, but only as far as all views see `p` inside: false where some view sees it outside.
-    pub(super) fn take_inside(&mut self, hull: &Hull, p: &Point3<f64>, edge: EdgeModel) -> bool {
-        self.start();
+    pub(super) fn project_if_inside(&mut self, hull: &Hull, p: &Point3<f64>, edge: EdgeModel) -> bool {
+        self.clear_samples();
         for (index, view) in hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
             if let Some(sighting) = self.add(index, view, p)
                 && sighting.verdict(view, edge) == Verdict::Outside
@@ -62,13 +62,13 @@ impl Sightings {
         hull.unseen().decides_inside(self.seen.len(), 0, self.seen.len() + self.unseen)
     }
 
-    fn start(&mut self) {
+    fn clear_samples(&mut self) {
         self.seen.clear();
         self.unseen = 0;
     }
 
-    fn add(&mut self, index: usize, view: &View, p: &Point3<f64>) -> Option<Sighting> {
-        let sighting = Sighting::of(index, view, p);
+    fn add(&mut self, index: usize, view: &View, p: &Point3<f64>) -> Option<ViewSample> {
+        let sighting = ViewSample::of(index, view, p);
         match sighting {
             Some(sighting) => self.seen.push(sighting),
             None => self.unseen += 1,
@@ -77,7 +77,7 @@ impl Sightings {
     }
 }
 
-impl Sighting {
+impl ViewSample {
     fn of(index: usize, view: &View, p: &Point3<f64>) -> Option<Self> {
         let at = view.project(p)?;
         let pixel = floor_pixel(at.u, at.v);

@@ -1,6 +1,6 @@
 //! Rays against the hull: for ODE's ray class, for picking, and to draw what stands before what.
 
-use super::interval_merge::{Crossing, Sweep};
+use super::interval_merge::{Crossing, IntervalMerge};
 use super::window_search::NearestEdge;
 use crate::camera::{Ray, floor_pixel};
 use crate::hull::{EdgeModel, Hull, View};
@@ -18,8 +18,8 @@ pub struct RayHit {
 impl Hull {
     /// The first stretch of `ray` inside the hull: where it enters (`None` where it starts inside) and where it
     /// leaves. `None` where it misses.
-    pub fn first_span(&self, ray: &Ray) -> Option<(Option<RayHit>, RayHit)> {
-        let mut sweep = Sweep::new(self, &ray.origin, &ray.direction, EdgeModel::Coverage)?;
+    pub fn ray_cast(&self, ray: &Ray) -> Option<(Option<RayHit>, RayHit)> {
+        let mut sweep = IntervalMerge::new(self, &ray.origin, &ray.direction, EdgeModel::Coverage)?;
         let entry = sweep.entry()?;
         let exit = sweep.exit();
         let hit = |crossing: &Crossing| self.hit(ray, crossing);

@@ -1,6 +1,6 @@
 //! The exit vector of one point (paper, section 4.2).
 
-use super::projection::Sightings;
+use super::projection::ViewSamples;
 use super::window_search::NearestEdge;
 use crate::camera::floor_pixel;
 use crate::hull::{EdgeModel, Hull};
@@ -27,7 +27,7 @@ impl Response<'_> {
 
 /// The exit that contacts use: the contact normal, and the exit at the coverage edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Push {
+pub struct ExitVector {
     /// Unit outward direction.
     pub direction: Vector3<f64>,
     /// Metres along it to the exit; may be zero.
@@ -41,8 +41,8 @@ impl Hull {
         if !self.in_boxes(p) {
             return None;
         }
-        Sightings::with(|sightings| {
-            if !sightings.take_inside(self, p, EdgeModel::Pixel) {
+        ViewSamples::with(|sightings| {
+            if !sightings.project_if_inside(self, p, EdgeModel::Pixel) {
                 return None;
             }
             let nearest = self.nearest_edge_among(sightings)?;
@@ -57,16 +57,16 @@ impl Hull {
     }
 
     /// The exit of `p` that contacts use; `None` where `p` is outside by the coverage edge.
-    pub fn push(&self, p: &Point3<f64>) -> Option<Push> {
+    pub fn exit_vector(&self, p: &Point3<f64>) -> Option<ExitVector> {
         if !self.in_boxes(p) {
             return None;
         }
-        Sightings::with(|sightings| {
-            if !sightings.take_inside(self, p, EdgeModel::Coverage) {
+        ViewSamples::with(|sightings| {
+            if !sightings.project_if_inside(self, p, EdgeModel::Coverage) {
                 return None;
             }
             let direction = self.contact_normal(&self.nearest_edge_among(sightings)?);
-            Some(Push { direction, depth: self.exit(p, &direction, EdgeModel::Coverage) })
+            Some(ExitVector { direction, depth: self.exit(p, &direction, EdgeModel::Coverage) })
         })
     }
 

@@ -1,6 +1,6 @@
 //! The window search (paper, section 4.2): which view's silhouette edge is nearest to a point inside.
 
-use super::projection::{Sighting, Sightings};
+use super::projection::{ViewSample, ViewSamples};
 use crate::camera::Pixel;
 use crate::hull::{Hull, View};
 
@@ -22,16 +22,16 @@ impl Hull {
     /// pixel covers at p; the first k at which some window holds background decides, the first view among equals.
     /// The distance table says without a search at which k that is.
     pub fn nearest_edge(&self, p: &nalgebra::Point3<f64>) -> Option<NearestEdge<'_>> {
-        Sightings::with(|sightings| {
-            sightings.take(self, p);
+        ViewSamples::with(|sightings| {
+            sightings.project(self, p);
             self.nearest_edge_among(sightings)
         })
     }
 
     /// The edge nearest to a point inside, by the window search ([`Self::nearest_edge`]), from how the views see it.
-    pub(super) fn nearest_edge_among(&self, sightings: &Sightings) -> Option<NearestEdge<'_>> {
+    pub(super) fn nearest_edge_among(&self, sightings: &ViewSamples) -> Option<NearestEdge<'_>> {
         let d_max = sightings.seen.iter().map(|sighting| sighting.footprint).fold(0.0, f64::max);
-        let mut first: Option<(i64, &Sighting)> = None;
+        let mut first: Option<(i64, &ViewSample)> = None;
         for sighting in &sightings.seen {
             let growth = d_max / sighting.footprint;
             // Only a view that comes in sooner takes over.

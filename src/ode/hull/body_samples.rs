@@ -20,13 +20,13 @@ use std::sync::{Arc, LazyLock, Mutex};
 static CACHE: LazyLock<Mutex<SampleCache>> = LazyLock::new(Mutex::default);
 
 /// Samples that users gave to geoms, by the geom's address.
-static GIVEN: LazyLock<Mutex<HashMap<usize, Given>>> = LazyLock::new(Mutex::default);
+static USER_SAMPLES: LazyLock<Mutex<HashMap<usize, UserSamples>>> = LazyLock::new(Mutex::default);
 
 /// Vertices of convex geoms are put in order on a grid of this many metres: coarser than the rounding of a pose.
 const VERTEX_GRID: f64 = 1e-7;
 
 #[derive(Debug)]
-struct Given {
+struct UserSamples {
     samples: Arc<Samples>,
     /// What the geom was when it got them: another geom at its address must not inherit them.
     kind: Kind,
@@ -39,19 +39,19 @@ struct Kind {
     sizes: [f64; 3],
 }
 
-/// Gives `geom` samples of the user's own, instead of what its class would give.
+/// Gives `geom` samples of the user's own, instead of what its class would set_samples.
 ///
 /// # Safety
 /// `geom` is a living geom.
-pub(crate) unsafe fn give(geom: dGeomID, samples: Samples) {
+pub(crate) unsafe fn set_samples(geom: dGeomID, samples: Samples) {
     // SAFETY: the caller vouches for the geom.
     let kind = unsafe { kind(geom) };
-    lock(&GIVEN).insert(geom as usize, Given { samples: Arc::new(samples), kind });
+    lock(&USER_SAMPLES).insert(geom as usize, UserSamples { samples: Arc::new(samples), kind });
 }
 
 /// Takes the samples given to the geom at this address away again.
-pub(crate) fn take_away(geom: dGeomID) {
-    lock(&GIVEN).remove(&(geom as usize));
+pub(crate) fn clear_samples(geom: dGeomID) {
+    lock(&USER_SAMPLES).remove(&(geom as usize));
 }
 
 /// The surface samples of `geom` in its own frame: the user's, else by its class; `None` for a class without a
@@ -71,7 +71,7 @@ pub(super) unsafe fn of(
     // SAFETY: the caller vouches for the geom throughout; each getter is called on a geom of its class.
     unsafe {
         let kind = kind(geom);
-        if let Some(given) = lock(&GIVEN).get(&address).filter(|given| given.kind == kind) {
+        if let Some(given) = lock(&USER_SAMPLES).get(&address).filter(|given| given.kind == kind) {
             return Ok(Some(given.samples.clone()));
         }
         let class = kind.class as u32;
@@ -146,7 +146,7 @@ unsafe fn triangles(mesh: dGeomID, world_from_geom: &Isometry3<f64>) -> Vec<[Poi
 }
 
 /// The vertices of a convex geom in its own frame. ODE has no getter for them, but reports every vertex behind a
-/// plane as a contact: two opposite planes through the middle of its box give them all.
+/// plane as a contact: two opposite planes through the middle of its box set_samples them all.
 ///
 /// # Safety
 /// `convex` is a living convex geom and `world_from_geom` its pose.

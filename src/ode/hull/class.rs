@@ -20,7 +20,7 @@ use std::mem::size_of;
 use std::ptr::{null, null_mut};
 use std::sync::{Arc, Mutex};
 
-/// What ODE keeps in a geom of the class: the geom's data, which `LIVING` owns, or null before it is filled in.
+/// What ODE keeps in a geom of the class: the geom's data, which `HULL_GEOMS` owns, or null before it is filled in.
 type ClassData = *const HullGeom;
 
 /// The number under which the class was registered last.
@@ -28,10 +28,10 @@ static NUMBER: Mutex<Option<c_int>> = Mutex::new(None);
 
 /// The hull geoms that were made and not destroyed, by their addresses, which are not followed here: another thread
 /// may be about to destroy one.
-static LIVING: Mutex<BTreeMap<usize, Arc<HullGeom>>> = Mutex::new(BTreeMap::new());
+static HULL_GEOMS: Mutex<BTreeMap<usize, Arc<HullGeom>>> = Mutex::new(BTreeMap::new());
 
 thread_local! {
-    static MARKER_RAN: Cell<bool> = const { Cell::new(false) };
+    static CANARY_RAN: Cell<bool> = const { Cell::new(false) };
 }
 
 /// The class's number, after registering it where ODE does not know it. ODE must be open.
@@ -62,7 +62,7 @@ pub(super) fn number() -> Result<c_int> {
         ))
     })?;
     // SAFETY: both numbers are ODE's own; two rays never touch, so that the pair is nobody's.
-    unsafe { dSetColliderOverride(dRayClass as c_int, dRayClass as c_int, Some(marker)) };
+    unsafe { dSetColliderOverride(dRayClass as c_int, dRayClass as c_int, Some(canary_collider)) };
     *number = Some(fresh);
     Ok(fresh)
 }
@@ -71,7 +71,7 @@ pub(super) fn number() -> Result<c_int> {
 /// number may reach somebody else's class; but a collider between two rays, which nobody else has a use for, is
 /// forgotten together with the class.
 pub(super) fn is_still_registered() -> bool {
-    MARKER_RAN.set(false);
+    CANARY_RAN.set(false);
     // SAFETY: ODE is open; the rays are in no space and destroyed here; the buffer holds the one contact asked for.
     unsafe {
         let (one, other) = (dCreateRay(null_mut(), 1.0), dCreateRay(null_mut(), 1.0));
@@ -80,11 +80,11 @@ pub(super) fn is_still_registered() -> bool {
         dGeomDestroy(one);
         dGeomDestroy(other);
     }
-    MARKER_RAN.get()
+    CANARY_RAN.get()
 }
 
-extern "C" fn marker(_: dGeomID, _: dGeomID, _: c_int, _: *mut dContactGeom, _: c_int) -> c_int {
-    MARKER_RAN.set(true);
+extern "C" fn canary_collider(_: dGeomID, _: dGeomID, _: c_int, _: *mut dContactGeom, _: c_int) -> c_int {
+    CANARY_RAN.set(true);
     0
 }
 
@@ -96,17 +96,17 @@ pub(super) unsafe fn give_data(geom: dGeomID, data: HullGeom) {
     let data = Arc::new(data);
     // SAFETY: the caller vouches for the geom's class, whose data is one pointer.
     unsafe { *dGeomGetClassData(geom).cast::<ClassData>() = Arc::as_ptr(&data) };
-    lock(&LIVING).insert(geom as usize, data);
+    lock(&HULL_GEOMS).insert(geom as usize, data);
 }
 
 /// The data of the hull geom that lives at this address, which is not followed.
 pub(super) fn find(geom: dGeomID) -> Option<Arc<HullGeom>> {
-    lock(&LIVING).get(&(geom as usize)).cloned()
+    lock(&HULL_GEOMS).get(&(geom as usize)).cloned()
 }
 
 /// All hull geoms of the process, in the order of their addresses.
-pub(super) fn living() -> Vec<(dGeomID, Arc<HullGeom>)> {
-    lock(&LIVING).iter().map(|(&geom, data)| (geom as dGeomID, data.clone())).collect()
+pub(super) fn all() -> Vec<(dGeomID, Arc<HullGeom>)> {
+    lock(&HULL_GEOMS).iter().map(|(&geom, data)| (geom as dGeomID, data.clone())).collect()
 }
 
 /// The data of a geom; `None` where it is not of the class.
@@ -147,7 +147,7 @@ extern "C" fn collide_body(
     // the low 16 bits of `flags` say, `skip` bytes apart.
     fence(0, || unsafe {
         #[cfg(test)]
-        crate::ode::fault::strike();
+        crate::ode::injected_panic::panic_if_injected();
         collider::collide_body(hull, body, flags, contacts, skip)
     })
 }
@@ -168,7 +168,7 @@ extern "C" fn collide_ray(
 extern "C" fn aabb(geom: dGeomID, into: *mut dReal) {
     let bounds = fence([0.0; 6], || {
         #[cfg(test)]
-        crate::ode::fault::strike();
+        crate::ode::injected_panic::panic_if_injected();
         // SAFETY: ODE passes a living geom of the class; its data may not be filled in yet.
         unsafe { data(geom).map_or([0.0; 6], |hull| hull.world_aabb(geom)) }
     });
@@ -181,7 +181,7 @@ extern "C" fn destroy(geom: dGeomID) {
         // SAFETY: ODE passes a living geom of the class, once, while its data can still be reached.
         unsafe { *dGeomGetClassData(geom).cast::<ClassData>() = null() };
         // Outside the lock, since it may free a data object with all its frames.
-        let data = lock(&LIVING).remove(&(geom as usize));
+        let data = lock(&HULL_GEOMS).remove(&(geom as usize));
         drop(data);
     });
 }

@@ -50,7 +50,7 @@ pub(super) unsafe fn collide_body(
         Ok(Some(question)) => question,
         Ok(None) => return 0,
         Err(error) => {
-            geom.report(error);
+            geom.record_error(error);
             return 0;
         }
     };
@@ -139,7 +139,7 @@ pub(super) unsafe fn collide_ray(hull: dGeomID, ray: dGeomID, contacts: *mut dCo
     let (start, direction) = (Point3::from(convert::vector(&start)), convert::vector(&direction));
     let hull_from_world = world_from_hull.inverse();
     let in_hull = Ray { origin: hull_from_world * start, direction: hull_from_world * direction };
-    let Some((entry, exit)) = frame.first_span(&in_hull) else { return 0 };
+    let Some((entry, exit)) = frame.ray_cast(&in_hull) else { return 0 };
     let starts_inside = entry.is_none();
     let hit = entry.unwrap_or(exit);
     if hit.t > length || (starts_inside && cull) {

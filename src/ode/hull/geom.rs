@@ -17,13 +17,13 @@ use std::sync::{Arc, Mutex, MutexGuard};
 const FORGET_AFTER: u64 = 1000;
 
 thread_local! {
-    /// The last trouble of a collider on this thread, for callers who own ODE themselves and may have no geom to ask.
-    static TOLD: RefCell<Option<String>> = const { RefCell::new(None) };
+    /// The last error of a collider on this thread, for callers who own ODE themselves and may have no geom to ask.
+    static LAST_ERROR: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
 /// What went wrong last in a collider on this thread, once.
-pub(crate) fn take_told() -> Option<String> {
-    TOLD.take()
+pub(crate) fn take_last_error() -> Option<String> {
+    LAST_ERROR.take()
 }
 
 /// The data behind a hull geom. ODE owns it, as the geom's class data.
@@ -44,13 +44,13 @@ struct State {
     min_feature: f64,
     /// Where the hull was before the frame in force: bodies there must meet the collider once more, to learn that it
     /// left.
-    trail: Aabb,
+    previous_aabb: Aabb,
     /// Whether the collider ran since the frame in force was adopted.
-    served: bool,
+    collided_since_update: bool,
     touches: HashMap<usize, Touch>,
     clock: u64,
     /// The first thing that went wrong in the collider since somebody last asked.
-    trouble: Option<Error>,
+    error: Option<Error>,
 }
 
 /// How a body met the hull when it was last awake. A hint only: the address it is stored under may be another geom's
@@ -82,11 +82,11 @@ impl HullGeom {
             adopted: 0,
             settings: Settings::default(),
             min_feature: MIN_FEATURE,
-            trail: Aabb::EMPTY,
-            served: false,
+            previous_aabb: Aabb::EMPTY,
+            collided_since_update: false,
             touches: HashMap::new(),
             clock: 0,
-            trouble: None,
+            error: None,
         };
         Self { state: Mutex::new(state), ahead: Mutex::new(Some(Box::default())) }
     }
@@ -126,18 +126,18 @@ impl HullGeom {
     }
 
     /// Notes what the collider cannot tell its caller.
-    pub(super) fn report(&self, error: Error) {
-        TOLD.set(Some(error.to_string()));
-        self.lock().trouble.get_or_insert(error);
+    pub(super) fn record_error(&self, error: Error) {
+        LAST_ERROR.set(Some(error.to_string()));
+        self.lock().error.get_or_insert(error);
     }
 
     /// What the collider could not tell, once.
-    pub(super) fn take_trouble(&self) -> Option<Error> {
-        self.lock().trouble.take()
+    pub(super) fn take_error(&self) -> Option<Error> {
+        self.lock().error.take()
     }
 
     /// Takes the latest published frame into force; true where it is a new one.
-    fn take_latest(&self) -> bool {
+    fn swap_frame(&self) -> bool {
         let mut state = self.lock();
         let hull = state.data.latest().map(|(_, hull)| hull);
         let changed = match (&state.hull, &hull) {
@@ -147,8 +147,9 @@ impl HullGeom {
         };
         if changed {
             let left = state.aabb();
-            state.trail = if state.served { left } else { state.trail.union(&left) };
-            (state.hull, state.served) = (hull, false);
+            state.previous_aabb =
+                if state.collided_since_update { left } else { state.previous_aabb.union(&left) };
+            (state.hull, state.collided_since_update) = (hull, false);
             state.adopted += 1;
         }
         changed
@@ -162,7 +163,7 @@ impl HullGeom {
         // SAFETY: the caller vouches for the geom; the class is placeable.
         let world_from_hull = unsafe { pose(geom) };
         let state = self.lock();
-        let both = state.aabb().union(&state.trail);
+        let both = state.aabb().union(&state.previous_aabb);
         // An empty hull is a point, so that it is nowhere near anything, yet not NaN or infinite.
         let both = if both.is_empty() { Aabb { min: Point3::origin(), max: Point3::origin() } } else { both };
         let aabb = both.transformed(&world_from_hull);
@@ -172,7 +173,7 @@ impl HullGeom {
     /// What is needed to collide once; `None` before the first frame.
     pub(super) fn begin(&self) -> Option<Collidable> {
         let mut state = self.lock();
-        state.served = true;
+        state.collided_since_update = true;
         state.clock += 1;
         let hull = state.hull.clone()?;
         let State { settings, min_feature, adopted, .. } = *state;
@@ -230,8 +231,8 @@ impl State {
 ///
 /// # Safety
 /// `geom` is the living geom that owns `hull`, and no space that it is in is being collided.
-pub(super) unsafe fn adopt(geom: dGeomID, hull: &HullGeom) {
-    if hull.take_latest() {
+pub(super) unsafe fn apply_latest_frame(geom: dGeomID, hull: &HullGeom) {
+    if hull.swap_frame() {
         // SAFETY: the caller vouches that the space is not locked, where ODE would abort.
         unsafe { dGeomMoved(geom) };
     }

@@ -16,8 +16,8 @@ mod prefetch;
 mod raw;
 mod view;
 
-pub(crate) use body_samples::{give as give_samples, take_away as take_samples_away};
-pub(crate) use geom::take_told;
-pub(crate) use open_class::{close as close_class, number as open_class_number, open as open_class};
+pub(crate) use body_samples::{clear_samples, set_samples};
+pub(crate) use geom::take_last_error;
+pub(crate) use open_class::{close_class, number as open_class_number, open as open_class};
 pub(crate) use raw::{RawHull, adopt_everywhere, create_in as create_hull_in};
 pub use view::{HullMut, HullView};

@@ -54,7 +54,7 @@ pub(crate) fn open() -> Result<()> {
 ///
 /// # Errors
 /// None is left.
-pub(crate) fn close() -> Result<()> {
+pub(crate) fn close_class() -> Result<()> {
     let mut openings = openings();
     openings.count = openings.count.checked_sub(1).ok_or_else(closed)?;
     if openings.count == 0 {

@@ -46,7 +46,7 @@ pub(crate) unsafe fn create_in(space: dSpaceID, data: Arc<HullData>) -> Result<d
             dSpaceAdd(space, raw);
         }
         if let Some(geom) = class::data(raw) {
-            geom::adopt(raw, geom);
+            geom::apply_latest_frame(raw, geom);
         }
         Ok(raw)
     }
@@ -58,11 +58,11 @@ pub(crate) unsafe fn create_in(space: dSpaceID, data: Arc<HullData>) -> Result<d
 /// No space that holds one of them is being collided, nor is one of them being destroyed. Geoms bound to other data
 /// may be.
 pub(crate) unsafe fn adopt_everywhere(data: &Arc<HullData>) {
-    for (raw, geom) in class::living() {
+    for (raw, geom) in class::all() {
         if Arc::ptr_eq(&geom.data(), data) {
             // SAFETY: the geom is on the list of the living; the caller vouches that it stays there, and for its
             // space.
-            unsafe { geom::adopt(raw, &geom) };
+            unsafe { geom::apply_latest_frame(raw, &geom) };
         }
     }
 }
@@ -102,8 +102,8 @@ impl RawHull {
         self.geom.min_feature()
     }
 
-    pub(crate) fn take_trouble(&self) -> Option<Error> {
-        self.geom.take_trouble()
+    pub(crate) fn take_error(&self) -> Option<Error> {
+        self.geom.take_error()
     }
 
     pub(crate) fn inside(&self, p: &Point3<f64>) -> bool {

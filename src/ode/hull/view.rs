@@ -66,7 +66,7 @@ impl World {
     pub fn set_samples(&mut self, id: GeomId, samples: Samples) -> Result<()> {
         let raw = self.geoms.find(id)?.raw;
         // SAFETY: the record is alive.
-        unsafe { body_samples::give(raw, samples) };
+        unsafe { body_samples::set_samples(raw, samples) };
         Ok(())
     }
 
@@ -76,7 +76,7 @@ impl World {
     ///
     /// [`Error::Argument`] if the geom is gone.
     pub fn clear_samples(&mut self, id: GeomId) -> Result<()> {
-        body_samples::take_away(self.geoms.find(id)?.raw);
+        body_samples::clear_samples(self.geoms.find(id)?.raw);
         Ok(())
     }
 
@@ -85,7 +85,7 @@ impl World {
         for (_, record) in self.geoms.iter() {
             if let Some(hull) = class::find(record.raw) {
                 // SAFETY: the record is alive, and the world is borrowed mutably, so that nothing collides.
-                unsafe { geom::adopt(record.raw, &hull) };
+                unsafe { geom::apply_latest_frame(record.raw, &hull) };
             }
         }
     }
@@ -121,8 +121,8 @@ impl HullView<'_> {
 
     /// What the collider could not tell ODE, once: a body too large to sample, a degenerate mesh. Such bodies do not
     /// collide.
-    pub fn take_trouble(&self) -> Option<Error> {
-        self.hull.take_trouble()
+    pub fn take_error(&self) -> Option<Error> {
+        self.hull.take_error()
     }
 
     /// Whether a point of the world is inside.

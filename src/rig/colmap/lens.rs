@@ -1,7 +1,7 @@
 //! The camera models of COLMAP, as far as they are OpenCV's.
 
 use super::super::lines::Line;
-use super::Lens;
+use super::Intrinsics;
 use crate::Result;
 use crate::camera::Distortion;
 use nalgebra::Matrix3;
@@ -34,7 +34,7 @@ pub(super) fn is_camera(line: &Line) -> bool {
     line.words.len() > 3 && line.words[0].parse::<u32>().is_ok() && named(line.words[1])
 }
 
-pub(super) fn read(line: &Line) -> Result<Lens> {
+pub(super) fn read(line: &Line) -> Result<Intrinsics> {
     let Some(name) = line.words.get(1) else {
         return Err(line.fail(format!("expected a camera, found one word; {CAMERA}")));
     };
@@ -58,7 +58,7 @@ pub(super) fn read(line: &Line) -> Result<Lens> {
     let mut coefficients = rest[2..].to_vec();
     // Those of radial models are the first two of OpenCV's.
     coefficients.resize(if model.coefficients > 4 { 8 } else { 4 }, 0.0);
-    Ok(Lens {
+    Ok(Intrinsics {
         size,
         k: Matrix3::new(fx, 0.0, rest[0], 0.0, fy, rest[1], 0.0, 0.0, 1.0),
         distortion: Distortion::from_opencv(&coefficients)?,

@@ -26,7 +26,7 @@ pub(super) fn parse(text: &str) -> Result<Node> {
                 let problem = "expected a calibration, found an empty document; check the file";
                 return Err(Error::argument(format!("line {}: {problem}", span.start.line())));
             }
-            (event, span) => return reader.whole(event, span),
+            (event, span) => return reader.document(event, span),
         }
     }
 }
@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The root, and behind it nothing or another document.
-    fn whole(&mut self, event: Event<'a>, span: Span) -> Result<Node> {
+    fn document(&mut self, event: Event<'a>, span: Span) -> Result<Node> {
         let root = self.node(event, span, 0)?;
         loop {
             match self.next()? {

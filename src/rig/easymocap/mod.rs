@@ -16,7 +16,7 @@
 //! Source: EasyMocap's documentation of calibration and its camera files.
 
 use super::document::{self, Entry, Node};
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::length;
 use super::source::{self, Source};
 use crate::camera::Distortion;
@@ -46,7 +46,7 @@ fn recognise(source: &Source) -> bool {
     }
 }
 
-fn read(source: &Source, hints: &Hints) -> Result<Contents> {
+fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     let (intri, extri) = (file(source, "intri", "extri", "K_")?, file(source, "extri", "intri", "T_")?);
     let cameras =
         names(&intri)?.iter().map(|name| camera(name, &intri, &extri)).collect::<Result<Vec<_>>>()?;
@@ -56,7 +56,7 @@ fn read(source: &Source, hints: &Hints) -> Result<Contents> {
             notes.push(format!("extri.yml has a pose of camera {name}, intri.yml no lens; it is left out"));
         }
     }
-    Ok(Contents { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: Some(1.0), notes })
+    Ok(RawCalibration { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: Some(1.0), notes })
 }
 
 /// The file of one half: what was opened where that holds such keys, else the other half's counterpart beside it, as
@@ -84,7 +84,7 @@ fn names(file: &File) -> Result<Vec<String>> {
     list.and_then(|items| items.into_iter().map(name).collect()).map_err(|e| file.fail(e))
 }
 
-fn camera(name: &str, intri: &File, extri: &File) -> Result<Found> {
+fn camera(name: &str, intri: &File, extri: &File) -> Result<RawCamera> {
     let lens = |key: &str| intri.document.entry(&format!("{key}_{name}"));
     let in_intri = |e| intri.fail(Error::camera(name, e));
     let in_extri = |e| extri.fail(Error::camera(name, e));
@@ -98,7 +98,7 @@ fn camera(name: &str, intri: &File, extri: &File) -> Result<Found> {
     let rotation = rotation(name, &extri.document).map_err(in_extri)?;
     let translation = extri.document.require(&format!("T_{name}"), "calibrate where it stands");
     let translation = translation.and_then(|entry| entry.vector3()).map_err(in_extri)?;
-    Ok(Found { name: name.to_owned(), size, k, distortion, rotation, translation })
+    Ok(RawCamera { name: name.to_owned(), size, k, distortion, rotation, translation })
 }
 
 /// Width and height, where they are there: -1 stands for unknown.

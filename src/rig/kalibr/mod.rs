@@ -19,7 +19,7 @@
 //! formats" and "Supported models".
 
 use super::document::{self, Entry, Node};
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::source::Source;
 use crate::camera::Distortion;
 use crate::{Error, Result};
@@ -46,7 +46,7 @@ fn number(key: &str) -> Option<u32> {
     key.strip_prefix("cam")?.parse().ok()
 }
 
-fn read(text: &str) -> Result<Contents> {
+fn read(text: &str) -> Result<RawCalibration> {
     let document = document::parse(text)?;
     let mut entries: Vec<_> =
         document.entries().filter_map(|entry| Some((number(&entry.key)?, entry))).collect();
@@ -67,7 +67,7 @@ fn read(text: &str) -> Result<Contents> {
         cameras.push(camera(entry, &cam_from_world).map_err(fail)?);
     }
     let note = if cameras.len() == 1 { NO_CHAIN } else { FIRST_FRAME };
-    Ok(Contents {
+    Ok(RawCalibration {
         cameras,
         pixel_centres: PixelCentres::Whole,
         metres_per_unit: Some(1.0),
@@ -82,7 +82,7 @@ fn step(node: &Node) -> Result<Isometry3<f64>> {
     Ok(Isometry3::from_parts(translation.into(), rotation))
 }
 
-fn camera(entry: &Entry, cam_from_world: &Isometry3<f64>) -> Result<Found> {
+fn camera(entry: &Entry, cam_from_world: &Isometry3<f64>) -> Result<RawCamera> {
     let node = entry.node;
     let undistort = "undistort the images first, or calibrate with pinhole-radtan";
     if let Some(model) = node.entry("camera_model")
@@ -107,7 +107,7 @@ fn camera(entry: &Entry, cam_from_world: &Isometry3<f64>) -> Result<Found> {
     let intrinsics = node.require("intrinsics", "give fu fv pu pv in pixels")?;
     let [fx, fy, cx, cy] = intrinsics.array()?;
     let size = node.entry("resolution").map(|entry| entry.size()).transpose()?;
-    Ok(Found {
+    Ok(RawCamera {
         name: entry.key.to_string(),
         size,
         k: Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0),

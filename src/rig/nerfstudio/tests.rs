@@ -1,6 +1,6 @@
 use super::super::Hints;
 use super::super::testing::{HINTS, assert_refused, assert_sees, load_text};
-use crate::{Error, Untold};
+use crate::{Error, MissingHint};
 
 pub(in crate::rig) const TEXT: &str = r#"{
 "camera_model": "OPENCV", "fl_x": 500, "fl_y": 501, "cx": 320, "cy": 240, "w": 640, "h": 480,
@@ -44,14 +44,14 @@ fn a_field_of_view_stands_for_the_focal_length() {
     assert_eq!((k[(0, 2)], k[(1, 2)]), (320.0, 240.0));
     let no_size = Hints { size: None, ..HINTS };
     let refused = load_text(&text, &no_size);
-    assert!(matches!(refused, Err(Error::Untold { what: Untold::Size, .. })));
+    assert!(matches!(refused, Err(Error::MissingHint { what: MissingHint::Size, .. })));
     assert_refused(refused, &["calibration.txt: line 5, `frames[0]`", "or give width and height"]);
 }
 
 #[test]
 fn the_scale_is_demanded() {
     let refused = load_text(TEXT, &Hints::default());
-    assert!(matches!(refused, Err(Error::Untold { what: Untold::MetresPerUnit, .. })));
+    assert!(matches!(refused, Err(Error::MissingHint { what: MissingHint::MetresPerUnit, .. })));
     assert_refused(refused, &["calibration.txt: ", "any scale; give the metres per unit"]);
 }
 

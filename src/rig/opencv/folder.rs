@@ -8,9 +8,9 @@
 //! A file that tells no pose (intrinsics, a checkerboard) is passed over where another tells all; where none does, the
 //! files of the folder are taken together.
 
-use super::super::format::Found;
+use super::super::format::RawCamera;
 use super::super::source::{self, Source};
-use super::{Sheet, name_of, recognise_text};
+use super::{OpenCvFile, name_of, recognise_text};
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -22,10 +22,10 @@ pub(super) fn recognise(source: &Source) -> bool {
 }
 
 /// The cameras, and what was passed over.
-pub(super) fn read(folder: &Source) -> Result<(Vec<Found>, Vec<String>)> {
+pub(super) fn read(folder: &Source) -> Result<(Vec<RawCamera>, Vec<String>)> {
     let own = open(&files(folder))?;
     if own.iter().any(|(_, sheet)| !sheet.is_empty()) {
-        return flat(&folder.path, own);
+        return cameras_of_files(&folder.path, own);
     }
     let (mut cameras, mut notes) = (Vec::new(), Vec::new());
     for folder in folder.folders() {
@@ -35,7 +35,7 @@ pub(super) fn read(folder: &Source) -> Result<(Vec<Found>, Vec<String>)> {
             notes.push(format!("the folder {name} holds no calibration and is no camera"));
             continue;
         }
-        let (mut found, more) = flat(&folder, open(&files)?)?;
+        let (mut found, more) = cameras_of_files(&folder, open(&files)?)?;
         if found.len() > 1 {
             let names: Vec<_> = found.iter().map(|camera| camera.name.as_str()).collect();
             let problem =
@@ -61,15 +61,18 @@ pub(super) fn counterpart(path: &Path) -> Option<String> {
     Some(format!("{other}.{extension}"))
 }
 
-fn open(files: &[PathBuf]) -> Result<Vec<(PathBuf, Sheet)>> {
-    files.iter().map(|path| Ok((path.clone(), Sheet::open(path)?))).collect()
+fn open(files: &[PathBuf]) -> Result<Vec<(PathBuf, OpenCvFile)>> {
+    files.iter().map(|path| Ok((path.clone(), OpenCvFile::open(path)?))).collect()
 }
 
 /// The cameras of a folder's own files.
-fn flat(folder: &Path, sheets: Vec<(PathBuf, Sheet)>) -> Result<(Vec<Found>, Vec<String>)> {
+fn cameras_of_files(
+    folder: &Path,
+    sheets: Vec<(PathBuf, OpenCvFile)>,
+) -> Result<(Vec<RawCamera>, Vec<String>)> {
     let (complete, others): (Vec<_>, Vec<_>) = sheets.into_iter().partition(|(_, sheet)| sheet.is_complete());
     if complete.is_empty() {
-        let whole = others.into_iter().map(|(_, sheet)| sheet).reduce(Sheet::or).unwrap_or_default();
+        let whole = others.into_iter().map(|(_, sheet)| sheet).reduce(OpenCvFile::or).unwrap_or_default();
         let cameras = whole.cameras(&last(folder)).map_err(|e| Error::file(folder, e))?;
         return Ok((cameras, Vec::new()));
     }

@@ -29,7 +29,7 @@ mod folder;
 mod keys;
 
 use super::document::{self, Entry, Node, Value};
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::length;
 use super::source::{self, Source};
 use crate::camera::Distortion;
@@ -59,7 +59,7 @@ struct Parts {
 
 /// What a file tells: of one camera, or of several and what they share.
 #[derive(Debug, Clone, Default)]
-struct Sheet {
+struct OpenCvFile {
     shared: Parts,
     numbered: Vec<(String, Parts)>,
     named: Vec<(String, Parts)>,
@@ -82,21 +82,21 @@ fn has_cameras(document: &Node) -> bool {
         || maps(document).any(|entry| is_camera(entry.node))
 }
 
-fn read(source: &Source, hints: &Hints) -> Result<Contents> {
+fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     let (cameras, mut notes) = match source.text() {
         Some(text) => (file(source, text)?, Vec::new()),
         None => folder::read(source)?,
     };
     notes.extend(length::as_metres(&cameras, hints)?);
-    Ok(Contents { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: Some(1.0), notes })
+    Ok(RawCalibration { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: Some(1.0), notes })
 }
 
 /// The cameras of a single file; `intrinsics` and `extrinsics` complete each other.
-fn file(source: &Source, text: &str) -> Result<Vec<Found>> {
-    let mut sheet = Sheet::read(text)?;
+fn file(source: &Source, text: &str) -> Result<Vec<RawCamera>> {
+    let mut sheet = OpenCvFile::read(text)?;
     if let Some(other) = folder::counterpart(&source.path) {
         match source.beside(&other) {
-            Some(path) => sheet = sheet.or(Sheet::open(&path)?),
+            Some(path) => sheet = sheet.or(OpenCvFile::open(&path)?),
             None if source.is_in_memory() && !sheet.is_complete() => return Err(source.lacks(&other, "")),
             None => {}
         }
@@ -119,7 +119,7 @@ fn maps(document: &Node) -> impl Iterator<Item = Entry<'_>> {
     inner.entries().filter(|entry| matches!(entry.node.value, Value::Map(_)))
 }
 
-impl Sheet {
+impl OpenCvFile {
     fn open(path: &Path) -> Result<Self> {
         source::read(path).and_then(|text| Self::read(&text)).map_err(|e| match e {
             Error::File { .. } => e,
@@ -173,7 +173,7 @@ impl Sheet {
     }
 
     /// The cameras; a single one is called `name`.
-    fn cameras(&self, name: &str) -> Result<Vec<Found>> {
+    fn cameras(&self, name: &str) -> Result<Vec<RawCamera>> {
         let Self { shared, numbered, named } = self;
         if !named.is_empty() {
             return named.iter().map(|(name, parts)| parts.clone().sized(shared.size).found(name)).collect();
@@ -230,7 +230,7 @@ impl Parts {
         self
     }
 
-    fn found(self, name: &str) -> Result<Found> {
+    fn found(self, name: &str) -> Result<RawCamera> {
         let Some(k) = self.k else {
             let problem =
                 "expected a camera matrix, found none under its usual names; call it camera_matrix, or K";
@@ -246,7 +246,7 @@ impl Parts {
             return Err(Error::camera(name, problem));
         };
         let distortion = self.distortion.unwrap_or_else(Distortion::none);
-        Ok(Found { name: name.to_owned(), size: self.size, k, distortion, rotation, translation })
+        Ok(RawCamera { name: name.to_owned(), size: self.size, k, distortion, rotation, translation })
     }
 }
 

@@ -153,7 +153,7 @@ fn a_file_cut_short_anywhere_is_refused() {
     for text in [YAML, XML, JSON].map(str::trim_end) {
         for cut in 0..text.len() {
             let cut = &text[..cut];
-            let camera = Sheet::read(cut).and_then(|sheet| sheet.cameras("left"));
+            let camera = OpenCvFile::read(cut).and_then(|sheet| sheet.cameras("left"));
             assert!(camera.is_err(), "{cut}");
         }
     }

@@ -31,7 +31,7 @@
 mod pose;
 
 use super::document::{self, Node};
-use super::format::{Contents, Format, Found, Hints, PixelCentres};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
 use super::source::{self, Source};
 use crate::camera::Distortion;
 use crate::{Error, Result};
@@ -51,7 +51,7 @@ fn recognise(text: &str) -> bool {
         || has("camera_name") && has("camera_matrix")
 }
 
-fn read(source: &Source, _: &Hints) -> Result<Contents> {
+fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
     let cameras = match source.text() {
         Some(text) => vec![camera(source, &source.path, text).map_err(|e| at(&source.path, e))?],
         None => {
@@ -61,7 +61,7 @@ fn read(source: &Source, _: &Hints) -> Result<Contents> {
             files(source).iter().map(of_file).collect::<Result<_>>()?
         }
     };
-    Ok(Contents {
+    Ok(RawCalibration {
         cameras,
         pixel_centres: PixelCentres::Whole,
         metres_per_unit: Some(1.0),
@@ -84,7 +84,7 @@ fn at(path: &Path, error: Error) -> Error {
 }
 
 /// The camera in the file at `path`, which is what was opened or lies in it.
-fn camera(source: &Source, path: &Path, text: &str) -> Result<Found> {
+fn camera(source: &Source, path: &Path, text: &str) -> Result<RawCamera> {
     let document = document::parse(text)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = match document.entry("camera_name") {
@@ -96,16 +96,16 @@ fn camera(source: &Source, path: &Path, text: &str) -> Result<Found> {
         other => Error::camera(&name, other),
     };
     let size = size(&document).map_err(fail)?;
-    let matrix = either(&document, &["camera_matrix", "K", "k"], "give fx 0 cx 0 fy cy 0 0 1 in pixels")
+    let matrix = first_of(&document, &["camera_matrix", "K", "k"], "give fx 0 cx 0 fy cy 0 0 1 in pixels")
         .map_err(fail)?;
     let k = matrix.matrix3().map_err(fail)?;
     let distortion = distortion(&document).map_err(fail)?;
     let (rotation, translation) = pose::of(source, &stem, &name).map_err(fail)?;
-    Ok(Found { name, size: Some(size), k, distortion, rotation, translation })
+    Ok(RawCamera { name, size: Some(size), k, distortion, rotation, translation })
 }
 
 fn size(document: &Node) -> Result<(u32, u32)> {
-    let side = |keys| either(document, keys, "give the image's size in pixels")?.pixels();
+    let side = |keys| first_of(document, keys, "give the image's size in pixels")?.pixels();
     Ok((side(&["image_width", "width"])?, side(&["image_height", "height"])?))
 }
 
@@ -120,12 +120,12 @@ fn distortion(document: &Node) -> Result<Distortion> {
             )));
         }
     }
-    either(document, &["distortion_coefficients", "D", "d"], "give k1 k2 p1 p2 k3, or [] for none")?
+    first_of(document, &["distortion_coefficients", "D", "d"], "give k1 k2 p1 p2 k3, or [] for none")?
         .distortion()
 }
 
 /// The first of the keys that there is.
-fn either<'a>(document: &'a Node, keys: &[&str], next_step: &str) -> Result<document::Entry<'a>> {
+fn first_of<'a>(document: &'a Node, keys: &[&str], next_step: &str) -> Result<document::Entry<'a>> {
     let found = keys.iter().find_map(|key| document.entry(key));
     found.map_or_else(|| document.require(keys[0], next_step), Ok)
 }

@@ -22,18 +22,18 @@ pub(super) struct Misfit {
 const GRID: u32 = 24;
 
 /// Steps of Gauss and Newton; the start is near and they converge quadratically.
-const STEPS: usize = 10;
+const GAUSS_NEWTON_STEPS: usize = 10;
 
 /// fx, skew, cx, fy, cy, k1, k2, p1, p2, k3.
 type Parameters = SVector<f64, 10>;
 
-pub(super) struct Lens {
+pub(super) struct FittedLens {
     pub(super) k: Matrix3<f64>,
     pub(super) distortion: Distortion,
 }
 
 /// A `.rad` file.
-pub(super) fn read(text: &str) -> Result<Lens> {
+pub(super) fn read(text: &str) -> Result<FittedLens> {
     let value = |key: &str| {
         let mut all = lines::lines(text).filter_map(|line| Some((line.text.split_once('=')?, line)));
         let found = all.find(|((found, _), _)| found.trim() == key);
@@ -57,10 +57,10 @@ pub(super) fn read(text: &str) -> Result<Lens> {
             "expected positive focal lengths, found K11 = {fx}, K22 = {fy}; calibrate again"
         )));
     }
-    Ok(Lens { k, distortion: Distortion::from_opencv(&[kc[0], kc[1], kc[2], kc[3], kc5])? })
+    Ok(FittedLens { k, distortion: Distortion::from_opencv(&[kc[0], kc[1], kc[2], kc[3], kc5])? })
 }
 
-impl Lens {
+impl FittedLens {
     pub(super) fn none(k: &Matrix3<f64>) -> Self {
         Self { k: *k, distortion: Distortion::none() }
     }
@@ -87,7 +87,7 @@ impl Lens {
             all[4],
         ]);
         if (self.k - k).amax() > 1e-9 * k[(0, 0)] {
-            for _ in 0..STEPS {
+            for _ in 0..GAUSS_NEWTON_STEPS {
                 lens += step(&lens, &pairs).unwrap_or_else(Parameters::zeros);
             }
         }

@@ -138,7 +138,7 @@ fn whoever_stood_in_the_plate_and_has_left_is_mended_away() {
     let old = CleanPlate::new(&plate, Thresholds::default()).unwrap();
     let mask = old.clone().segment(&frames[2]).unwrap();
     assert_eq!(mask.get_pixel(12, 30).0, [255]);
-    let mask = old.mended_by(&frames).unwrap().segment(&frames[2]).unwrap();
+    let mask = old.refined_with(&frames).unwrap().segment(&frames[2]).unwrap();
     assert_eq!((mask.get_pixel(12, 30).0, mask.get_pixel(55, 30).0), ([0], [255]));
     assert_eq!(area(&mask), 15.0 * 40.0 - 4.0);
 }
@@ -164,7 +164,7 @@ fn what_cannot_be_used_is_refused_with_what_was_found() {
     assert!(error(plate.clone().with_shadows(shadows)).contains("-1"));
     let cleanup = Cleanup { smallest_region_share: 2.0, ..Cleanup::default() };
     assert!(error(plate.clone().with_cleanup(cleanup)).contains("found 2"));
-    assert!(error(plate.mended_by(&[room])).contains("found 1"));
+    assert!(error(plate.refined_with(&[room])).contains("found 1"));
 }
 
 #[test]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::segment::morphology::Shape;
+use crate::segment::morphology::StructuringElement;
 use crate::synthetic::{Subject, coverage, flip_boundary, layout};
 use image::Luma;
 use imageproc::region_labelling::{Connectivity, connected_components};
@@ -23,7 +23,7 @@ fn ragged(seed: u64) -> GrayImage {
     mask
 }
 
-fn bits_of(mask: &GrayImage) -> BitImage {
+fn to_bits(mask: &GrayImage) -> BitImage {
     PackedMask::new(mask).subject().clone()
 }
 
@@ -62,7 +62,7 @@ fn turned(
 #[test]
 fn bits_and_bytes_are_the_same_mask() {
     for mask in [ragged(1), ragged(2), GrayImage::from_pixel(64, 3, Luma([255]))] {
-        assert_eq!(mask_of(&bits_of(&mask)), mask);
+        assert_eq!(mask_of(&to_bits(&mask)), mask);
     }
 }
 
@@ -70,12 +70,12 @@ fn bits_and_bytes_are_the_same_mask() {
 fn regions_are_those_of_a_plain_labelling() {
     for seed in 0..6 {
         let mask = ragged(seed);
-        let mut bits = bits_of(&mask);
+        let mut bits = to_bits(&mask);
         let mut regions = Regions::default();
         regions.drop_small(&mut bits, 7, 0.001);
         let small = |area: u32, _, most: u32| f64::from(area) < f64::max(7.0, 0.001 * f64::from(most));
         assert_eq!(mask_of(&bits), turned(&mask, 255, Connectivity::Eight, small), "specks, seed {seed}");
-        let mut bits = bits_of(&mask);
+        let mut bits = to_bits(&mask);
         regions.fill_holes(&mut bits, 9);
         let hole = |area: u32, at_border: bool, _| area < 9 && !at_border;
         assert_eq!(mask_of(&bits), turned(&mask, 0, Connectivity::Four, hole), "holes, seed {seed}");
@@ -85,10 +85,13 @@ fn regions_are_those_of_a_plain_labelling() {
 #[test]
 fn a_pixel_grows_into_an_octagon_and_what_grows_shrinks_back() {
     let mask = ragged(3);
-    for (shape, inverted) in
-        [(Shape::Cross, false), (Shape::Square, false), (Shape::Cross, true), (Shape::Square, true)]
-    {
-        let mut bits = bits_of(&mask);
+    for (shape, inverted) in [
+        (StructuringElement::Cross, false),
+        (StructuringElement::Square, false),
+        (StructuringElement::Cross, true),
+        (StructuringElement::Square, true),
+    ] {
+        let mut bits = to_bits(&mask);
         Morphology::default().step(&mut bits, shape, inverted);
         let is_subject = |x: i64, y: i64| {
             let inside = (0..201).contains(&x) && (0..147).contains(&y);
@@ -96,7 +99,7 @@ fn a_pixel_grows_into_an_octagon_and_what_grows_shrinks_back() {
         };
         let expected = GrayImage::from_fn(201, 147, |x, y| {
             let around = (-1i64..=1).flat_map(|dy| (-1i64..=1).map(move |dx| (dx, dy)));
-            let mut around = around.filter(|(dx, dy)| shape == Shape::Square || dx * dy == 0);
+            let mut around = around.filter(|(dx, dy)| shape == StructuringElement::Square || dx * dy == 0);
             let at = |(dx, dy): (i64, i64)| is_subject(i64::from(x) + dx, i64::from(y) + dy);
             Luma([if if inverted { around.all(at) } else { around.any(at) } { 255 } else { 0 }])
         });

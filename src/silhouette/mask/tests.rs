@@ -10,7 +10,7 @@ fn values(image: impl Into<DynamicImage>) -> Vec<u8> {
     mask_of(image.into()).unwrap().into_raw()
 }
 
-fn fault(image: impl Into<DynamicImage>) -> String {
+fn refusal(image: impl Into<DynamicImage>) -> String {
     mask_of(image.into()).unwrap_err()
 }
 
@@ -52,15 +52,15 @@ fn an_empty_mask_is_a_mask() {
 #[test]
 fn masks_that_would_count_as_empty_are_refused() {
     let grey: GrayImage = pair(Luma([1]), Luma([0]));
-    assert_eq!(fault(grey), "expected 0 .. 255, found a greatest value of 1; multiply by 255");
+    assert_eq!(refusal(grey), "expected 0 .. 255, found a greatest value of 1; multiply by 255");
     let colour: RgbImage = pair(Rgb([1, 1, 1]), Rgb([0, 0, 0]));
-    assert!(fault(colour).contains("multiply by 255"));
+    assert!(refusal(colour).contains("multiply by 255"));
     let alpha: RgbaImage = pair(Rgba([9, 9, 9, 1]), Rgba([9, 9, 9, 0]));
-    assert!(fault(alpha).contains("multiply by 255"));
+    assert!(refusal(alpha).contains("multiply by 255"));
     let deep: Gray16 = pair(Luma([1]), Luma([0]));
-    assert!(fault(deep).contains("multiply by 65535"));
+    assert!(refusal(deep).contains("multiply by 65535"));
     let eight_in_sixteen: Gray16 = pair(Luma([255]), Luma([0]));
-    assert!(fault(eight_in_sixteen).contains("greatest value of 255; save it with 8 bits"));
+    assert!(refusal(eight_in_sixteen).contains("greatest value of 255; save it with 8 bits"));
 }
 
 #[test]

@@ -75,9 +75,9 @@ fn without_coverage_each_pixel_is_subject_or_not() {
 #[test]
 fn a_silhouette_holds_the_bytes_of_the_mask_around_its_subject() {
     for mask in SIZES.into_iter().flat_map(masks) {
-        for border in [Border::Background, Border::Open] {
+        for border in [Border::Background, Border::Unknown] {
             let silhouette = Silhouette::new(&mask, border);
-            let beyond = if border == Border::Open { 255 } else { 0 };
+            let beyond = if border == Border::Unknown { 255 } else { 0 };
             let kept = silhouette.rect().grown(8);
             for (i, j) in (kept.y0..kept.y1).flat_map(|j| (kept.x0..kept.x1).map(move |i| (i, j))) {
                 let pixel = u32::try_from(i).ok().zip(u32::try_from(j).ok());

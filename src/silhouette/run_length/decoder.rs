@@ -9,7 +9,7 @@ use std::io;
 
 /// Reads the runs of a mask.
 pub(super) struct Decoder<'a> {
-    bits: BitReader<&'a [u8], BigEndian>,
+    reader: BitReader<&'a [u8], BigEndian>,
     length: usize,
     header: Header,
     mask: &'a mut PackedMask,
@@ -24,27 +24,27 @@ impl<'a> Decoder<'a> {
     pub(super) fn new(bytes: &'a [u8], header: Header, mask: &'a mut PackedMask) -> Self {
         let bits = BitReader::endian(&bytes[HEADER..], BigEndian);
         let (above, ends, covered) = (Vec::new(), Vec::new(), BitImage::default());
-        Self { bits, length: bytes.len(), header, mask, above, ends, covered }
+        Self { reader: bits, length: bytes.len(), header, mask, above, ends, covered }
     }
 
     pub(super) fn decode(mut self) -> std::result::Result<(), String> {
         let Rect { y0, y1, .. } = self.header.rect;
-        self.mask.clear(self.header.size);
+        self.mask.restart(self.header.size);
         for y in y0 as usize..y1 as usize {
             self.read_row(y).map_err(|e| match e {
                 RunError::Early => ended_early(self.length),
                 RunError::Outside(what) => format!("row {y}: {what}; the bytes have changed on their way"),
             })?;
         }
-        self.bits.byte_align();
-        let left = self.bits.aligned_reader().len();
+        self.reader.byte_align();
+        let left = self.reader.aligned_reader().len();
         if left > 0 {
             return Err(format!(
                 "expected {} bytes, found {left} more behind the last row",
                 self.length - left
             ));
         }
-        self.mask.finish();
+        self.mask.close_mask();
         Ok(())
     }
 
@@ -64,10 +64,10 @@ impl<'a> Decoder<'a> {
     /// Reads the ends of a row's runs: ascending columns of the rectangle, or the one behind it.
     fn read_ends(&mut self) -> std::result::Result<(), RunError> {
         let (x0, x1) = (i64::from(self.header.rect.x0), i64::from(self.header.rect.x1));
-        let is_alike = self.bits.read_bit()?;
+        let is_alike = self.reader.read_bit()?;
         let count = match is_alike {
             true => self.above.len(),
-            false => 2 * read_rice(&mut self.bits, ENDS)? as usize,
+            false => 2 * read_rice(&mut self.reader, ENDS)? as usize,
         };
         if count as i64 > x1 - x0 + 1 {
             return Err(RunError::Outside(format!(
@@ -80,10 +80,10 @@ impl<'a> Decoder<'a> {
             let last = self.ends.last().map_or(x0 - 1, |&last| i64::from(last));
             let end = match is_alike {
                 true => {
-                    let code = i64::from(read_rice(&mut self.bits, MOVED)?);
+                    let code = i64::from(read_rice(&mut self.reader, MOVED)?);
                     i64::from(self.above[k]) + (code >> 1 ^ -(code & 1))
                 }
-                false => last.max(x0) + i64::from(read_rice(&mut self.bits, GAP)?),
+                false => last.max(x0) + i64::from(read_rice(&mut self.reader, GAP)?),
             };
             if end <= last || end > x1 {
                 let problem =
@@ -101,15 +101,15 @@ impl<'a> Decoder<'a> {
         self.covered.words_mut().fill(0);
         for k in 0..self.ends.len() {
             let end = u64::from(self.ends[k]);
-            let (before, behind) = (read_rice(&mut self.bits, COUNT)?, read_rice(&mut self.bits, COUNT)?);
+            let (before, behind) = (read_rice(&mut self.reader, COUNT)?, read_rice(&mut self.reader, COUNT)?);
             let start = end.checked_sub(u64::from(before)).unwrap_or(u64::MAX);
             self.cover(start, end)?;
             self.cover(end, end + u64::from(behind))?;
         }
         let mut last = self.header.rect.x0 as u64;
-        for _ in 0..read_rice(&mut self.bits, COUNT)? {
-            let start = last + u64::from(read_rice(&mut self.bits, COVERAGE_GAP)?);
-            last = start + u64::from(read_rice(&mut self.bits, COUNT)?) + 1;
+        for _ in 0..read_rice(&mut self.reader, COUNT)? {
+            let start = last + u64::from(read_rice(&mut self.reader, COVERAGE_GAP)?);
+            last = start + u64::from(read_rice(&mut self.reader, COUNT)?) + 1;
             self.cover(start, last)?;
         }
         Ok(())
@@ -141,7 +141,7 @@ impl<'a> Decoder<'a> {
                 if ready == 0 {
                     ready = left.min(EIGHT);
                     left -= ready;
-                    low = self.bits.read_var(7 * ready as u32)?;
+                    low = self.reader.read_var(7 * ready as u32)?;
                 }
                 ready -= 1;
                 let x = WORD * k + bit;

@@ -9,7 +9,7 @@ use std::io;
 
 /// Writes the runs of a mask.
 pub(super) struct Encoder {
-    bits: BitWriter<Vec<u8>, BigEndian>,
+    writer: BitWriter<Vec<u8>, BigEndian>,
     /// The columns in which runs of subject begin and end, in the row above and in this one.
     above: Vec<u32>,
     ends: Vec<u32>,
@@ -18,7 +18,7 @@ pub(super) struct Encoder {
 impl Encoder {
     /// An encoder that appends to `bytes`.
     pub(super) fn new(bytes: Vec<u8>) -> Self {
-        Self { bits: BitWriter::endian(bytes, BigEndian), above: Vec::new(), ends: Vec::new() }
+        Self { writer: BitWriter::endian(bytes, BigEndian), above: Vec::new(), ends: Vec::new() }
     }
 
     /// Writes the rows of `rect`, and returns all bytes.
@@ -43,27 +43,27 @@ impl Encoder {
             self.write_covered(&mut covered, rect)?;
             for bytes in mask.coverage().bytes(y).chunks(EIGHT) {
                 let low = bytes.iter().fold(0, |low, byte| low << 7 | u64::from(byte & !SUBJECT));
-                self.bits.write_var(7 * bytes.len() as u32, low)?;
+                self.writer.write_var(7 * bytes.len() as u32, low)?;
             }
         }
-        self.bits.byte_align()?;
-        Ok(self.bits.into_writer())
+        self.writer.byte_align()?;
+        Ok(self.writer.into_writer())
     }
 
     fn write_ends(&mut self, rect: &Rect) -> io::Result<()> {
         let is_alike = self.ends.len() == self.above.len();
-        self.bits.write_bit(is_alike)?;
+        self.writer.write_bit(is_alike)?;
         if is_alike {
             for (&end, &above) in self.ends.iter().zip(&self.above) {
                 let moved = i64::from(end) - i64::from(above);
-                write_rice(&mut self.bits, (moved << 1 ^ moved >> 63) as u32, MOVED)?;
+                write_rice(&mut self.writer, (moved << 1 ^ moved >> 63) as u32, MOVED)?;
             }
             return Ok(());
         }
-        write_rice(&mut self.bits, self.ends.len() as u32 / 2, ENDS)?;
+        write_rice(&mut self.writer, self.ends.len() as u32 / 2, ENDS)?;
         let mut last = rect.x0 as u32;
         for &end in &self.ends {
-            write_rice(&mut self.bits, end - last, GAP)?;
+            write_rice(&mut self.writer, end - last, GAP)?;
             last = end;
         }
         Ok(())
@@ -80,17 +80,17 @@ impl Encoder {
         for (&end, next) in self.ends.iter().zip(nexts) {
             let before = (rect.x0 as u32..end).rev().take_while(|&x| take(x)).count();
             let behind = (end..next).take_while(|&x| take(x)).count();
-            write_rice(&mut self.bits, before as u32, COUNT)?;
-            write_rice(&mut self.bits, behind as u32, COUNT)?;
+            write_rice(&mut self.writer, before as u32, COUNT)?;
+            write_rice(&mut self.writer, behind as u32, COUNT)?;
         }
 
         // The ends of all other runs, in pairs.
         let others: Vec<u32> = ends_of(covered, 0).collect();
-        write_rice(&mut self.bits, others.len() as u32 / 2, COUNT)?;
+        write_rice(&mut self.writer, others.len() as u32 / 2, COUNT)?;
         let mut last = rect.x0 as u32;
         for run in others.as_chunks::<2>().0 {
-            write_rice(&mut self.bits, run[0] - last, COVERAGE_GAP)?;
-            write_rice(&mut self.bits, run[1] - run[0] - 1, COUNT)?;
+            write_rice(&mut self.writer, run[0] - last, COVERAGE_GAP)?;
+            write_rice(&mut self.writer, run[1] - run[0] - 1, COUNT)?;
             last = run[1];
         }
         Ok(())

@@ -27,7 +27,7 @@ fn pixels(rect: &Rect) -> impl Iterator<Item = (i32, i32)> + use<> {
 /// Compares with the least of the distances from all pixels of the other kind in and around the image.
 fn assert_brute_force(distance: &SignedDistance, s: &Silhouette, what: &str) {
     // One row and column of background around the image stand for all beyond.
-    let known = if s.border() == Border::Open { s.image() } else { s.image().grown(1) };
+    let known = if s.border() == Border::Unknown { s.image() } else { s.image().grown(1) };
     let (subject, background): (Vec<_>, Vec<_>) = pixels(&known).partition(|&(x, y)| s.is_subject(x, y));
     for (i, j) in pixels(&distance.rect()) {
         let is_subject = s.is_subject(i, j);
@@ -56,7 +56,7 @@ fn distances_are_those_of_the_nearest_pixel_of_the_other_kind() {
     for (seed, (width, height)) in (1..).zip([(1, 1), (1, 37), (53, 1), (33, 17), (65, 31)]) {
         for percent in [1, 10, 50, 90, 99] {
             let mask = scattered(width, height, percent, seed);
-            for border in [Border::Background, Border::Open] {
+            for border in [Border::Background, Border::Unknown] {
                 let s = Silhouette::new(&mask, border);
                 for rect in rectangles(width as i32, height as i32) {
                     assert_brute_force(
@@ -85,7 +85,7 @@ fn distances_from_a_disc_are_those_of_its_circle_within_a_pixels_diagonal() {
 
 #[test]
 fn the_sign_tells_subject_from_background() {
-    for border in [Border::Background, Border::Open] {
+    for border in [Border::Background, Border::Unknown] {
         let s = Silhouette::new(&scattered(61, 45, 60, 7), border);
         let distance = s.signed_distance(&s.image().grown(4));
         for (i, j) in pixels(&distance.rect()) {
@@ -126,7 +126,7 @@ fn distances_move_with_the_mask() {
 fn memory_of_an_earlier_mask_does_not_matter() {
     let mut distance = SignedDistance::default();
     for (width, height, percent) in [(70, 60, 50), (30, 90, 2), (90, 20, 98), (5, 4, 0), (70, 60, 100)] {
-        for border in [Border::Open, Border::Background] {
+        for border in [Border::Unknown, Border::Background] {
             let s = Silhouette::new(&scattered(width, height, percent, width), border);
             let rect = s.image().grown(3);
             distance.refill(&s, &rect);
@@ -140,11 +140,11 @@ fn memory_of_an_earlier_mask_does_not_matter() {
 fn a_silhouette_without_an_edge_is_infinitely_far_away() {
     let all = |distance: &SignedDistance, value: f32| distance.values().iter().all(|&v| v == value);
     let (empty, full) = (GrayImage::new(9, 7), drawn(9, 7, |_, _| true));
-    for border in [Border::Background, Border::Open] {
+    for border in [Border::Background, Border::Unknown] {
         let s = Silhouette::new(&empty, border);
         assert!(all(&s.signed_distance(&s.image()), f32::INFINITY), "{border:?}");
     }
-    let s = Silhouette::new(&full, Border::Open);
+    let s = Silhouette::new(&full, Border::Unknown);
     let distance = s.signed_distance(&s.image().grown(2));
     assert!(all(&distance, f32::NEG_INFINITY));
     assert_eq!(distance.sample(4.25, 3.0), f64::NEG_INFINITY);
@@ -158,7 +158,7 @@ fn a_silhouette_without_an_edge_is_infinitely_far_away() {
 fn an_open_border_is_no_edge() {
     // An arm from the left border to the middle.
     let mask = drawn(40, 30, |i, j| i < 20 && (10..16).contains(&j));
-    let [open, closed] = [Border::Open, Border::Background].map(|border| Silhouette::new(&mask, border));
+    let [open, closed] = [Border::Unknown, Border::Background].map(|border| Silhouette::new(&mask, border));
     let [open, closed] = [&open, &closed].map(|s| s.signed_distance(&s.image()));
     assert_eq!((open.at(0, 12), closed.at(0, 12)), (-2.5, -0.5), "inside, at the border");
     assert_eq!((open.at(0, 4), closed.at(0, 4)), (5.5, 5.5), "outside, at the border");
@@ -171,7 +171,7 @@ fn coverage_counts_as_its_pixel_does() {
     let mask = GrayImage::from_fn(48, 32, |i, j| Luma([bytes[((i * i + 3 * j) / 7 % 6) as usize]]));
     let binary = drawn(48, 32, |i, j| mask.get_pixel(i as u32, j as u32).0[0] >= crate::silhouette::SUBJECT);
     let [covered, binary] = [&mask, &binary].map(|mask| {
-        let s = Silhouette::new(mask, Border::Open);
+        let s = Silhouette::new(mask, Border::Unknown);
         s.signed_distance(&s.image())
     });
     assert_eq!(covered.values(), binary.values());
@@ -179,7 +179,7 @@ fn coverage_counts_as_its_pixel_does() {
 
 #[test]
 fn samples_are_bilinear_between_centres_and_clamped_outside() {
-    let s = Silhouette::new(&drawn(24, 20, |i, j| i < 10 && j < 12), Border::Open);
+    let s = Silhouette::new(&drawn(24, 20, |i, j| i < 10 && j < 12), Border::Unknown);
     let distance = s.signed_distance(&s.image());
     assert_eq!(distance.sample(3.5, 4.5), f64::from(distance.at(3, 4)));
     let mean = (distance.at(14, 15) + distance.at(15, 15) + distance.at(14, 16) + distance.at(15, 16)) / 4.0;

@@ -25,7 +25,7 @@ fn masks() -> impl Iterator<Item = (GrayImage, Border)> {
                 mask.put_pixel(x, y, Luma([random.below(256) as u8]));
             }
         }
-        (mask, if random.below(2) == 0 { Border::Background } else { Border::Open })
+        (mask, if random.below(2) == 0 { Border::Background } else { Border::Unknown })
     })
 }
 
@@ -38,7 +38,7 @@ impl Plain<'_> {
         match self.1 {
             _ if inside => self.0.get_pixel(i as u32, j as u32)[0],
             Border::Background => 0,
-            Border::Open => 255,
+            Border::Unknown => 255,
         }
     }
 
@@ -105,23 +105,23 @@ fn check_bits(s: &Silhouette, plain: &Plain) {
     let bit = |table: &[u32], x: usize, y: usize| table[y * tables.words + x / 32] >> (x % 32) & 1 == 1;
     for (x, y) in (0..tables.height).flat_map(|y| (0..tables.width).map(move |x| (x, y))) {
         let (i, j) = (tables.corner.0 + x as i32, tables.corner.1 + y as i32);
-        if s.border() == Border::Open && !image.contains(i, j) {
+        if s.border() == Border::Unknown && !image.contains(i, j) {
             continue;
         }
         let around = Rect { x0: i - 1, y0: j - 1, x1: i + 2, y1: j + 2 };
         assert_eq!(bit(tables.subject, x, y), plain.is_subject(i, j));
         if s.border() == Border::Background {
-            assert_eq!(bit(tables.near, x, y), plain.any_subject(&around), "{image:?} ({i}, {j})");
+            assert_eq!(bit(tables.dilated, x, y), plain.any_subject(&around), "{image:?} ({i}, {j})");
         } else {
             // A pixel too many beside an open border does no harm.
-            assert!(bit(tables.near, x, y) || !plain.any_subject(&around.intersection(&image)));
+            assert!(bit(tables.dilated, x, y) || !plain.any_subject(&around.intersection(&image)));
         }
         let place = y * tables.width + x;
         let distance = tables.distance_words[place / 4].to_ne_bytes()[place % 4];
         assert_eq!(u16::from(distance), s.distance(i, j).min(255));
     }
     assert_eq!(tables.subject.len(), tables.words * tables.height);
-    assert_eq!(tables.near.len(), tables.words * tables.height);
+    assert_eq!(tables.dilated.len(), tables.words * tables.height);
 }
 
 fn check_edges(s: &Silhouette, plain: &Plain) {
@@ -140,13 +140,13 @@ fn check_edges(s: &Silhouette, plain: &Plain) {
 
 fn check_tiles(s: &Silhouette, plain: &Plain) {
     let (tables, tile) = (s.tables(), 8);
-    let (lookup, corner) = (tables.tiles.lookup(), tables.corner);
+    let (lookup, corner) = (tables.occupancy.lookup(), tables.corner);
     for y in 0..tables.height.div_ceil(tile) {
         for x in 0..tables.width / tile {
             let (x, y) = ((x * tile) as u32, (y * tile) as u32);
             let (i, j) = (corner.0 + x as i32, corner.1 + y as i32);
             let pixels = Rect { x0: i, y0: j, x1: i + 8, y1: (j + 8).min(corner.1 + tables.height as i32) };
-            assert_eq!(lookup.any([x, y], [x + 1, y + 1]), plain.any_subject(&pixels));
+            assert_eq!(lookup.any_occupied([x, y], [x + 1, y + 1]), plain.any_subject(&pixels));
         }
     }
 }
@@ -169,7 +169,7 @@ fn distances_of_large_masks_are_those_of_a_plain_sweep() {
                 }
             }
         }
-        let border = if k % 4 == 3 { Border::Open } else { Border::Background };
+        let border = if k % 4 == 3 { Border::Unknown } else { Border::Background };
         s.refill(&mask, border);
         let expected = swept(&Plain(&mask, border));
         for (i, j) in pixels(&s.image()) {

@@ -89,7 +89,7 @@ fn the_pinhole_stands_where_the_camera_stands() {
         let shift = camera.intrinsics() - pinhole.intrinsics();
         assert_eq!((shift[(0, 2)].fract(), shift[(1, 2)].fract()), (0.0, 0.0));
         assert_eq!(shift.fixed_columns::<2>(0).abs().max(), 0.0);
-        assert_eq!(undistortion.seen().dimensions(), pinhole.size());
+        assert_eq!(undistortion.field_of_view().dimensions(), pinhole.size());
     }
 }
 
@@ -112,7 +112,7 @@ fn world_points_find_the_same_verdict_in_both_images_but_at_the_edge() {
             }
             compared += 1;
             if (value_at(&mask, &a) >= 128) != (value_at(&undistorted, &b) >= 128) && {
-                value_at(undistortion.seen(), &b) == 255
+                value_at(undistortion.field_of_view(), &b) == 255
             } {
                 differ += 1;
                 assert!(distance_to_edge(&mask, &a) <= 1.0, "{a} is {} px", distance_to_edge(&mask, &a));
@@ -128,7 +128,7 @@ fn world_points_find_the_same_verdict_in_both_images_but_at_the_edge() {
 fn unseen_pixels_are_exactly_those_whose_source_is_outside() {
     for camera in cameras() {
         let undistortion = Undistortion::new(&camera).unwrap();
-        for (x, y, seen) in undistortion.seen().enumerate_pixels() {
+        for (x, y, seen) in undistortion.field_of_view().enumerate_pixels() {
             let source = seen_by(&camera, undistortion.pinhole(), centre(x, y));
             let expected = source.is_some_and(|p| is_in(&p, SIZE));
             // Rounding decides for a source within 1e-9 px of the border.
@@ -152,7 +152,7 @@ fn the_pinhole_covers_all_that_the_camera_sees_and_no_more() {
         let (width, height) = pinhole.size();
         // The outermost rows and columns are touched by what is seen; half a pixel of it need not hold a centre, so
         // the second ones must.
-        let seen = |x, y| undistortion.seen().get_pixel(x, y).0[0] == 255;
+        let seen = |x, y| undistortion.field_of_view().get_pixel(x, y).0[0] == 255;
         assert!((0..height).any(|y| seen(1, y)) && (0..height).any(|y| seen(width - 2, y)));
         assert!((0..width).any(|x| seen(x, 1)) && (0..width).any(|x| seen(x, height - 2)));
     }
@@ -166,8 +166,8 @@ fn a_lens_that_folds_back_inside_its_image_is_used_up_to_the_fold() {
     let fold = 130.0 / 0.9_f64.sqrt();
     assert!((f64::from(width) - 2.0 * fold).abs() < 2.0, "{width}");
     assert!((f64::from(height) - 2.0 * fold * 1.005).abs() < 2.0, "{height}");
-    assert_eq!(undistortion.seen().get_pixel(0, 0).0[0], 0);
-    assert_eq!(undistortion.seen().get_pixel(width / 2, height / 2).0[0], 255);
+    assert_eq!(undistortion.field_of_view().get_pixel(0, 0).0[0], 0);
+    assert_eq!(undistortion.field_of_view().get_pixel(width / 2, height / 2).0[0], 255);
 }
 
 #[test]
@@ -253,7 +253,7 @@ fn empty_and_full_masks_stay_so() {
     for camera in cameras() {
         let undistortion = Undistortion::new(&camera).unwrap();
         let full = GrayImage::from_pixel(SIZE.0, SIZE.1, Luma([255]));
-        assert_eq!(&undistortion.apply(&full, 0).unwrap(), undistortion.seen());
+        assert_eq!(&undistortion.apply(&full, 0).unwrap(), undistortion.field_of_view());
         let empty = undistortion.apply(&GrayImage::new(SIZE.0, SIZE.1), 0).unwrap();
         assert!(empty.iter().all(|&value| value == 0));
     }

@@ -24,7 +24,7 @@ type TileBits = u64;
 const LEFTMOST: TileBits = 0x0101_0101_0101_0101;
 
 /// Tiles whose patches are read from memory side by side.
-const GROUP: usize = 8;
+const TILES_FETCHED: usize = 8;
 
 /// Classes looked at together.
 const CHUNK: usize = 8;
@@ -58,7 +58,7 @@ impl TileMask {
     /// Draws what the pinhole of `lens` sees of `mask`, a mask of the original camera; returns whether every pixel of
     /// that is subject, and then draws nothing.
     pub(super) fn draw(&mut self, lens: &Undistortion, mask: &MaskView, unseen_value: u8) -> bool {
-        let (map, unseen) = (&lens.tiles, if unseen_value == 0 { BACKGROUND } else { FOREGROUND });
+        let (map, unseen) = (&lens.tile_map, if unseen_value == 0 { BACKGROUND } else { FOREGROUND });
         if self.blocks.classify(mask, &map.blocks, map.last_level, unseen) {
             return true;
         }
@@ -93,7 +93,7 @@ impl TileMask {
 
     /// Finds the class of each tile that is drawn; what the lens does not see has the class `unseen`.
     fn classify(&mut self, lens: &Undistortion, unseen: u8) {
-        let (map, blocks) = (&lens.tiles, &self.blocks);
+        let (map, blocks) = (&lens.tile_map, &self.blocks);
         for row in self.drawn.rows.clone() {
             let tiles = self.tiles_in_row(row);
             let windows = map.windows[tiles.clone()].iter();
@@ -205,9 +205,9 @@ fn list_mixed(classes: &[u8], start: u32, mixed: &mut [u32]) -> usize {
 vectorised! {
     /// Interpolates the tiles that are not uniform; returns whether any has coverage.
     fn interpolate_mixed(lens: &Undistortion, mask: &MaskView, unseen_value: u8, drawn: &mut TileMask) -> bool {
-        let map = &lens.tiles;
+        let map = &lens.tile_map;
         let mut coverage = [0; PIXELS];
-        let groups = drawn.mixed[..drawn.mixed_count].chunks(GROUP).zip(drawn.bytes.chunks_mut(GROUP));
+        let groups = drawn.mixed[..drawn.mixed_count].chunks(TILES_FETCHED).zip(drawn.bytes.chunks_mut(TILES_FETCHED));
         for (tiles, bytes) in groups {
             // Few of the patches are in the cache, and each alone would be waited for.
             for &tile in tiles {
@@ -238,7 +238,7 @@ vectorised! {
 #[inline(never)]
 fn interpolate_each(lens: &Undistortion, mask: &MaskView, unseen_value: u8, tile: usize) -> Tile {
     let (width, height) = lens.pinhole.size();
-    pixels_of(tile, lens.tiles.across).map(|(x, y)| match x < width as usize && y < height as usize {
+    pixels_of(tile, lens.tile_map.across).map(|(x, y)| match x < width as usize && y < height as usize {
         true => lens.taps[y * width as usize + x].value(mask, unseen_value),
         false => unseen_value,
     })

@@ -15,7 +15,7 @@ use super::tile_map::SIDE;
 use super::tile_mask::TileMask;
 use crate::math::vectorised;
 use crate::silhouette::Rect;
-use crate::silhouette::region::{MARGIN, WORD, Word};
+use crate::silhouette::mask_crop::{MARGIN, WORD, Word};
 
 /// Bytes of eight pixels before a row of tiles, as far as a region reaches beyond the image.
 const BEFORE: usize = MARGIN as usize / SIDE;

@@ -50,9 +50,9 @@ fn a_set_tells_its_time_its_spread_and_who_is_missing() {
     let mut synchroniser = Synchroniser::new(at(&[&[2.0], &[10.0, 11.0], &[10.5]]), 0.5).unwrap();
     let first = synchroniser.next().unwrap().unwrap();
     assert_eq!((first.is_complete(), first.missing().collect::<Vec<_>>()), (false, vec![1, 2]));
-    assert_eq!((first.time, first.spread, first.number()), (2.0, 0.0, 0));
+    assert_eq!((first.time, first.time_spread, first.number()), (2.0, 0.0, 0));
     let second = synchroniser.next().unwrap().unwrap();
-    assert_eq!((second.time, second.spread), (10.25, 0.5));
+    assert_eq!((second.time, second.time_spread), (10.25, 0.5));
     assert_eq!(second.missing().collect::<Vec<_>>(), [0]);
     assert_eq!(synchroniser.next().unwrap().unwrap().number(), 1);
     assert!(synchroniser.next().is_none() && synchroniser.next().is_none());
@@ -88,7 +88,7 @@ fn no_image_is_in_two_sets_or_in_none() {
         let present: Vec<f64> = times(&set).into_iter().flatten().collect();
         let (least, greatest) =
             (present.iter().copied().fold(f64::MAX, f64::min), present.iter().copied().fold(0.0, f64::max));
-        assert!(greatest - least <= 0.004 && set.spread == greatest - least, "{set:?}");
+        assert!(greatest - least <= 0.004 && set.time_spread == greatest - least, "{set:?}");
         assert!((least..=greatest).contains(&set.time) && least > last, "{set:?}");
         last = least;
         times(&set).into_iter().zip(&mut seen).for_each(|(time, seen)| seen.extend(time));
@@ -127,16 +127,16 @@ fn a_camera_that_stalls_is_flagged_and_its_late_images_are_counted() {
         let set = synchroniser.next().unwrap().unwrap();
         (times(&set), synchroniser.late(1))
     };
-    (0..2).for_each(|n| lively.give(Ok(frame(n, f64::from(n)))));
+    (0..2).for_each(|n| lively.send(Ok(frame(n, f64::from(n)))));
     // Else the lively one, too, might let a set pass.
     lively.wait_until_starved();
     assert_eq!(next(), (vec![Some(0.0), None], 0));
     assert_eq!(next(), (vec![Some(1.0), None], 0));
     // Two images come when their sets have been given; then it is in step again.
     stalled.wait_until_starved();
-    (0..3).for_each(|n| stalled.give(Ok(frame(n, f64::from(n)))));
+    (0..3).for_each(|n| stalled.send(Ok(frame(n, f64::from(n)))));
     stalled.wait_until_starved();
-    lively.give(Ok(frame(2, 2.0)));
+    lively.send(Ok(frame(2, 2.0)));
     lively.wait_until_starved();
     assert_eq!(next(), (vec![Some(2.0), Some(2.0)], 2));
     lively.end();

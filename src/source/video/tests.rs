@@ -1,4 +1,4 @@
-use super::super::testing::{Folder, assert_says, paint, write_video};
+use super::super::testing::{Folder, assert_says, grey_image, write_video};
 use super::*;
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -29,14 +29,14 @@ fn every_image_of_a_video_comes_once_in_order_with_its_time() {
     let folder = Folder::new("video");
     let path = folder.path("clip.avi");
     write_video(&path, 40, (32, 24));
-    let video = Video::open(&path, Reading { size: Some((32, 24)), ..Reading::default() }).unwrap();
+    let video = Video::open(&path, ReadOptions { size: Some((32, 24)), ..ReadOptions::default() }).unwrap();
     assert_eq!((video.size(), video.frames_left(), video.period()), ((32, 24), Some(40), Some(0.04)));
     let (frames, error, notes) = all(video);
     assert_eq!((frames.len(), error, notes), (40, None, vec![]));
     for (number, frame) in (0..).zip(&frames) {
         assert_eq!((frame.number, frame.time), (number, f64::from(number) / 25.0));
         // The codec is lossless; grey becomes colour exactly.
-        assert_eq!(frame.image, paint(10 + 2 * number as u8, (32, 24)), "{number}");
+        assert_eq!(frame.image, grey_image(10 + 2 * number as u8, (32, 24)), "{number}");
     }
 }
 
@@ -46,15 +46,15 @@ fn a_video_may_be_read_from_the_middle() {
     let path = folder.path("clip.mkv");
     write_video(&path, 10, (16, 8));
     let times = Times::Listed(Arc::new(BTreeMap::from([(7, 1.0), (8, 1.5), (9, 2.5)])));
-    let reading = Reading { first: 7, times: Some(times), ..Reading::default() };
+    let reading = ReadOptions { first: 7, times: Some(times), ..ReadOptions::default() };
     let (frames, error, _) = all(Video::open(&path, reading.clone()).unwrap());
     assert_eq!(error, None);
     assert_eq!(
         frames.iter().map(|frame| (frame.number, frame.time)).collect::<Vec<_>>(),
         [(7, 1.0), (8, 1.5), (9, 2.5)]
     );
-    assert_eq!(frames[0].image, paint(24, (16, 8)));
-    let beyond = Reading { first: 10, ..reading };
+    assert_eq!(frames[0].image, grey_image(24, (16, 8)));
+    let beyond = ReadOptions { first: 10, ..reading };
     assert_says(Video::open(&path, beyond), &["clip.mkv", "frame 10", "found none"]);
 }
 
@@ -65,7 +65,7 @@ fn a_rate_that_the_time_stamps_belie_drops_and_repeats_nothing() {
     let path = folder.path("clip.mkv");
     let source = "color=black:s=16x8:r=25,format=gray,geq=lum=10+2*N,setpts=PTS+floor(N/7)/TB";
     ffmpeg(&["-f", "lavfi", "-i", source, "-frames:v", "20", "-vsync", "vfr", "-c:v", "ffv1"], &path);
-    let (frames, error, _) = all(Video::open(&path, Reading::default()).unwrap());
+    let (frames, error, _) = all(Video::open(&path, ReadOptions::default()).unwrap());
     assert_eq!(error, None);
     let greys: Vec<_> = frames.iter().map(|frame| frame.image.get_pixel(3, 3).0[0]).collect();
     assert_eq!(greys, (0..20).map(|n| 10 + 2 * n).collect::<Vec<_>>());
@@ -76,7 +76,7 @@ fn a_video_of_another_size_is_refused_with_both_sizes() {
     let folder = Folder::new("size");
     let path = folder.path("clip.avi");
     write_video(&path, 2, (32, 24));
-    let reading = Reading { size: Some((64, 48)), ..Reading::default() };
+    let reading = ReadOptions { size: Some((64, 48)), ..ReadOptions::default() };
     assert_says(Video::open(&path, reading), &["clip.avi", "64 x 48", "found 32 x 24", "calibrate"]);
 }
 
@@ -87,8 +87,8 @@ fn a_video_taken_upright_is_turned() {
     ffmpeg(&["-f", "lavfi", "-i", "testsrc=s=32x24:r=25", "-frames:v", "2", "-c:v", "mpeg4"], &lying);
     let source = lying.to_str().unwrap();
     ffmpeg(&["-i", source, "-c", "copy", "-metadata:s:v:0", "rotate=90"], &turned);
-    assert_eq!(Video::open(&lying, Reading::default()).unwrap().size(), (32, 24));
-    assert_eq!(Video::open(&turned, Reading::default()).unwrap().size(), (24, 32));
+    assert_eq!(Video::open(&lying, ReadOptions::default()).unwrap().size(), (32, 24));
+    assert_eq!(Video::open(&turned, ReadOptions::default()).unwrap().size(), (24, 32));
 }
 
 #[test]
@@ -96,10 +96,10 @@ fn a_video_that_is_cut_off_gives_its_images_and_then_says_so() {
     let folder = Folder::new("cut");
     let path = folder.path("clip.avi");
     ffmpeg(&["-f", "lavfi", "-i", "testsrc2=s=160x120:r=25", "-frames:v", "40", "-c:v", "ffv1"], &path);
-    let (whole, ..) = all(Video::open(&path, Reading::default()).unwrap());
+    let (whole, ..) = all(Video::open(&path, ReadOptions::default()).unwrap());
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
-    let (frames, error, _) = all(Video::open(&path, Reading::default()).unwrap());
+    let (frames, error, _) = all(Video::open(&path, ReadOptions::default()).unwrap());
     assert!((10..30).contains(&frames.len()), "{}", frames.len());
     assert_eq!(frames[..frames.len() - 1], whole[..frames.len() - 1]);
     let parts = ["clip.avi", "expected 40 images", &format!("after {}", frames.len()), "good"];
@@ -115,7 +115,7 @@ fn a_video_with_a_damaged_middle_says_so() {
     let middle = bytes.len() / 2;
     bytes[middle..middle + 600].fill(0x5a);
     std::fs::write(&path, &bytes).unwrap();
-    let (frames, error, notes) = all(Video::open(&path, Reading::default()).unwrap());
+    let (frames, error, notes) = all(Video::open(&path, ReadOptions::default()).unwrap());
     assert!(frames.len() > 15, "{}", frames.len());
     let told = notes.into_iter().chain(error.map(|e| e.to_string())).collect::<Vec<_>>().join("\n");
     assert!(told.contains("clip.avi") && told.contains("ffmpeg said"), "{told}");
@@ -125,22 +125,22 @@ fn a_video_with_a_damaged_middle_says_so() {
 fn what_is_no_video_is_refused_with_what_ffmpeg_says() {
     let folder = Folder::new("foreign");
     assert_says(
-        Video::open(folder.path("none.mp4"), Reading::default()),
+        Video::open(folder.path("none.mp4"), ReadOptions::default()),
         &["none.mp4", "found none", "path"],
     );
     let path = folder.path("notes: today.mp4");
     std::fs::write(&path, "not a video").unwrap();
-    assert_says(Video::open(&path, Reading::default()), &["notes: today.mp4", "Invalid data"]);
+    assert_says(Video::open(&path, ReadOptions::default()), &["notes: today.mp4", "Invalid data"]);
     std::fs::write(&path, "").unwrap();
     assert_says(
-        Video::open(&path, Reading::default()),
+        Video::open(&path, ReadOptions::default()),
         &["notes: today.mp4", "a video that ffmpeg can read"],
     );
     let sound = folder.path("sound.wav");
     ffmpeg(&["-f", "lavfi", "-i", "sine=d=0.1"], &sound);
-    assert_says(Video::open(&sound, Reading::default()), &["sound.wav", "no stream of images"]);
+    assert_says(Video::open(&sound, ReadOptions::default()), &["sound.wav", "no stream of images"]);
     let (path, reading) =
-        (folder.path("clip.avi"), Reading { times: Some(Times::Rate(-1.0)), ..Reading::default() });
+        (folder.path("clip.avi"), ReadOptions { times: Some(Times::Rate(-1.0)), ..ReadOptions::default() });
     write_video(&path, 1, (8, 8));
     assert_says(Video::open(&path, reading), &["positive", "-1"]);
 }

@@ -58,7 +58,7 @@ fn a_ball_covers_the_area_of_its_circle() {
     let camera =
         Camera::look_at("c", (200, 200), 0.5, Point3::new(3.0, 0.0, 0.0), Point3::origin(), Vector3::z())
             .unwrap();
-    let ball = Placed::new(Solid::sphere(0.3).unwrap(), Isometry3::identity(), Paint::plain([0; 3]));
+    let ball = Placed::new(Solid::sphere(0.3).unwrap(), Isometry3::identity(), Texture::plain([0; 3]));
     let subject = Subject::new(vec![ball]);
     let radius = camera.intrinsics()[(0, 0)] * (0.3f64 / 3.0).asin().tan();
     let expected = std::f64::consts::PI * radius * radius;
@@ -75,7 +75,7 @@ fn a_wire_thinner_than_a_pixel_is_not_lost() {
     let focal = camera.intrinsics()[(0, 0)];
     for (tilt, shift) in [(0.0, 0.0), (0.0, 0.004), (0.02, 0.0), (0.7, 0.0)] {
         let pose = Isometry3::new(Vector3::new(0.0, shift, 0.0), Vector3::x() * tilt);
-        let wire = Placed::new(Solid::capsule(1e-3, 0.5).unwrap(), pose, Paint::plain([0; 3]));
+        let wire = Placed::new(Solid::capsule(1e-3, 0.5).unwrap(), pose, Texture::plain([0; 3]));
         let mask = coverage(&camera, &Subject::new(vec![wire]));
         let expected = (2e-3 * 0.5) * (focal / 3.0).powi(2);
         // 0.13 px wide: 16 rays across a pixel meet it two or three times.

@@ -36,7 +36,7 @@ fn pose(random: &mut Random, about: Vector3<f64>) -> Isometry3<f64> {
 fn heap(about: Vector3<f64>) -> Subject {
     let mut random = Random::new(5);
     let paints =
-        [Paint::plain([200, 60, 40]), Paint::checker([60, 60, 200], 0.1), Paint::cloth([190, 40, 160])];
+        [Texture::plain([200, 60, 40]), Texture::checker([60, 60, 200], 0.1), Texture::cloth([190, 40, 160])];
     let placed = |(i, solid): (usize, Solid)| Placed::new(solid, pose(&mut random, about), paints[i % 3]);
     Subject::new(each_solid().into_iter().enumerate().map(placed).collect())
 }

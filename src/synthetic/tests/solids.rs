@@ -12,7 +12,7 @@ fn hits_are_where_marching_first_finds_the_inside() {
     for solid in each_solid() {
         let mut hits = 0;
         for _ in 0..150 {
-            let placed = Placed::new(solid, pose(&mut random, Vector3::zeros()), Paint::plain([0; 3]));
+            let placed = Placed::new(solid, pose(&mut random, Vector3::zeros()), Texture::plain([0; 3]));
             let origin = Point3::from(direction(&mut random) * 3.0);
             let aim = placed.centre() + direction(&mut random) * 0.4 * random.even();
             let ray = Ray { origin, direction: (aim - origin).normalize() };
@@ -88,7 +88,7 @@ fn grazing_rays_are_told_from_missing_ones_to_a_nanometre() {
     for solid in each_solid() {
         for (point, normal) in supporting_points(&solid, &mut random) {
             let placed =
-                Placed::new(solid, pose(&mut random, Vector3::new(0.0, 0.0, 1.0)), Paint::plain([0; 3]));
+                Placed::new(solid, pose(&mut random, Vector3::new(0.0, 0.0, 1.0)), Texture::plain([0; 3]));
             let along = normal.cross(&direction(&mut random)).normalize();
             let at_height = |height: f64| Ray {
                 origin: placed.world_from_solid() * (point + normal * height - along * 5.0),

@@ -1,7 +1,7 @@
 //! Each view's image with its silhouette and the hull's over it.
 
-use crate::backdrop::Backdrop;
-use crate::clock::Clock;
+use crate::background_images::BackgroundImages;
+use crate::frame_times::FrameTimes;
 use crate::output::make_folder;
 use crate::progress;
 use crate::recorded_hulls::RecordedHulls;
@@ -28,14 +28,14 @@ pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result
     let hull = recorded.hull(frame)?;
     make_folder(out)?;
     let masks = recording.masks(frame)?;
-    let clock = Clock::of(recording, None)?;
+    let clock = FrameTimes::of(recording, None)?;
     let time = frames.binary_search(&frame).map_or(0.0, |k| clock.times[k]);
     let bar = progress::bar(masks.len(), "pictures");
     for (k, (camera, mask)) in recording.rig().cameras().iter().zip(&masks).enumerate() {
         let moment = (frame, time);
-        let mut backdrop = Backdrop::open(recording, k, moment, &clock.streaming, clock.bound())?;
+        let mut backdrop = BackgroundImages::open(recording, k, moment, &clock.streaming, clock.bound())?;
         let mut picture = backdrop.at(recording, moment)?;
-        paint(&mut picture, camera, mask, &hull);
+        draw_overlay(&mut picture, camera, mask, &hull);
         let path = out.join(format!("{}_{frame:06}.png", camera.name()));
         picture
             .save(&path)
@@ -48,7 +48,7 @@ pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result
     Ok(())
 }
 
-fn paint(picture: &mut RgbImage, camera: &Camera, mask: &GrayImage, hull: &Hull) {
+fn draw_overlay(picture: &mut RgbImage, camera: &Camera, mask: &GrayImage, hull: &Hull) {
     let is_subject = |x: u32, y: u32| mask.get_pixel_checked(x, y).is_some_and(|p| p.0[0] >= SUBJECT);
     for (x, y, pixel) in picture.enumerate_pixels_mut() {
         let subject = is_subject(x, y);
@@ -58,7 +58,7 @@ fn paint(picture: &mut RgbImage, camera: &Camera, mask: &GrayImage, hull: &Hull)
             EDGE
         } else if !subject {
             continue;
-        } else if ray().is_some_and(|ray| hull.first_span(&ray).is_some()) {
+        } else if ray().is_some_and(|ray| hull.ray_cast(&ray).is_some()) {
             FILLED
         } else {
             CUT

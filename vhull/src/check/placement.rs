@@ -4,7 +4,7 @@ use super::{Options, Report, Table};
 use nalgebra::Point3;
 use ode_visual_hull::Result;
 use ode_visual_hull::camera::Camera;
-use ode_visual_hull::rig::{Reading, Rig};
+use ode_visual_hull::rig::{PoseConvention, Rig};
 use ode_visual_hull::synthetic::Tent;
 
 /// Points along the work volume's longest side at which it is asked who sees them.
@@ -14,10 +14,10 @@ const FINENESS: usize = 48;
 const HIGH: f64 = 0.05;
 
 /// Tells of the cameras' places; true if silhouettes can be compared: there is a work volume, and all see some of it.
-pub fn report(rig: &Rig, options: &Options, report: &mut Report) -> Result<bool> {
+pub fn describe_rig(rig: &Rig, options: &Options, report: &mut Report) -> Result<bool> {
     match rig.focus() {
         Ok(focus) => spot(rig, &focus, report)?,
-        Err(error) => report.fault(error.to_string()),
+        Err(error) => report.add_problem(error.to_string()),
     }
     let has_volume = options.volume.bounds.is_some() || rig.work_volume().is_ok();
     let all_see = has_volume && volume(rig, options, report)?;
@@ -42,17 +42,17 @@ fn spot(rig: &Rig, focus: &Point3<f64>, report: &mut Report) -> Result<()> {
     let behind =
         blind.iter().all(|&k| (focus - rig.cameras()[k].centre()).dot(&rig.cameras()[k].forward()) < 0.0);
     let how = if behind { "is behind" } else { "is outside the image of" };
-    let better = Reading::ALL.into_iter().find(|&reading| sees_more(rig, reading, seeing.len()));
+    let better = PoseConvention::ALL.into_iter().find(|&reading| sees_more(rig, reading, seeing.len()));
     let advice = match better {
         Some(reading) => format!("with {}, all see one spot: convert the poses so", reading.describe()),
         None => "turn the camera, or check its pose".to_owned(),
     };
-    report.fault(format!("the spot that the cameras look at {how} {}; {advice}", names.join(", ")));
+    report.add_problem(format!("the spot that the cameras look at {how} {}; {advice}", names.join(", ")));
     Ok(())
 }
 
 /// Whether with another reading all cameras see one spot.
-fn sees_more(rig: &Rig, reading: Reading, than: usize) -> bool {
+fn sees_more(rig: &Rig, reading: PoseConvention, than: usize) -> bool {
     let seeing = rig.read_as(reading).and_then(|rig| rig.seeing_focus());
     seeing.is_ok_and(|seeing| seeing.len() == rig.len() && seeing.len() > than)
 }
@@ -74,12 +74,12 @@ fn volume(rig: &Rig, options: &Options, report: &mut Report) -> Result<bool> {
     println!("  seen by each: {}", told.join(", "));
     let blind: Vec<_> = named.filter(|(_, share)| **share == 0.0).map(|(c, _)| c.name()).collect();
     if !blind.is_empty() {
-        report.fault(format!(
+        report.add_problem(format!(
             "nothing of the work volume is seen by {}; give --bounds around the subject, or check the poses",
             blind.join(", ")
         ));
     } else if shares.iter().skip(2).sum::<f64>() == 0.0 && rig.len() > 1 {
-        report.fault(
+        report.add_problem(
             "no part of the work volume is seen by two cameras; give --bounds around the subject, or check the poses",
         );
     }
@@ -92,7 +92,7 @@ fn tent(rig: &Rig, table: &Table, report: &mut Report) -> Result<()> {
     let tent = Tent::above(rig.cameras(), top, side)?;
     let name = format!("above a table of {side} m at {}", place(&top));
     if tent.cameras.len() < 2 {
-        report.fault(format!(
+        report.add_problem(format!(
             "{name}: expected at least two cameras that see its top, found {}; move them, or the table",
             tent.cameras.len()
         ));

@@ -4,10 +4,10 @@ use super::{Options, Report};
 use crate::progress;
 use crate::recorded_hulls::RecordedHulls;
 use ode_visual_hull::Result;
-use ode_visual_hull::calibration_check::{Fit, Shift, Tangents};
-use ode_visual_hull::hull::{Emptiness, Hull, HullData};
+use ode_visual_hull::calibration_check::{EpipolarTangency, Shift, SilhouetteCoherence};
+use ode_visual_hull::hull::{EmptyReason, Hull, HullData};
 use ode_visual_hull::pipeline::publish_masks;
-use ode_visual_hull::rig::{Reading, Rig};
+use ode_visual_hull::rig::{PoseConvention, Rig};
 
 /// Every so many pixels and rows a ray is asked whether it meets the hull.
 const STEP: usize = 4;
@@ -24,20 +24,20 @@ const LEAST_GAIN: f64 = 0.1;
 /// A view of whose silhouettes the hull fills less than this share has something wrong with it or with the others.
 const LEAST_FILLED: f64 = 0.75;
 
-pub fn report(recorded: &RecordedHulls, options: &Options, report: &mut Report) -> Result<()> {
+pub fn describe_silhouettes(recorded: &RecordedHulls, options: &Options, report: &mut Report) -> Result<()> {
     let frames = match (options.frames, options.frame) {
         (1, Some(frame)) => vec![frame],
-        (most, _) => recorded.spread(most as usize),
+        (most, _) => recorded.spread_frames(most as usize),
     };
-    let (mut tangents, mut fits, mut empty) = (Tangents::new(), Vec::new(), Vec::new());
+    let (mut tangents, mut fits, mut empty) = (EpipolarTangency::new(), Vec::new(), Vec::new());
     let bar = progress::bar(frames.len(), "silhouettes");
     let fitted = frames.len().div_ceil(FITTED);
     for (k, &frame) in frames.iter().enumerate() {
         let hull = recorded.hull(frame)?;
         tangents.add(&hull);
         if k % fitted == 0 {
-            let of_frame = hull.fits(STEP);
-            if of_frame.iter().all(|fit| fit.filled == 0) {
+            let of_frame = hull.silhouette_coherence(STEP);
+            if of_frame.iter().all(|fit| fit.filled_pixels == 0) {
                 empty.push((frame, hull.clone()));
             }
             fits.push(of_frame);
@@ -51,29 +51,30 @@ pub fn report(recorded: &RecordedHulls, options: &Options, report: &mut Report) 
     table(recorded.recording.rig(), &shifts, &fits);
     judge(recorded.recording.rig(), &shifts, &fits, options, report);
     if let Some((frame, hull)) = empty.first() {
-        report.fault(format!("frame {frame}: the hull is empty: {}", why(hull, recorded, *frame)?));
+        report.add_problem(format!("frame {frame}: the hull is empty: {}", why(hull, recorded, *frame)?));
     }
     Ok(())
 }
 
 /// Views' fits, of all frames together; the depth is the median over the frames with a cut.
-fn totals(frames: &[Vec<Fit>]) -> Vec<Fit> {
+fn totals(frames: &[Vec<SilhouetteCoherence>]) -> Vec<SilhouetteCoherence> {
     let views = frames.first().map_or(0, Vec::len);
     let of = |view: usize| {
         let own = || frames.iter().map(move |fits| &fits[view]);
-        let mut depths: Vec<f64> = own().filter(|fit| fit.cuts > 0).map(|fit| fit.cut_depth_px).collect();
+        let mut depths: Vec<f64> =
+            own().filter(|fit| fit.carved_pixels > 0).map(|fit| fit.carved_depth_px).collect();
         depths.sort_by(f64::total_cmp);
-        Fit {
+        SilhouetteCoherence {
             pixels: own().map(|fit| fit.pixels).sum(),
-            filled: own().map(|fit| fit.filled).sum(),
-            cuts: own().map(|fit| fit.cuts).sum(),
-            cut_depth_px: depths.get(depths.len() / 2).copied().unwrap_or(0.0),
+            filled_pixels: own().map(|fit| fit.filled_pixels).sum(),
+            carved_pixels: own().map(|fit| fit.carved_pixels).sum(),
+            carved_depth_px: depths.get(depths.len() / 2).copied().unwrap_or(0.0),
         }
     };
     (0..views).map(of).collect()
 }
 
-fn table(rig: &Rig, shifts: &[Shift], fits: &[Fit]) {
+fn table(rig: &Rig, shifts: &[Shift], fits: &[SilhouetteCoherence]) {
     let width = rig.cameras().iter().map(|camera| camera.name().chars().count()).max().unwrap_or(0).max(6);
     let all: usize = fits.iter().map(|fit| fit.pixels).sum();
     println!(
@@ -85,9 +86,9 @@ fn table(rig: &Rig, shifts: &[Shift], fits: &[Fit]) {
             0 => "unknown".into(),
             _ => format!("({:.1}, {:.1})", tenths(-shift.shift.x), tenths(-shift.shift.y)),
         };
-        let cuts = match fit.cuts {
+        let cuts = match fit.carved_pixels {
             0 => "nothing".into(),
-            cuts => format!("{:.1} %, {:.0} px deep", 100.0 * cuts as f64 / all as f64, fit.cut_depth_px),
+            cuts => format!("{:.1} %, {:.0} px deep", 100.0 * cuts as f64 / all as f64, fit.carved_depth_px),
         };
         println!(
             "  {:width$}  {by:>16}  {:>4.1} px  {:>11}  {:>4.0} %  {cuts:>22}",
@@ -110,7 +111,7 @@ fn tenths(x: f64) -> f64 {
     (10.0 * x).round() / 10.0 + 0.0
 }
 
-fn judge(rig: &Rig, shifts: &[Shift], fits: &[Fit], options: &Options, report: &mut Report) {
+fn judge(rig: &Rig, shifts: &[Shift], fits: &[SilhouetteCoherence], options: &Options, report: &mut Report) {
     let off = |shift: &Shift| {
         shift.planes >= FEW_PLANES
             && shift.shift.norm() > options.tolerance
@@ -120,7 +121,7 @@ fn judge(rig: &Rig, shifts: &[Shift], fits: &[Fit], options: &Options, report: &
     off_views.sort_by(|&a, &b| shifts[b].shift.norm().total_cmp(&shifts[a].shift.norm()));
     if rig.len() < 3 && !off_views.is_empty() {
         let gap = shifts.iter().map(|shift| shift.gap).fold(0.0, f64::max);
-        report.fault(format!(
+        report.add_problem(format!(
             "the two views' silhouettes miss each other by {gap:.1} px; two views do not tell which is off: calibrate \
              both again"
         ));
@@ -128,7 +129,7 @@ fn judge(rig: &Rig, shifts: &[Shift], fits: &[Fit], options: &Options, report: &
     }
     for &k in &off_views {
         let s = -shifts[k].shift;
-        report.fault(format!(
+        report.add_problem(format!(
             "{}: its silhouettes lie {:.1} px off, by ({:.1}, {:.1}) px right and down, more than {} px; calibrate it \
              again, or move its principal point by as much",
             rig.cameras()[k].name(),
@@ -142,9 +143,10 @@ fn judge(rig: &Rig, shifts: &[Shift], fits: &[Fit], options: &Options, report: &
         return;
     }
     for (camera, fit) in rig.cameras().iter().zip(fits).filter(|(_, fit)| fit.filled_share() < LEAST_FILLED) {
-        let worst = (0..fits.len()).max_by_key(|&k| fits[k].cuts).filter(|&k| fits[k].cuts > 0);
+        let worst =
+            (0..fits.len()).max_by_key(|&k| fits[k].carved_pixels).filter(|&k| fits[k].carved_pixels > 0);
         let by = worst.map_or(String::new(), |k| format!("; {} cuts most", rig.cameras()[k].name()));
-        report.fault(format!(
+        report.add_problem(format!(
             "{}: the hull fills only {:.0} % of its silhouettes{by}: check the masks (--pictures), the work volume and \
              --unseen",
             camera.name(),
@@ -156,16 +158,16 @@ fn judge(rig: &Rig, shifts: &[Shift], fits: &[Fit], options: &Options, report: &
 /// Why a frame's hull is empty, and what would fill it.
 fn why(hull: &Hull, recorded: &RecordedHulls, frame: u32) -> Result<String> {
     let name = |view: usize| hull.views()[view].name().to_owned();
-    let reason = match hull.emptiness() {
-        Some(Emptiness::NoViews) => "no view takes part".into(),
-        Some(Emptiness::EmptySilhouette { view }) => format!("the mask of {} holds no subject", name(view)),
-        Some(Emptiness::NothingInCommon { view }) => format!(
+    let reason = match hull.empty_reason() {
+        Some(EmptyReason::NoViews) => "no view takes part".into(),
+        Some(EmptyReason::EmptySilhouette { view }) => format!("the mask of {} holds no subject", name(view)),
+        Some(EmptyReason::NothingInCommon { view }) => format!(
             "what {} sees has no point in common with the work volume and the views before it",
             name(view)
         ),
         None => "no point is subject in all views".into(),
     };
-    for reading in Reading::ALL {
+    for reading in PoseConvention::ALL {
         if recorded
             .recording
             .rig()
@@ -187,5 +189,5 @@ fn fills(rig: &Rig, recorded: &RecordedHulls, frame: u32) -> Result<bool> {
     data.add_views(rig.cameras())?;
     data.set_bounds(rig.work_volume()?)?;
     let hull = publish_masks(&data, &recorded.recording.masks(frame)?, 0.0)?;
-    Ok(hull.fits(2 * STEP).iter().any(|fit| fit.filled > 0))
+    Ok(hull.silhouette_coherence(2 * STEP).iter().any(|fit| fit.filled_pixels > 0))
 }

@@ -16,7 +16,7 @@ const MARGIN: f64 = 2.0;
 const MOST: f64 = 2.5e8;
 
 /// Distances on a grid, in metres, negative inside, x fastest.
-pub struct Field {
+pub struct SignedField {
     pub origin: Point3<f64>,
     pub cell: f64,
     pub counts: [u32; 3],
@@ -30,7 +30,7 @@ struct Map<'h> {
     distances: SignedDistance,
 }
 
-impl Field {
+impl SignedField {
     /// The grid around `hull` with cells of `cell` metres; without any points for a hull that is empty.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! The closed surface through a field's zeros, and the files that hold it.
 
-use super::field::Field;
+use super::field::SignedField;
 use fast_surface_nets::ndshape::RuntimeShape;
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
 use nalgebra::Vector3;
@@ -17,7 +17,7 @@ pub struct Surface {
 
 impl Surface {
     /// Without any triangle where nothing is inside.
-    pub fn of(field: &Field) -> Self {
+    pub fn of(field: &SignedField) -> Self {
         let mut buffer = SurfaceNetsBuffer::default();
         if field.distances.iter().any(|distance| *distance < 0.0) {
             let shape = RuntimeShape::<u32, 3>::new(field.counts);

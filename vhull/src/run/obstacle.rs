@@ -43,7 +43,7 @@ pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<
 pub fn ground(hull: &Hull, x: f64, y: f64) -> Point3<f64> {
     let top = hull.aabb().max.z + 0.01;
     let ray = Ray { origin: Point3::new(x, y, top), direction: -nalgebra::Vector3::z() };
-    let entry = hull.first_span(&ray).and_then(|(entry, _)| entry);
+    let entry = hull.ray_cast(&ray).and_then(|(entry, _)| entry);
     Point3::new(x, y, entry.map_or(0.0, |entry| (top - entry.t).max(0.0)))
 }
 

@@ -3,9 +3,9 @@
 use super::Options;
 use super::timeline::Timeline;
 use crate::arguments::{open_recording, shown_frames};
-use crate::backdrop::{Backdrop, Moment};
-use crate::clock::Clock;
-use crate::recorded_hulls::{RecordedHulls, spread};
+use crate::background_images::{BackgroundImages, FrameTime};
+use crate::frame_times::FrameTimes;
+use crate::recorded_hulls::{RecordedHulls, evenly_spaced};
 use image::RgbImage;
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
@@ -27,19 +27,19 @@ const SURVEYED: usize = 24;
 /// A recording that plays.
 pub struct Playback {
     recording: Recording,
-    clock: Clock,
+    frame_times: FrameTimes,
     /// The recorded frames that are played, and when.
-    frames: Vec<Moment>,
+    frames: Vec<FrameTime>,
     timeline: Timeline,
     hold: f64,
     /// The hulls of some frames, the first one's first.
-    survey: Vec<Arc<Hull>>,
+    sampled_hulls: Vec<Arc<Hull>>,
     /// What the film shows.
     shown: Aabb,
     /// The position of the recorded frame whose masks are in force.
     published: Option<usize>,
     /// What a view saw, from the first picture on that was asked for.
-    backdrop: Option<(usize, Backdrop)>,
+    background: Option<(usize, BackgroundImages)>,
 }
 
 impl Playback {
@@ -47,25 +47,25 @@ impl Playback {
     pub fn open(options: &Options, data: &HullData) -> Result<Self> {
         let dir = &options.recording;
         let recording = open_recording(dir)?;
-        let clock = Clock::of(&recording, options.rate)?;
+        let clock = FrameTimes::of(&recording, options.rate)?;
         options.volume.prepare(data, recording.rig())?;
         let recorded = RecordedHulls::new(recording, dir, &options.volume)?;
         let frames = frames_of(&recorded.recording, &clock, options)?;
-        let surveyed = spread(frames.len(), SURVEYED);
+        let surveyed = evenly_spaced(frames.len(), SURVEYED);
         let survey = surveyed.map(|k| recorded.hull(frames[k].0)).collect::<Result<Vec<_>>>()?;
         check_hull(dir, frames[0].0, &survey[0])?;
         let times: Vec<f64> = frames.iter().map(|&(_, time)| time).collect();
         let shown = survey.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
         let mut playback = Self {
             recording: recorded.recording,
-            clock,
+            frame_times: clock,
             frames,
             timeline: Timeline::new(&times, options.hold, options.linger),
             hold: options.hold,
             shown: shown.reduce(|a, b| a.union(&b)).unwrap_or(*survey[0].aabb()).grown(MARGIN),
-            survey,
+            sampled_hulls: survey,
             published: None,
-            backdrop: None,
+            background: None,
         };
         playback.publish(0.0, data)?;
         Ok(playback)
@@ -78,7 +78,7 @@ impl Playback {
 
     /// Whether nothing but the number of an image tells when it was taken.
     pub fn is_rate_assumed(&self) -> bool {
-        self.clock.is_assumed
+        self.frame_times.is_assumed
     }
 
     /// Metres that a pixel covers at the subject.
@@ -88,12 +88,12 @@ impl Playback {
 
     /// The hull of the first frame.
     pub fn first(&self) -> &Hull {
-        &self.survey[0]
+        &self.sampled_hulls[0]
     }
 
     /// The hulls of frames all over the recording, the first one's first.
-    pub fn survey(&self) -> &[Arc<Hull>] {
-        &self.survey
+    pub fn sampled_hulls(&self) -> &[Arc<Hull>] {
+        &self.sampled_hulls
     }
 
     /// Shows a stack too.
@@ -104,12 +104,12 @@ impl Playback {
 }
 
 /// The recorded frames to play; at least one.
-fn frames_of(recording: &Recording, clock: &Clock, options: &Options) -> Result<Vec<Moment>> {
+fn frames_of(recording: &Recording, clock: &FrameTimes, options: &Options) -> Result<Vec<FrameTime>> {
     let all = recording.frames();
     let (first, last) = (all[0], all[all.len() - 1]);
     let wanted = options.frames.clone().unwrap_or(0..u32::MAX);
     let moments = all.iter().copied().zip(clock.times.iter().copied());
-    let frames: Vec<Moment> = moments.filter(|(frame, _)| wanted.contains(frame)).collect();
+    let frames: Vec<FrameTime> = moments.filter(|(frame, _)| wanted.contains(frame)).collect();
     if frames.is_empty() {
         return Err(Error::argument(format!(
             "--frames: expected frames of the recording, which has masks from {first} to {last}, found none in {}",
@@ -120,7 +120,7 @@ fn frames_of(recording: &Recording, clock: &Clock, options: &Options) -> Result<
 }
 
 fn check_hull(dir: &Path, frame: u32, hull: &Hull) -> Result<()> {
-    let Some(why) = hull.emptiness() else { return Ok(()) };
+    let Some(why) = hull.empty_reason() else { return Ok(()) };
     let problem = format!(
         "expected a subject in frame {frame}, found an empty hull ({why:?}); set --bounds, or --unseen abstain where no \
          point is in sight of all cameras"
@@ -170,14 +170,15 @@ impl Capture for Playback {
     /// The nearest recorded image, else the mask.
     fn picture(&mut self, view: usize) -> Result<RgbImage> {
         let moment = self.frames[self.published.unwrap_or(0)];
-        let Self { recording, clock, .. } = self;
+        let Self { recording, frame_times: clock, .. } = self;
         let undrawn = |e| Error::argument(format!("{e}; mend it, or do without a film: --no-gif"));
-        let mut backdrop = match self.backdrop.take() {
+        let mut backdrop = match self.background.take() {
             Some((of, backdrop)) if of == view => backdrop,
-            _ => Backdrop::open(recording, view, moment, &clock.streaming, f64::INFINITY).map_err(undrawn)?,
+            _ => BackgroundImages::open(recording, view, moment, &clock.streaming, f64::INFINITY)
+                .map_err(undrawn)?,
         };
         let picture = backdrop.at(recording, moment).map_err(undrawn);
-        self.backdrop = Some((view, backdrop));
+        self.background = Some((view, backdrop));
         picture
     }
 
@@ -199,7 +200,7 @@ impl Capture for Playback {
         let (near, _, _) = hull.aabb().span(&ray.origin, &ray.direction)?;
         // A hair before the box: a ray that starts inside the hull has no entry.
         let start = (near - 0.01).max(0.0);
-        let (entry, _) = hull.first_span(&Ray { origin: ray.at(start), ..*ray })?;
+        let (entry, _) = hull.ray_cast(&Ray { origin: ray.at(start), ..*ray })?;
         entry.map(|entry| Hit { t: start + entry.t, normal: entry.normal })
     }
 
@@ -207,7 +208,7 @@ impl Capture for Playback {
         None
     }
 
-    fn lamp(&self) -> Point3<f64> {
+    fn light(&self) -> Point3<f64> {
         Point3::new(1.5, -1.0, 4.0)
     }
 }

@@ -3,7 +3,7 @@
 use super::Options;
 use image::RgbImage;
 use ode_visual_hull::recording::{Recording, StreamOptions};
-use ode_visual_hull::source::{Reading, Source, Video};
+use ode_visual_hull::source::{ReadOptions, Source, Video};
 use ode_visual_hull::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,7 @@ impl EmptyRoom {
                         format!("--empty: expected at least {count} images, found {found}; give fewer");
                     return Err(Error::argument(problem));
                 }
-                return spread(&mut *source, count);
+                return evenly_spaced(&mut *source, count);
             }
             let calibrated = &recording.rig().cameras()[camera];
             read(&background(options, calibrated.name())?, calibrated.size())
@@ -41,7 +41,7 @@ pub fn throughout(recording: &Recording, streaming: &StreamOptions) -> Result<Ve
     of_each_camera(recording, |camera| {
         let mut source = recording.source(camera, streaming)?;
         let count = source.frames_left().unwrap_or(u32::MAX);
-        spread(&mut *source, count)
+        evenly_spaced(&mut *source, count)
     })
 }
 
@@ -101,9 +101,9 @@ fn is_picture(path: &Path) -> bool {
 
 fn read(path: &Path, size: (u32, u32)) -> Result<Vec<RgbImage>> {
     if !is_picture(path) {
-        let mut video = Video::open(path, Reading { size: Some(size), ..Reading::default() })?;
+        let mut video = Video::open(path, ReadOptions { size: Some(size), ..ReadOptions::default() })?;
         let count = video.frames_left().unwrap_or(u32::MAX);
-        return spread(&mut video, count);
+        return evenly_spaced(&mut video, count);
     }
     let image = image::ImageReader::open(path)
         .and_then(image::ImageReader::with_guessed_format)
@@ -122,7 +122,7 @@ fn read(path: &Path, size: (u32, u32)) -> Result<Vec<RgbImage>> {
 }
 
 /// At most [`IMAGES`] of the first `count` images, evenly spread; of a clip whose length is not known the first ones.
-fn spread(source: &mut dyn Source, count: u32) -> Result<Vec<RgbImage>> {
+fn evenly_spaced(source: &mut dyn Source, count: u32) -> Result<Vec<RgbImage>> {
     let step = if count == u32::MAX { 1 } else { count.div_ceil(IMAGES).max(1) };
     let mut images = Vec::new();
     for at in 0..count.min(step * IMAGES) {

@@ -26,7 +26,7 @@ impl Tally {
     pub fn written(&mut self, set: &ImageSet) {
         self.written += 1;
         self.last = self.frame_at_work.take();
-        self.widest_spread = self.widest_spread.max(set.spread);
+        self.widest_spread = self.widest_spread.max(set.time_spread);
         let differs = set.images.iter().flatten().any(|frame| frame.number != set.number());
         self.renumbered += u32::from(differs);
     }
@@ -51,7 +51,7 @@ impl Tally {
     }
 
     /// Says how it ended.
-    pub fn report(&self, recording: &Path, out: &Path, sets: &Synchroniser) -> Result<Outcome> {
+    pub fn print_summary(&self, recording: &Path, out: &Path, sets: &Synchroniser) -> Result<Outcome> {
         for note in sets.streams().flat_map(|stream| stream.notes()) {
             eprintln!("note: {note}");
         }

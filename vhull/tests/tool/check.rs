@@ -2,7 +2,7 @@ use super::{data, folder, studio, vhull};
 use image::GrayImage;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Distortion};
-use ode_visual_hull::rig::{Reading, Rig};
+use ode_visual_hull::rig::{PoseConvention, Rig};
 use ode_visual_hull::synthetic::layout;
 use std::path::Path;
 
@@ -80,7 +80,7 @@ fn a_camera_that_is_off_is_named_alone() {
 fn poses_with_opengl_axes_are_recognised() {
     let folder = studio("check_axes", "person");
     let rig = Rig::load(folder.join("studio/rig.toml")).unwrap();
-    rig.read_as(Reading::OpenGl).unwrap().save(folder.join("opengl.toml")).unwrap();
+    rig.read_as(PoseConvention::OpenGl).unwrap().save(folder.join("opengl.toml")).unwrap();
     for words in [&["check", "opengl.toml"][..], &["check", "opengl.toml", "studio"]] {
         let run = vhull(&folder, words);
         assert_eq!(run.code, 3, "{}{}", run.out, run.error);

@@ -1,6 +1,6 @@
 use super::*;
 use crate::hull::tests::{Random, bounds, cameras};
-use crate::hull::{EdgeModel, Push};
+use crate::hull::{EdgeModel, ExitVector};
 use image::{GrayImage, Luma};
 use nalgebra::{Point3, Vector3};
 use std::sync::Barrier;
@@ -41,7 +41,7 @@ fn show(data: &HullData, frame: u32) -> Arc<Hull> {
 struct Answer {
     inside: bool,
     response: Option<Vector3<f64>>,
-    push: Option<Push>,
+    push: Option<ExitVector>,
     /// Metres upwards, for a point inside.
     exit: Option<f64>,
 }
@@ -52,7 +52,7 @@ fn answers(hull: &Hull, points: &[Point3<f64>]) -> Vec<Answer> {
         Answer {
             inside,
             response: hull.respond(p).map(|response| response.w()),
-            push: hull.push(p),
+            push: hull.exit_vector(p),
             exit: inside.then(|| hull.exit(p, &Vector3::z(), EdgeModel::Pixel)),
         }
     };

@@ -3,7 +3,7 @@
 use super::*;
 use crate::hull::{Aabb, HullData};
 use crate::ode::{Ode, Shape, World};
-use crate::synthetic::{Paint, Placed, Solid, Subject, layout, silhouette};
+use crate::synthetic::{Placed, Solid, Subject, Texture, layout, silhouette};
 use nalgebra::{point, vector};
 use ode_sys::{
     dCollide, dCreateBox, dCreateGeomTransform, dGeomDestroy, dGeomSetPosition, dGeomTransformSetGeom,
@@ -30,7 +30,7 @@ fn fresh() -> [Padded; 6] {
 fn table() -> (World, dGeomID) {
     let lengths = vector![0.4, 0.4, 0.4];
     let placed =
-        Placed::new(Solid::cuboid(lengths).unwrap(), Isometry3::identity(), Paint::plain([200, 0, 0]));
+        Placed::new(Solid::cuboid(lengths).unwrap(), Isometry3::identity(), Texture::plain([200, 0, 0]));
     let subject = Subject::new(vec![placed]);
     let data = HullData::new();
     for camera in layout::face_on(lengths, &Isometry3::identity(), 2.8, 0.2, (320, 240), 0.4).unwrap() {

@@ -2,7 +2,7 @@
 
 use super::super::tile_mask::TileMask;
 use super::*;
-use crate::silhouette::region::value_beyond;
+use crate::silhouette::mask_crop::value_beyond;
 use crate::silhouette::tests::Random;
 use crate::silhouette::{Border, Silhouette};
 
@@ -67,13 +67,13 @@ fn assert_same(drawn: &Silhouette, expected: &Silhouette, what: &str) {
     assert_eq!(drawn.rect(), expected.rect(), "{what}");
     assert_eq!(drawn.border(), expected.border(), "{what}");
     assert_eq!(drawn.has_coverage(), expected.has_coverage(), "{what}");
-    assert_eq!(drawn.region.rect(), expected.region.rect(), "{what}");
-    assert_eq!(drawn.region.is_open(), expected.region.is_open(), "{what}");
-    assert_eq!(drawn.region.subject(), expected.region.subject(), "{what}");
-    if !drawn.region.rect().is_empty() {
-        assert_eq!(drawn.region.subject_and_around(), expected.region.subject_and_around(), "{what}");
+    assert_eq!(drawn.crop.rect(), expected.crop.rect(), "{what}");
+    assert_eq!(drawn.crop.is_open(), expected.crop.is_open(), "{what}");
+    assert_eq!(drawn.crop.subject(), expected.crop.subject(), "{what}");
+    if !drawn.crop.rect().is_empty() {
+        assert_eq!(drawn.crop.subject_and_around(), expected.crop.subject_and_around(), "{what}");
     }
-    assert!(drawn.region.bytes() == expected.region.bytes(), "{what}");
+    assert!(drawn.crop.bytes() == expected.crop.bytes(), "{what}");
 }
 
 /// The silhouette of what `lens` sees of `mask` in the memory of `silhouette` and `tiles`, compared with the slow way.
@@ -84,7 +84,7 @@ fn check(
     mask: &GrayImage,
     what: &str,
 ) -> u32 {
-    for border in [Border::Background, Border::Open] {
+    for border in [Border::Background, Border::Unknown] {
         let is_full = mask.iter().all(|&byte| byte >= 128);
         let is_prepared = silhouette.refill_undistorted(&mask.into(), lens, border, tiles).unwrap();
         assert_eq!(is_prepared, !is_full, "{what}");
@@ -99,7 +99,7 @@ fn check(
 #[test]
 fn masks_drawn_by_tiles_are_those_that_apply_makes_whatever_was_in_their_memory() {
     let mut random = Random(3);
-    let (mut silhouette, mut tiles) = (Silhouette::blank(Border::Open), TileMask::default());
+    let (mut silhouette, mut tiles) = (Silhouette::blank(Border::Unknown), TileMask::default());
     let mut filled = 0;
     // Each kind of size seven times, by each kind of mask and border.
     for k in 0..56 {
@@ -117,7 +117,7 @@ fn masks_drawn_by_tiles_are_those_that_apply_makes_whatever_was_in_their_memory(
 #[test]
 fn absurd_lenses_are_drawn_as_apply_does() {
     let mut random = Random(4);
-    let (mut silhouette, mut tiles) = (Silhouette::blank(Border::Open), TileMask::default());
+    let (mut silhouette, mut tiles) = (Silhouette::blank(Border::Unknown), TileMask::default());
     for size in [(1, 1), (1, 9), (9, 1), (2, 2), (16, 15), (64, 64), (65, 67), (130, 70)] {
         for coefficients in [
             [-0.1, 0.0, 0.0, 0.0],
@@ -147,7 +147,7 @@ fn a_full_mask_leaves_the_silhouette_as_it_was() {
     let mut silhouette = Silhouette::new(&lens.apply(&star(), 0).unwrap(), Border::Background);
     let full = GrayImage::from_pixel(SIZE.0, SIZE.1, Luma([128]));
     let mut tiles = TileMask::default();
-    assert!(!silhouette.refill_undistorted(&(&full).into(), &lens, Border::Open, &mut tiles).unwrap());
+    assert!(!silhouette.refill_undistorted(&(&full).into(), &lens, Border::Unknown, &mut tiles).unwrap());
     let expected = Silhouette::new(&lens.apply(&star(), 0).unwrap(), Border::Background);
     assert_same(&silhouette, &expected, "after a full mask");
 }

@@ -9,7 +9,7 @@ impl LiteralView<'_> {
     ///
     /// The image of `a + t direction` is `(u, v) + s (du, dv)` with `s = t / (z0 + t z1)`: a line at even steps, from
     /// pixel border to pixel border.
-    pub(super) fn march(&self, a: &Vec3, direction: &Vec3, limit: f32) -> f32 {
+    pub(super) fn walk_line(&self, a: &Vec3, direction: &Vec3, limit: f32) -> f32 {
         let (x0, x1) = (self.homogeneous(a), self.homogeneous_direction(direction));
         let (u, v) = (x0[0] / x0[2], x0[1] / x0[2]);
         let (du, dv) = (x1[0] - u * x1[2], x1[1] - v * x1[2]);

@@ -37,7 +37,7 @@ fn hulls(real: &[Camera], calibrated: &[Camera]) -> Vec<Arc<Hull>> {
 }
 
 fn shifts(real: &[Camera], calibrated: &[Camera]) -> Vec<Shift> {
-    let mut tangents = Tangents::new();
+    let mut tangents = EpipolarTangency::new();
     hulls(real, calibrated).iter().for_each(|hull| tangents.add(hull));
     tangents.shifts()
 }
@@ -80,7 +80,7 @@ fn a_part_that_one_view_alone_sees_does_not_count() {
         }
         data.set_mask(view, &mask).unwrap();
     }
-    let mut tangents = Tangents::new();
+    let mut tangents = EpipolarTangency::new();
     tangents.add(&data.update(0.0).unwrap());
     assert!(tangents.shifts().iter().all(|shift| shift.gap < 1.0 && shift.shift.norm() < 1.0));
 }
@@ -92,10 +92,10 @@ fn nothing_is_known_of_views_without_a_subject() {
     data.add_views(&cameras).unwrap();
     data.set_bounds(Aabb::new(Point3::new(-1.0, -1.0, 0.0), Point3::new(1.0, 1.0, 2.0)).unwrap()).unwrap();
     (0..5).for_each(|view| data.set_mask(view, &GrayImage::new(SIZE.0, SIZE.1)).unwrap());
-    let mut tangents = Tangents::new();
+    let mut tangents = EpipolarTangency::new();
     tangents.add(&data.update(0.0).unwrap());
     for shift in tangents.shifts() {
         assert_eq!((shift.planes, shift.gap, shift.shift), (0, 0.0, Vector2::zeros()));
     }
-    assert!(Tangents::new().shifts().is_empty());
+    assert!(EpipolarTangency::new().shifts().is_empty());
 }

@@ -10,7 +10,7 @@ const DEPTH: usize = 3;
 
 /// The images of one camera, from its folder or its video; its masks where it has no image.
 #[derive(Debug)]
-pub struct Backdrop {
+pub struct BackgroundImages {
     camera: usize,
     images: Option<Images>,
     /// An image farther than this from the time asked for is none, in seconds.
@@ -27,14 +27,14 @@ struct Images {
 }
 
 /// A frame that has masks: its number, and when it was taken, in seconds.
-pub type Moment = (u32, f64);
+pub type FrameTime = (u32, f64);
 
-impl Backdrop {
+impl BackgroundImages {
     /// What the camera at position `camera` saw from `first` on.
     pub fn open(
         recording: &Recording,
         camera: usize,
-        first: Moment,
+        first: FrameTime,
         streaming: &StreamOptions,
         within: f64,
     ) -> Result<Self> {
@@ -52,7 +52,7 @@ impl Backdrop {
     }
 
     /// The image taken nearest to the moment, else the mask. Moments follow one another.
-    pub fn at(&mut self, recording: &Recording, (frame, time): Moment) -> Result<RgbImage> {
+    pub fn at(&mut self, recording: &Recording, (frame, time): FrameTime) -> Result<RgbImage> {
         if let Some(images) = &mut self.images {
             let nearest = images.nearest(time)?;
             if (nearest.time - time).abs() <= self.within {

@@ -18,7 +18,7 @@ use imageproc::region_labelling::{Connectivity, connected_components};
 use nalgebra::{DMatrix, DVector, Matrix3x2, Point2, Vector2, Vector3};
 
 /// Parts of a silhouette that are smaller than this share of its largest part are specks.
-const SPECK: f64 = 0.1;
+const MIN_PART_FRACTION: f64 = 0.1;
 
 /// Every so many pixels of a part, each way, it is asked whether the hull fills it.
 const SPARSE: u32 = 3;
@@ -33,15 +33,15 @@ const WIDEST: f64 = 2.5;
 const STEEPEST: f64 = 0.02;
 
 /// Gaps below this, in pixels, are pixels' own; larger ones count by their size, not its square.
-const FINE: f64 = 0.5;
+const HUBER_PX: f64 = 0.5;
 
 /// What it costs to shift a view by a pixel, beside a gap of a pixel at one of its planes. Shifts of all views together
 /// that follow a motion of the subject change no gap: of those the ones with the fewest views shifted are taken.
-const RELUCTANCE: f64 = 0.1;
+const SHIFT_PRIOR: f64 = 0.1;
 
 /// What silhouettes of several frames say of how the views' images lie to one another.
 #[derive(Debug, Clone, Default)]
-pub struct Tangents {
+pub struct EpipolarTangency {
     views: usize,
     planes: Vec<Plane>,
 }
@@ -51,7 +51,7 @@ pub struct Tangents {
 struct Plane {
     views: [usize; 2],
     /// How far the views disagree, in pixels of both together.
-    gap: f64,
+    error: f64,
     /// How a shift of each view's image, in pixels, changes that.
     slopes: [Vector2<f64>; 2],
 }
@@ -73,7 +73,7 @@ pub struct Shift {
     pub planes: usize,
 }
 
-impl Tangents {
+impl EpipolarTangency {
     /// Nothing seen yet.
     pub fn new() -> Self {
         Self::default()
@@ -104,11 +104,11 @@ impl Tangents {
             let own = || self.planes.iter().filter(move |plane| plane.views.contains(&view));
             let mut others = shifts.clone();
             others.fixed_rows_mut::<2>(2 * view).fill(0.0);
-            let sum = |shifts: &DVector<f64>| own().map(|plane| plane.gap_with(shifts).abs()).sum::<f64>();
+            let sum = |shifts: &DVector<f64>| own().map(|plane| plane.error_with(shifts).abs()).sum::<f64>();
             Shift {
                 shift: shifts.fixed_rows::<2>(2 * view).into(),
-                gap: median(own().map(|plane| plane.gap_with(&none).abs())),
-                gap_after: median(own().map(|plane| plane.gap_with(&shifts).abs())),
+                gap: median(own().map(|plane| plane.error_with(&none).abs())),
+                gap_after: median(own().map(|plane| plane.error_with(&shifts).abs())),
                 gain: (sum(&others) - sum(&shifts)) / own().count().max(1) as f64,
                 planes: own().count(),
             }
@@ -120,19 +120,19 @@ impl Tangents {
     fn solve(&self) -> DVector<f64> {
         let n = 2 * self.views;
         let mut shifts = DVector::<f64>::zeros(n);
-        let reluctance = RELUCTANCE * 2.0 * self.planes.len() as f64 / self.views.max(1) as f64;
+        let reluctance = SHIFT_PRIOR * 2.0 * self.planes.len() as f64 / self.views.max(1) as f64;
         for _ in 0..100 {
             let (mut matrix, mut vector) = (DMatrix::<f64>::identity(n, n) * 1e-9, DVector::<f64>::zeros(n));
             for view in 0..self.views {
                 let length = shifts.fixed_rows::<2>(2 * view).norm();
-                let weight = reluctance / length.max(0.1 * FINE);
+                let weight = reluctance / length.max(0.1 * HUBER_PX);
                 (0..2).for_each(|axis| matrix[(2 * view + axis, 2 * view + axis)] += weight);
             }
             for plane in &self.planes {
-                let weight = 1.0 / plane.gap_with(&shifts).abs().max(FINE);
+                let weight = 1.0 / plane.error_with(&shifts).abs().max(HUBER_PX);
                 let entries = plane.entries();
                 for (row, a) in entries {
-                    vector[row] -= weight * a * plane.gap;
+                    vector[row] -= weight * a * plane.error;
                     entries.iter().for_each(|&(column, b)| matrix[(row, column)] += weight * a * b);
                 }
             }
@@ -156,8 +156,8 @@ impl Plane {
         [(2 * i, a.x), (2 * i + 1, a.y), (2 * j, b.x), (2 * j + 1, b.y)]
     }
 
-    fn gap_with(&self, shifts: &DVector<f64>) -> f64 {
-        self.gap + self.entries().iter().map(|&(place, slope)| slope * shifts[place]).sum::<f64>()
+    fn error_with(&self, shifts: &DVector<f64>) -> f64 {
+        self.error + self.entries().iter().map(|&(place, slope)| slope * shifts[place]).sum::<f64>()
     }
 }
 
@@ -223,7 +223,7 @@ fn planes(views: [usize; 2], spans: &[[End; 2]; 2]) -> impl Iterator<Item = Plan
         let size = a.slope.norm().hypot(b.slope.norm());
         let fits = !a.is_cut && !b.is_cut && a.slope.norm().max(b.slope.norm()) < STEEPEST;
         let gap = (a.angle - b.angle) / size;
-        fits.then_some(Plane { views, gap, slopes: [a.slope / size, -b.slope / size] })
+        fits.then_some(Plane { views, error: gap, slopes: [a.slope / size, -b.slope / size] })
     })
 }
 
@@ -240,7 +240,7 @@ fn outline(hull: &Hull, view: &View) -> Vec<Corner> {
     });
     let subject = shared(&subject, |i, j| {
         let ray = view.camera().ray(f64::from(rect.x0) + i, f64::from(rect.y0) + j);
-        ray.is_some_and(|ray| hull.first_span(&ray).is_some())
+        ray.is_some_and(|ray| hull.ray_cast(&ray).is_some())
     });
     let mut points = Vec::new();
     for (j, row) in subject.rows().enumerate() {
@@ -279,7 +279,7 @@ fn shared(mask: &GrayImage, is_filled: impl Fn(f64, f64) -> bool) -> GrayImage {
         }
     }
     sizes[0] = 0;
-    let least = SPECK * sizes.iter().max().map_or(0.0, |&size| size as f64);
+    let least = MIN_PART_FRACTION * sizes.iter().max().map_or(0.0, |&size| size as f64);
     let any = filled.iter().any(|&is| is);
     let mut kept = mask.clone();
     for (pixel, part) in kept.iter_mut().zip(parts.iter().map(|&part| part as usize)) {

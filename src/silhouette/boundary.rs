@@ -1,38 +1,38 @@
 //! Bits of the pixels around the subject: those near it, and the background pixels at its edge.
 
-use super::region::{Region, WORD, Word};
+use super::mask_crop::{MaskCrop, WORD, Word};
 use crate::math::vectorised;
 
 /// Bits of a region, row-major, in as many words a row as the subject's.
 #[derive(Debug, Default)]
-pub(super) struct Neighbours {
+pub(super) struct Boundary {
     /// Subject pixels and the eight around each.
-    near: Vec<Word>,
+    dilated: Vec<Word>,
     /// Background pixels with a subject pixel beside, above or below.
-    edges: Vec<Word>,
+    boundary_pixels: Vec<Word>,
 }
 
-impl Neighbours {
-    pub(super) fn fill(&mut self, region: &Region) {
+impl Boundary {
+    pub(super) fn fill(&mut self, region: &MaskCrop) {
         let count = region.subject().len();
-        self.near.resize(count, 0);
-        self.edges.resize(count, 0);
+        self.dilated.resize(count, 0);
+        self.boundary_pixels.resize(count, 0);
         if count > 0 {
-            spread(region.subject_and_around(), region.words(), &mut self.near, &mut self.edges);
+            dilate(region.subject_and_around(), region.words(), &mut self.dilated, &mut self.boundary_pixels);
         }
     }
 
-    pub(super) fn near(&self) -> &[Word] {
-        &self.near
+    pub(super) fn dilated(&self) -> &[Word] {
+        &self.dilated
     }
 
-    pub(super) fn edges(&self) -> &[Word] {
-        &self.edges
+    pub(super) fn boundary_pixels(&self) -> &[Word] {
+        &self.boundary_pixels
     }
 
     /// Bytes of memory behind the bits.
     pub(super) fn working_memory(&self) -> usize {
-        4 * (self.near.capacity() + self.edges.capacity())
+        4 * (self.dilated.capacity() + self.boundary_pixels.capacity())
     }
 }
 
@@ -42,7 +42,7 @@ vectorised! {
     ///
     /// Bits are carried over the ends of rows too. There the margin is background, or lies beyond an open border, where
     /// nobody minds a pixel too many.
-    fn spread(subject: &[Word], words: usize, near: &mut [Word], edges: &mut [Word]) {
+    fn dilate(subject: &[Word], words: usize, near: &mut [Word], edges: &mut [Word]) {
         let count = near.len();
         let [above, here, below] = [0, words, 2 * words].map(|start| &subject[start..start + count + 2]);
         let (near, edges) = (&mut near[..count], &mut edges[..count]);

@@ -38,7 +38,7 @@ const BEHIND: usize = 3;
 
 /// Bits and bytes of a region, row-major.
 #[derive(Debug, Default)]
-pub(super) struct Region {
+pub(super) struct MaskCrop {
     rect: Option<Rect>,
     /// Subject pixels, the first pixel of a row in its first word's lowest bit; background before the first row and
     /// behind the last.
@@ -72,7 +72,7 @@ impl Rows<'_> {
     }
 }
 
-impl Region {
+impl MaskCrop {
     /// Takes up a packed mask.
     pub(super) fn fill(&mut self, mask: &PackedMask, border: Border) {
         let (width, height) = mask.size();
@@ -81,7 +81,7 @@ impl Region {
             self.bytes.clear();
             return;
         }
-        let beyond = u64::from(border == Border::Open).wrapping_neg();
+        let beyond = u64::from(border == Border::Unknown).wrapping_neg();
         let pad = self.pad();
         let subject = &mut self.subject[pad..];
         copy_bits(mask.subject(), &rect, beyond, &mut self.long_row, subject);
@@ -117,7 +117,7 @@ impl Region {
         let rect = around(subject);
         self.rect = Some(rect);
         self.subject.resize(self.words() * rect.height() + 2 * self.pad(), 0);
-        self.is_open = border == Border::Open && rect.intersection(image) != rect;
+        self.is_open = border == Border::Unknown && rect.intersection(image) != rect;
         rect
     }
 
@@ -218,7 +218,7 @@ impl Region {
 
 /// The byte of all pixels beyond the image.
 pub(super) fn value_beyond(border: Border) -> u8 {
-    byte_of(border == Border::Open)
+    byte_of(border == Border::Unknown)
 }
 
 /// The byte of a pixel that the subject covers wholly or not at all.

@@ -14,7 +14,7 @@ pub(super) fn sample(facets: &Facets, body: &str, min_feature: f64, own: bool) -
     // Twice as dense and then thinned is worth a try if there are about as many corners as a square grid has nodes.
     let fine = facets.corners.len() as f64 > 50.0 + 0.5 * facets.area() / spacing(min_feature)?.powi(2);
     if fine && let Ok(dense) = facets.cover(body, min_feature / 2.0, false) {
-        let thinned = thin(&dense, min_feature / 2.0 - dense.radius);
+        let thinned = decimate(&dense, min_feature / 2.0 - dense.radius);
         if thinned.len() < samples.len() {
             (samples, radius) = (thinned, min_feature / 2.0);
         }
@@ -25,7 +25,7 @@ pub(super) fn sample(facets: &Facets, body: &str, min_feature: f64, own: bool) -
 
 /// A subset that has one of its samples within `radius` of every sample. Sharp corners stay rather than edges,
 /// edges rather than flat places, earlier samples rather than later ones.
-fn thin(covering: &Covering, radius: f64) -> Vec<Sample> {
+fn decimate(covering: &Covering, radius: f64) -> Vec<Sample> {
     // Between a box's corner (0.58) and edge (0.71), and between an edge of 45 degrees (0.92) and none.
     let kind = |flatness: f64| u8::from(flatness > 0.64) + u8::from(flatness > 0.93);
     let mut order: Vec<usize> = (0..covering.samples.len()).collect();

@@ -1,11 +1,11 @@
 //! From a capture's first frame to its last: simulate, draw, note, and write the results.
 
 use crate::capture::{Capture, FRAME_RATE};
-use crate::easel::Easel;
+use crate::compositor::Compositor;
 use crate::film::Film;
 use crate::log::Log;
-use crate::report;
 use crate::simulation::{STEPS_PER_SECOND, Simulation};
+use crate::summary;
 use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::{Error, Result};
@@ -16,11 +16,11 @@ use std::time::Instant;
 const FILM_SIZE: u32 = 480;
 
 /// Steps of the simulation in a frame.
-const STEPS: usize = (STEPS_PER_SECOND / FRAME_RATE) as usize;
+const STEPS_PER_FRAME: usize = (STEPS_PER_SECOND / FRAME_RATE) as usize;
 
-/// What to shoot, and where to put it.
+/// What to run, and where to put it.
 #[derive(Debug, Clone, Copy)]
-pub struct Shooting<'s> {
+pub struct FilmOptions<'s> {
     /// Folder for the results; made if need be.
     pub out: &'s Path,
     /// Name of the film, without an extension.
@@ -37,31 +37,31 @@ pub struct Shooting<'s> {
 /// # Errors
 /// A frame that cannot be had, a simulation that diverges: the results of the frames before are written all the same.
 /// A file that cannot be written.
-pub fn shoot(
-    shooting: &Shooting,
+pub fn run_film(
+    options: &FilmOptions,
     capture: &mut dyn Capture,
     data: &HullData,
     simulation: &mut Simulation,
     shown: &mut dyn FnMut(String),
 ) -> Result<String> {
-    let Shooting { out, name, frames, .. } = *shooting;
+    let FilmOptions { out, name, frames, .. } = *options;
     std::fs::create_dir_all(out)
         .map_err(|e| Error::file(out, format!("expected to make this folder, found: {e}")))?;
     let started = Instant::now();
     let (mut film, mut log) = (Film::new(FRAME_RATE), Log::new(simulation, capture.subject()));
-    let played = play(shooting, capture, data, simulation, (&mut film, &mut log), shown);
+    let played = play(options, capture, data, simulation, (&mut film, &mut log), shown);
     if log.entries.is_empty() {
         played?;
         return Ok(String::new());
     }
     let still_until = capture.still_until();
-    let written = report::write(out, name, &film, &log, still_until, &capture.moments())?;
+    let written = summary::write(out, name, &film, &log, still_until, &capture.moments())?;
     played.map_err(|e| {
         let count = log.entries.len();
         Error::argument(format!("{e}; the {count} frames before are in {}", out.display()))
     })?;
-    let mut text = report::table(&log, simulation, still_until, capture.subject());
-    text += &report::summary(frames, capture.cameras().len(), started.elapsed());
+    let mut text = summary::table(&log, simulation, still_until, capture.subject());
+    text += &summary::summary(frames, capture.cameras().len(), started.elapsed());
     for (path, what) in written {
         text += &format!("{what:<12} {}\n", path.display());
     }
@@ -69,7 +69,7 @@ pub fn shoot(
 }
 
 fn play(
-    shooting: &Shooting,
+    options: &FilmOptions,
     capture: &mut dyn Capture,
     data: &HullData,
     simulation: &mut Simulation,
@@ -77,12 +77,12 @@ fn play(
     shown: &mut dyn FnMut(String),
 ) -> Result<()> {
     let easel = |view: usize| {
-        Easel::new(&capture.cameras()[view], capture.window(view, data), FILM_SIZE, capture.lamp())
+        Compositor::new(&capture.cameras()[view], capture.window(view, data), FILM_SIZE, capture.light())
     };
-    let easel = shooting.view.map(|view| (view, easel(view)));
-    for frame in 0..shooting.frames {
-        for step in 0..STEPS {
-            capture.publish((frame * STEPS + step) as f64 / STEPS_PER_SECOND, data)?;
+    let easel = options.view.map(|view| (view, easel(view)));
+    for frame in 0..options.frames {
+        for step in 0..STEPS_PER_FRAME {
+            capture.publish((frame * STEPS_PER_FRAME + step) as f64 / STEPS_PER_SECOND, data)?;
             simulation.advance(1.0 / STEPS_PER_SECOND)?;
         }
         log.record(simulation, capture.real_top());
@@ -90,7 +90,7 @@ fn play(
             let picture = capture.picture(*view)?;
             let hull = data.latest().map(|(_, hull)| hull);
             let real = |ray: &Ray| hull.as_ref().and_then(|hull| capture.hit(ray, *view, hull));
-            film.push(easel.paint(&picture, &simulation.drawn(), &real));
+            film.push(easel.draw(&picture, &simulation.drawn(), &real));
         }
         shown(simulation.summary());
     }

@@ -39,10 +39,10 @@ pub struct Drawn {
 
 /// A place to paint what one camera sees, at a size of its own.
 #[derive(Debug)]
-pub struct Easel {
+pub struct Compositor {
     window: Window,
     size: (u32, u32),
-    lamp: Point3<f64>,
+    light: Point3<f64>,
     /// The rays of each pixel, `RAYS_OF_PIXEL` of them; `None` beyond the lens model.
     rays: Vec<Option<Ray>>,
 }
@@ -56,7 +56,7 @@ struct BodyHit {
     colour: Vector3<f64>,
 }
 
-impl Easel {
+impl Compositor {
     /// For the `window` of pictures of `camera`, painted with a longer side of `size` pixels and lit from `lamp`.
     pub fn new(camera: &Camera, window: Window, size: u32, lamp: Point3<f64>) -> Self {
         let longer = window.width.max(window.height);
@@ -69,11 +69,11 @@ impl Easel {
         let of_pixel =
             |x: u32, y: u32| (0..RAYS * RAYS).map(move |k| ray(x * RAYS + k % RAYS, y * RAYS + k / RAYS));
         let rays = (0..height).flat_map(|y| (0..width).flat_map(move |x| of_pixel(x, y))).collect();
-        Self { window, size: (width, height), lamp, rays }
+        Self { window, size: (width, height), light: lamp, rays }
     }
 
     /// The window of `picture` with `bodies` in it; `real` tells where a ray meets the real subject.
-    pub fn paint(&self, picture: &RgbImage, bodies: &[Drawn], real: Real) -> RgbImage {
+    pub fn draw(&self, picture: &RgbImage, bodies: &[Drawn], real: Real) -> RgbImage {
         let Window { left, top, width, height } = self.window;
         let part = crop_imm(picture, left, top, width, height).to_image();
         let mut image = resize(&part, self.size.0, self.size.1, FilterType::CatmullRom);
@@ -82,13 +82,13 @@ impl Easel {
         std::thread::scope(|scope| {
             let rays = self.rays.chunks(rows * row * RAYS_OF_PIXEL);
             for (pixels, rays) in image.chunks_mut(3 * rows * row).zip(rays) {
-                scope.spawn(move || self.paint_pixels(pixels, rays, bodies, real));
+                scope.spawn(move || self.draw_pixels(pixels, rays, bodies, real));
             }
         });
         image
     }
 
-    fn paint_pixels(&self, pixels: &mut [u8], rays: &[Option<Ray>], bodies: &[Drawn], real: Real) {
+    fn draw_pixels(&self, pixels: &mut [u8], rays: &[Option<Ray>], bodies: &[Drawn], real: Real) {
         for (pixel, rays) in pixels.chunks_mut(3).zip(rays.chunks(RAYS_OF_PIXEL)) {
             let Some(first) = &rays[0] else { continue };
             let near: Vec<&Drawn> = bodies.iter().filter(|one| passes(first, one)).collect();
@@ -136,7 +136,7 @@ impl Easel {
     }
 
     fn light(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
-        let to_lamp = (self.lamp - point).normalize();
+        let to_lamp = (self.light - point).normalize();
         0.58 + 0.10 * normal.z + 0.40 * normal.dot(&to_lamp).max(0.0)
     }
 }

@@ -26,11 +26,11 @@ pub const DROP: f64 = 0.06;
 
 /// A place for a box.
 #[derive(Debug, Clone, Copy)]
-struct Landing {
+struct Placement {
     /// The middle of the place, at the height that a box of that size touches first.
     top: Point3<f64>,
     /// 1 for an even, level place, less for others.
-    firmness: f64,
+    flatness: f64,
 }
 
 /// Where to drop `n` boxes with edges of `side` metres, apart from each other: first where one alone came to rest on
@@ -87,10 +87,10 @@ fn apart(points: impl Iterator<Item = Point3<f64>>, distance: f64, n: usize) -> 
     chosen
 }
 
-impl Landing {
+impl Placement {
     /// Heads before laps where both are as level.
     fn score(&self) -> f64 {
-        self.firmness + 0.1 * self.top.z
+        self.flatness + 0.1 * self.top.z
     }
 }
 
@@ -112,21 +112,21 @@ impl Heights {
             let (x, y) = (k % columns, k / columns);
             let offset = Vector3::new(x as f64 + 0.5, y as f64 + 0.5, 0.0) * CELL;
             let start = Point3::new(aabb.min.x, aabb.min.y, top) + offset;
-            let entry = hull.first_span(&Ray { origin: start, direction: -Vector3::z() });
+            let entry = hull.ray_cast(&Ray { origin: start, direction: -Vector3::z() });
             entry.and_then(|(entry, _)| entry).map_or(f64::NEG_INFINITY, |hit| top - hit.t)
         };
         Self { origin: aabb.min, columns, rows, values: (0..columns * rows).map(value).collect() }
     }
 
-    fn landings(&self, side: f64) -> Vec<Landing> {
+    fn landings(&self, side: f64) -> Vec<Placement> {
         let n = (side / CELL).round().max(1.0) as usize;
         let places = (0..(self.rows + 1).saturating_sub(n))
             .flat_map(|y| (0..(self.columns + 1).saturating_sub(n)).map(move |x| (x, y)));
-        places.filter_map(|(x, y)| self.landing(x, y, n)).collect()
+        places.filter_map(|(x, y)| self.placement_at(x, y, n)).collect()
     }
 
     /// A box whose base covers `n` by `n` cells from (x, y) on.
-    fn landing(&self, x: usize, y: usize, n: usize) -> Option<Landing> {
+    fn placement_at(&self, x: usize, y: usize, n: usize) -> Option<Placement> {
         let half = 0.5 * (n as f64 - 1.0);
         let cells: Vec<Vector3<f64>> = (0..n * n)
             .map(|k| (k % n, k / n))
@@ -144,7 +144,7 @@ impl Heights {
         let (slope, roughness) = plane(&cells)?;
         let offset = Vector3::new(x as f64 + 0.5 * n as f64, y as f64 + 0.5 * n as f64, 0.0) * CELL;
         let corner = Point3::new(self.origin.x, self.origin.y, top);
-        Some(Landing { top: corner + offset, firmness: covered - slope - roughness / LEVEL })
+        Some(Placement { top: corner + offset, flatness: covered - slope - roughness / LEVEL })
     }
 }
 

@@ -21,14 +21,14 @@ pub enum Pattern {
 
 /// A surface's colour, before light falls on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Paint {
+pub struct Texture {
     /// Red, green, blue.
     pub colour: [u8; 3],
     /// How it varies over the surface.
     pub pattern: Pattern,
 }
 
-impl Paint {
+impl Texture {
     /// An even colour.
     pub fn plain(colour: [u8; 3]) -> Self {
         Self { colour, pattern: Pattern::Plain }

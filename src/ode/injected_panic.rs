@@ -7,11 +7,11 @@ thread_local! {
 }
 
 /// Lets the next callback on this thread panic.
-pub(crate) fn arm() {
+pub(crate) fn inject_panic() {
     ARMED.set(true);
 }
 
 /// Panics where a fault was armed.
-pub(super) fn strike() {
+pub(super) fn panic_if_injected() {
     assert!(!ARMED.replace(false), "a fault put in by a test");
 }

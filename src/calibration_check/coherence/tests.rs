@@ -1,7 +1,7 @@
 use super::*;
 use crate::camera::Camera;
 use crate::hull::{Aabb, HullData};
-use crate::synthetic::{Paint, Placed, Solid, Subject, layout, silhouette};
+use crate::synthetic::{Placed, Solid, Subject, Texture, layout, silhouette};
 use image::{GrayImage, Luma};
 use nalgebra::Isometry3;
 
@@ -12,26 +12,26 @@ fn cameras() -> Vec<Camera> {
 
 fn masks(cameras: &[Camera]) -> Vec<GrayImage> {
     let ball = Solid::sphere(0.3).unwrap();
-    let ball = Placed::new(ball, Isometry3::translation(0.0, 0.0, 1.0), Paint::plain([0; 3]));
+    let ball = Placed::new(ball, Isometry3::translation(0.0, 0.0, 1.0), Texture::plain([0; 3]));
     let ball = Subject::new(vec![ball]);
     cameras.iter().map(|camera| silhouette(camera, &ball)).collect()
 }
 
-fn fits(cameras: &[Camera], masks: &[GrayImage]) -> Vec<Fit> {
+fn coherence(cameras: &[Camera], masks: &[GrayImage]) -> Vec<SilhouetteCoherence> {
     let data = HullData::new();
     data.add_views(cameras).unwrap();
     data.set_bounds(Aabb::new(Point3::new(-1.0, -1.0, 0.0), Point3::new(1.0, 1.0, 2.0)).unwrap()).unwrap();
     masks.iter().enumerate().for_each(|(view, mask)| data.set_mask(view, mask).unwrap());
-    data.update(0.0).unwrap().fits(1)
+    data.update(0.0).unwrap().silhouette_coherence(1)
 }
 
 #[test]
 fn the_hull_of_exact_silhouettes_fills_them() {
     let cameras = cameras();
-    for fit in fits(&cameras, &masks(&cameras)) {
+    for fit in coherence(&cameras, &masks(&cameras)) {
         // Rays of pixels at the very edge may pass a hull that is made of pixels.
         assert!(fit.pixels > 2000 && fit.filled_share() > 0.96, "{fit:?}");
-        assert!(fit.cut_depth_px <= 2.0, "{fit:?}");
+        assert!(fit.carved_depth_px <= 2.0, "{fit:?}");
     }
 }
 
@@ -44,14 +44,18 @@ fn the_view_that_lost_a_part_is_the_one_that_cuts() {
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     let from = last - (last - first) / 3;
     (from..=last).for_each(|y| (0..160).for_each(|x| masks[2].put_pixel(x, y, Luma([0]))));
-    let fits = fits(&cameras, &masks);
+    let fits = coherence(&cameras, &masks);
     assert!(fits[2].filled_share() > 0.9, "it still fits itself: {:?}", fits[2]);
     for view in [0, 1, 3] {
-        assert!(fits[view].filled_share() < 0.9 && fits[view].cuts < fits[2].cuts / 4, "{:?}", fits[view]);
+        assert!(
+            fits[view].filled_share() < 0.9 && fits[view].carved_pixels < fits[2].carved_pixels / 4,
+            "{:?}",
+            fits[view]
+        );
     }
     // Half of what is missing lies at least a few pixels inside the part, and none deeper than the part is high.
     let height = f64::from(last - from + 1);
-    assert!(fits[2].cut_depth_px > 2.0 && fits[2].cut_depth_px < height, "{:?}", fits[2]);
+    assert!(fits[2].carved_depth_px > 2.0 && fits[2].carved_depth_px < height, "{:?}", fits[2]);
 }
 
 #[test]
@@ -59,8 +63,8 @@ fn an_empty_hull_fills_nothing() {
     let cameras = cameras();
     let mut masks = masks(&cameras);
     masks[1] = GrayImage::new(160, 160);
-    let fits = fits(&cameras, &masks);
+    let fits = coherence(&cameras, &masks);
     assert_eq!((fits[1].pixels, fits[1].filled_share()), (0, 1.0));
-    assert!([0, 2, 3].iter().all(|&view| fits[view].filled == 0 && fits[view].cuts == 0));
-    assert!(fits[1].cuts > 0, "without it the others agree");
+    assert!([0, 2, 3].iter().all(|&view| fits[view].filled_pixels == 0 && fits[view].carved_pixels == 0));
+    assert!(fits[1].carved_pixels > 0, "without it the others agree");
 }

@@ -8,7 +8,7 @@ use nalgebra::Isometry3;
 /// What the numbers of a pose may mean, beside what they were read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Reading {
+pub enum PoseConvention {
     /// World to camera, but the camera's y axis up and its z axis backwards: OpenGL's.
     OpenGl,
     /// Camera to world.
@@ -17,7 +17,7 @@ pub enum Reading {
     CameraToWorldOpenGl,
 }
 
-impl Reading {
+impl PoseConvention {
     /// All.
     pub const ALL: [Self; 3] = [Self::OpenGl, Self::CameraToWorld, Self::CameraToWorldOpenGl];
 
@@ -47,7 +47,7 @@ impl Rig {
     ///
     /// # Errors
     /// A pose that is no longer finite.
-    pub fn read_as(&self, reading: Reading) -> Result<Self> {
+    pub fn read_as(&self, reading: PoseConvention) -> Result<Self> {
         let camera = |camera: &Camera| {
             let pose = reading.apply(camera.cam_from_world());
             Camera::new(camera.name(), camera.size(), *camera.intrinsics(), *camera.distortion(), pose)

@@ -6,7 +6,7 @@
 //! ```
 
 use super::cleanup::{Cleaner, Cleanup};
-use super::morphology::Shape;
+use super::morphology::StructuringElement;
 use crate::silhouette::bit_image::BitImage;
 use crate::silhouette::{PackedMask, SUBJECT};
 
@@ -18,7 +18,7 @@ const LIGHT: (f32, f32) = (0.4, 1.5);
 
 /// From bits to a mask, in memory that is used again.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Outline {
+pub(super) struct CoverageMatte {
     /// The pixels that look like the subject: written by whoever segments.
     pub(super) raw: BitImage,
     /// The same, cleaned up.
@@ -35,12 +35,12 @@ pub(super) struct Outline {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Colours<'a> {
     pub(super) image: &'a [u8],
-    pub(super) room: Option<&'a [u8]>,
+    pub(super) background: Option<&'a [u8]>,
 }
 
-impl Outline {
+impl CoverageMatte {
     /// The mask of `raw`: cleaned up, 255 inside, 0 outside, coverage along the outline.
-    pub(super) fn finish(&mut self, colours: Colours, cleanup: &Cleanup, mask: &mut PackedMask) {
+    pub(super) fn compute(&mut self, colours: Colours, cleanup: &Cleanup, mask: &mut PackedMask) {
         self.subject.copy(&self.raw);
         self.cleaner.clean(cleanup, &mut self.subject);
         self.find_outline();
@@ -58,8 +58,8 @@ impl Outline {
     fn find_outline(&mut self) {
         let Self { raw, subject, cleaner, core, outside, grown } = self;
         let morphology = &mut cleaner.morphology;
-        morphology.step_into(subject, Shape::Square, true, core);
-        morphology.step_into(subject, Shape::Square, false, grown);
+        morphology.step_into(subject, StructuringElement::Square, true, core);
+        morphology.step_into(subject, StructuringElement::Square, false, grown);
         outside.copy(grown);
         let last = outside.last_word();
         let stride = outside.stride().max(1);
@@ -82,7 +82,7 @@ fn coverage(colours: &Colours, core: &BitImage, outside: &BitImage, x: usize, y:
     let at = 3 * (y * core.width() + x);
     let pixel = |bytes: &[u8]| [0, 1, 2].map(|c| f32::from(bytes[at + c]));
     let subject = subject.mean()?;
-    let room = match colours.room {
+    let room = match colours.background {
         None => here.mean()?,
         Some(room) => {
             // The light on it may have changed, most of all in the subject's shadow.

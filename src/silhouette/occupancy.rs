@@ -3,7 +3,7 @@
 // A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
 #![allow(clippy::needless_range_loop)]
 
-use super::region::{LOW, Region, WORD, Word};
+use super::mask_crop::{LOW, MaskCrop, WORD, Word};
 use crate::math::vectorised;
 
 /// Pixels on a tile's side.
@@ -17,7 +17,7 @@ const BLOCK: usize = 32;
 
 /// Tiles with subject above and left of each corner of the tiles, row-major.
 #[derive(Debug, Default)]
-pub(crate) struct Tiles {
+pub(crate) struct Occupancy {
     sums: Vec<u32>,
     columns: usize,
     rows: usize,
@@ -66,8 +66,8 @@ fn any_of(subject: &[Word], words: usize, start: usize) -> [Word; BLOCK] {
     any
 }
 
-impl Tiles {
-    pub(super) fn fill(&mut self, region: &Region) {
+impl Occupancy {
+    pub(super) fn fill(&mut self, region: &MaskCrop) {
         let words = region.words();
         (self.columns, self.rows) = (words * TILES, region.rect().height().div_ceil(SIDE));
         self.sums.resize((self.columns + 1) * (self.rows + 1), 0);
@@ -79,11 +79,11 @@ impl Tiles {
 
     /// The table, to be looked up many times.
     #[inline(always)]
-    pub(crate) fn lookup(&self) -> Lookup<'_> {
+    pub(crate) fn lookup(&self) -> OccupancyLookup<'_> {
         let sums: &[u32] = if self.sums.is_empty() { &[0] } else { &self.sums };
         let last = (sums.len() - 1) as u32 & LOW;
         let (columns, rows) = (self.columns as u32, self.rows as u32);
-        Lookup { sums: &sums[..=last as usize], last, columns, rows }
+        OccupancyLookup { sums: &sums[..=last as usize], last, columns, rows }
     }
 
     /// Bytes of memory behind the table.
@@ -94,18 +94,18 @@ impl Tiles {
 
 /// Tiles as many lanes look them up: without a branch, and with indices of which a vector holds many.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Lookup<'a> {
+pub(crate) struct OccupancyLookup<'a> {
     sums: &'a [u32],
     last: u32,
     columns: u32,
     rows: u32,
 }
 
-impl Lookup<'_> {
+impl OccupancyLookup<'_> {
     /// Whether a tile that the pixels `from..to` touch, counted from the region's corner, holds subject; `to` is not
     /// less than `from`.
     #[inline(always)]
-    pub(crate) fn any(&self, from: [u32; 2], to: [u32; 2]) -> bool {
+    pub(crate) fn any_occupied(&self, from: [u32; 2], to: [u32; 2]) -> bool {
         let side = SIDE as u32;
         let (x0, x1) = ((from[0] / side).min(self.columns), to[0].div_ceil(side).min(self.columns));
         let (y0, y1) = ((from[1] / side).min(self.rows), to[1].div_ceil(side).min(self.rows));

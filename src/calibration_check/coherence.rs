@@ -6,45 +6,45 @@ use crate::hull::{Hull, View};
 use nalgebra::Point3;
 
 /// Stretches of a ray inside the hull that are looked at, and points along each.
-const MOST_SPANS: usize = 4;
-const STEPS: usize = 8;
+const MAX_INTERVALS: usize = 4;
+const POINTS_PER_INTERVAL: usize = 8;
 
 /// How far a ray goes on behind a stretch before the next one may begin, in metres.
 const BETWEEN: f64 = 1e-6;
 
 /// How one view's silhouette fits the hull.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Fit {
+pub struct SilhouetteCoherence {
     /// Pixels of its silhouette that were looked at.
     pub pixels: usize,
     /// Of these, those whose viewing ray meets the hull. The hull of silhouettes that fit fills all of them.
-    pub filled: usize,
+    pub filled_pixels: usize,
     /// Pixels of the other views' silhouettes that are not filled because of this view alone.
-    pub cuts: usize,
+    pub carved_pixels: usize,
     /// By how many pixels of this view its silhouette would have to be wider for half of these: the median, since a
     /// part that its mask has lost lies far from the rest.
-    pub cut_depth_px: f64,
+    pub carved_depth_px: f64,
 }
 
-impl Fit {
+impl SilhouetteCoherence {
     /// The share of its silhouette that the hull fills; 1 where there is no silhouette.
     pub fn filled_share(&self) -> f64 {
-        if self.pixels == 0 { 1.0 } else { self.filled as f64 / self.pixels as f64 }
+        if self.pixels == 0 { 1.0 } else { self.filled_pixels as f64 / self.pixels as f64 }
     }
 }
 
 impl Hull {
     /// How each view's silhouette fits the hull, by the rays of every `step`-th pixel of every `step`-th row.
     /// Disabled views neither fit nor cut.
-    pub fn fits(&self, step: usize) -> Vec<Fit> {
+    pub fn silhouette_coherence(&self, step: usize) -> Vec<SilhouetteCoherence> {
         let n = self.views().len();
-        let mut fits = vec![Fit::default(); n];
+        let mut fits = vec![SilhouetteCoherence::default(); n];
         let mut missing = Vec::new();
         for (index, view) in self.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
             for ray in rays(view, step) {
                 fits[index].pixels += 1;
-                if self.first_span(&ray).is_some() {
-                    fits[index].filled += 1;
+                if self.ray_cast(&ray).is_some() {
+                    fits[index].filled_pixels += 1;
                 } else {
                     missing.push((index, ray));
                 }
@@ -55,8 +55,8 @@ impl Hull {
             let cut = missing.iter().filter(|(of, _)| *of != index);
             let stretches: Vec<_> =
                 cut.map(|(_, ray)| points_inside(&others, ray)).filter(|points| !points.is_empty()).collect();
-            fits[index].cuts = stretches.len();
-            fits[index].cut_depth_px = depth_px(view, &stretches);
+            fits[index].carved_pixels = stretches.len();
+            fits[index].carved_depth_px = depth_px(view, &stretches);
         }
         fits
     }
@@ -86,11 +86,11 @@ fn rays(view: &View, step: usize) -> impl Iterator<Item = Ray> {
 /// Points of `ray` inside the hull.
 fn points_inside(hull: &Hull, ray: &Ray) -> Vec<Point3<f64>> {
     let (mut points, mut start) = (Vec::new(), 0.0);
-    for _ in 0..MOST_SPANS {
-        let Some((entry, exit)) = hull.first_span(&Ray { origin: ray.at(start), ..*ray }) else { break };
+    for _ in 0..MAX_INTERVALS {
+        let Some((entry, exit)) = hull.ray_cast(&Ray { origin: ray.at(start), ..*ray }) else { break };
         let (from, to) = (start + entry.map_or(0.0, |entry| entry.t), start + exit.t);
-        let at = |k: usize| ray.at(from + (to - from) * (k as f64 + 0.5) / STEPS as f64);
-        points.extend((0..STEPS).map(at));
+        let at = |k: usize| ray.at(from + (to - from) * (k as f64 + 0.5) / POINTS_PER_INTERVAL as f64);
+        points.extend((0..POINTS_PER_INTERVAL).map(at));
         start = to + BETWEEN;
     }
     points

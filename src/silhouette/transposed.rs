@@ -5,7 +5,7 @@
 //!   row y+1  ..efgh..   ─►   column x+1 ..bfjn..      of its off-diagonal parts, then the quarters, and so on
 //! ```
 
-use super::region::{WORD, Word};
+use super::mask_crop::{WORD, Word};
 use crate::lock::lock;
 use crate::math::vectorised;
 use std::sync::{Mutex, OnceLock};
@@ -19,17 +19,17 @@ type Squares = [[Word; TOGETHER]; WORD];
 /// Subject bits of a region, column-major, the first pixel of a column in its first word's lowest bit. Turned when
 /// somebody asks: only points that lie deep want them.
 #[derive(Debug, Default)]
-pub(crate) struct Turned {
+pub(crate) struct Transposed {
     subject: OnceLock<Vec<Word>>,
     /// Memory of the last ones.
-    spare: Mutex<Vec<Word>>,
+    recycled: Mutex<Vec<Word>>,
 }
 
-impl Turned {
+impl Transposed {
     /// Forgets what was turned.
-    pub(super) fn clear(&mut self) {
+    pub(super) fn invalidate(&mut self) {
         if let Some(subject) = self.subject.take() {
-            *lock(&self.spare) = subject;
+            *lock(&self.recycled) = subject;
         }
     }
 
@@ -37,10 +37,10 @@ impl Turned {
     pub(super) fn columns(&self, rows: &[Word], words: usize) -> (&[Word], usize) {
         let words_in_column = (rows.len() / words.max(1)).div_ceil(WORD);
         let subject = self.subject.get_or_init(|| {
-            let mut subject = std::mem::take(&mut *lock(&self.spare));
+            let mut subject = std::mem::take(&mut *lock(&self.recycled));
             subject.resize(words * WORD * words_in_column, 0);
             if !subject.is_empty() {
-                turn(rows, words, &mut subject, words_in_column);
+                transpose_bits(rows, words, &mut subject, words_in_column);
             }
             subject
         });
@@ -49,12 +49,12 @@ impl Turned {
 
     /// Bytes of memory behind the table.
     pub(super) fn working_memory(&self) -> usize {
-        4 * self.subject.get().map_or(0, Vec::capacity).max(lock(&self.spare).capacity())
+        4 * self.subject.get().map_or(0, Vec::capacity).max(lock(&self.recycled).capacity())
     }
 }
 
 vectorised! {
-    fn turn(rows: &[Word], words: usize, columns: &mut [Word], words_in_column: usize) {
+    fn transpose_bits(rows: &[Word], words: usize, columns: &mut [Word], words_in_column: usize) {
         let mut squares = [[0; TOGETHER]; WORD];
         for (down, strip) in rows.chunks(WORD * words).enumerate() {
             for across in (0..words).step_by(TOGETHER) {
@@ -116,7 +116,7 @@ mod tests {
         let mask =
             GrayImage::from_fn(403, 171, |i, j| Luma([if (i * 7 + j * j) % 11 < 6 { 255 } else { 0 }]));
         let silhouette = Silhouette::new(&mask, Border::Background);
-        let (rect, (columns, words)) = (silhouette.region.rect(), silhouette.tables().columns());
+        let (rect, (columns, words)) = (silhouette.crop.rect(), silhouette.tables().columns());
         for (x, column) in columns.chunks_exact(words).enumerate() {
             for (y, j) in (0..words * 32).zip(rect.y0..) {
                 let is_subject = column[y / 32] >> (y % 32) & 1 == 1;

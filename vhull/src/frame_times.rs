@@ -8,7 +8,7 @@ pub const ASSUMED_RATE: f64 = 30.0;
 
 /// When each frame that has masks was taken, and how to read the images on the same clock.
 #[derive(Debug, Clone)]
-pub struct Clock {
+pub struct FrameTimes {
     /// In seconds, as [`Recording::frames`] has them.
     pub times: Vec<f64>,
     pub streaming: StreamOptions,
@@ -16,7 +16,7 @@ pub struct Clock {
     pub is_assumed: bool,
 }
 
-impl Clock {
+impl FrameTimes {
     /// As the recording tells, or with `rate` images a second where that is given.
     pub fn of(recording: &Recording, rate: Option<f64>) -> Result<Self> {
         let streaming = StreamOptions { rate, ..StreamOptions::default() };

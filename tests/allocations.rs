@@ -5,7 +5,7 @@ mod scene;
 
 use nalgebra::{Isometry3, Point3, Vector3, point};
 use ode_visual_hull::camera::{Camera, Distortion};
-use ode_visual_hull::contact::{self, Body, Settings};
+use ode_visual_hull::contact::{self, SampledBody, Settings};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Points, Workspace};
 use ode_visual_hull::sample;
 use ode_visual_hull::synthetic::{Subject, layout, silhouette};
@@ -63,7 +63,7 @@ fn frames_and_batches_allocate_nothing_in_the_steady_state() {
     let points = Points::new(&cloud);
     let (mut workspace, mut contacts, mut responses) = (Workspace::new(), Vec::new(), Vec::new());
     let pose = |k: usize| Isometry3::translation(0.0, 0.1 * (k % 4) as f64 - 0.2, 0.3 * (k % 6) as f64);
-    let body = |k| Body { samples: &samples, hull_from_body: pose(k), last_escape: None };
+    let body = |k| SampledBody { samples: &samples, hull_from_body: pose(k), last_escape: None };
     let bodies: Vec<_> = (0..24).map(body).collect();
     let placed: Vec<Vec<Point3<f64>>> =
         (0..6).map(|k| cloud.iter().map(|point| pose(k) * point).collect()).collect();

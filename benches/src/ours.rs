@@ -75,8 +75,8 @@ impl Boxes {
     }
 
     /// The boxes in their places, without a step before.
-    fn bodies(&self) -> Vec<contact::Body<'_>> {
-        let body = |pose: &Isometry3<f64>| contact::Body {
+    fn bodies(&self) -> Vec<contact::SampledBody<'_>> {
+        let body = |pose: &Isometry3<f64>| contact::SampledBody {
             samples: &self.samples,
             hull_from_body: *pose,
             last_escape: None,

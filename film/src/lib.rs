@@ -36,4 +36,4 @@ pub use log::{Entry, Log};
 #[cfg(feature = "ode")]
 pub use run::{FilmOptions, run_film};
 #[cfg(feature = "ode")]
-pub use simulation::{Body, STEPS_PER_SECOND, Simulation, State, Support, lean_deg};
+pub use simulation::{STEPS_PER_SECOND, SimulatedBody, Simulation, State, Support, lean_deg};

@@ -25,7 +25,7 @@ const MIN_FEATURE: f64 = 0.015;
 
 /// A virtual body.
 #[derive(Debug, Clone)]
-pub struct Body {
+pub struct SimulatedBody {
     /// Its form.
     pub form: Form,
     /// Red, green, blue.
@@ -77,7 +77,7 @@ pub struct Simulation {
     world: World,
     hull: GeomId,
     floor: GeomId,
-    bodies: Vec<Body>,
+    bodies: Vec<SimulatedBody>,
     time: f64,
 }
 
@@ -113,7 +113,7 @@ impl Simulation {
         let mut body_mut = self.world.body_mut(body);
         body_mut.set_mass(&Mass::of(&shape, Amount::Density(DENSITY))?)?;
         body_mut.set_pose(pose)?;
-        self.bodies.push(Body {
+        self.bodies.push(SimulatedBody {
             form,
             colour,
             body,
@@ -188,7 +188,7 @@ impl Simulation {
     }
 
     /// The bodies.
-    pub fn bodies(&self) -> &[Body] {
+    pub fn bodies(&self) -> &[SimulatedBody] {
         &self.bodies
     }
 
@@ -199,7 +199,7 @@ impl Simulation {
 
     /// Where the bodies are.
     pub fn states(&self) -> Vec<State> {
-        let state = |one: &Body| {
+        let state = |one: &SimulatedBody| {
             let body = self.world.body(one.body);
             State {
                 pose: body.pose(),
@@ -212,7 +212,7 @@ impl Simulation {
 
     /// What holds each body up, directly or through others; the subject counts before the floor.
     pub fn supports(&self) -> Vec<Support> {
-        let direct = |one: &Body| match &one.touched {
+        let direct = |one: &SimulatedBody| match &one.touched {
             Touched { hull: true, .. } => Support::Subject,
             Touched { floor: true, .. } => Support::Floor,
             _ => Support::Nothing,
@@ -232,7 +232,7 @@ impl Simulation {
 
     /// The bodies as they are drawn.
     pub fn drawn(&self) -> Vec<Drawn> {
-        let drawn = |(one, state): (&Body, State)| Drawn {
+        let drawn = |(one, state): (&SimulatedBody, State)| Drawn {
             form: one.form,
             world_from_body: state.pose,
             colour: one.colour,

@@ -58,7 +58,7 @@ struct Plane {
 
 /// How one view's silhouettes lie to those of the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shift {
+pub struct ViewShift {
     /// The shift of the view's image that lets its silhouettes fit the others', rightwards and downwards, in pixels;
     /// the principal point of its calibration is off by as much the other way.
     pub shift: Vector2<f64>,
@@ -97,7 +97,7 @@ impl EpipolarTangency {
     /// How each view lies to the others. Least absolute gaps over all planes, so that masks which now and then lose a
     /// foot do not count for more than those that do not; and of the shifts that do equally well those of the fewest
     /// views.
-    pub fn shifts(&self) -> Vec<Shift> {
+    pub fn shifts(&self) -> Vec<ViewShift> {
         let shifts = self.solve();
         let none = DVector::zeros(2 * self.views);
         let of = |view: usize| {
@@ -105,7 +105,7 @@ impl EpipolarTangency {
             let mut others = shifts.clone();
             others.fixed_rows_mut::<2>(2 * view).fill(0.0);
             let sum = |shifts: &DVector<f64>| own().map(|plane| plane.error_with(shifts).abs()).sum::<f64>();
-            Shift {
+            ViewShift {
                 shift: shifts.fixed_rows::<2>(2 * view).into(),
                 gap: median(own().map(|plane| plane.error_with(&none).abs())),
                 gap_after: median(own().map(|plane| plane.error_with(&shifts).abs())),

@@ -7,4 +7,4 @@ mod coherence;
 mod epipolar_tangency;
 
 pub use coherence::SilhouetteCoherence;
-pub use epipolar_tangency::{EpipolarTangency, Shift};
+pub use epipolar_tangency::{EpipolarTangency, ViewShift};

@@ -1,7 +1,7 @@
 //! The paper's response of whole bodies (section 5).
 
 use super::pipeline::ContactPipeline;
-use super::{Body, BodyResponse, share_out};
+use super::{BodyResponse, SampledBody, share_out};
 use crate::hull::{EdgeModel, Hull};
 use crate::sample::Samples;
 use nalgebra::Isometry3;
@@ -12,7 +12,7 @@ use nalgebra::Isometry3;
 /// Many bodies are sooner answered together, by [`body_responses`].
 pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64>) -> BodyResponse {
     let mut response = [BodyResponse::NONE];
-    let body = Body { samples: body, hull_from_body: *hull_from_body, last_escape: None };
+    let body = SampledBody { samples: body, hull_from_body: *hull_from_body, last_escape: None };
     respond_on_thread(&mut response, hull, &[body]);
     let [response] = response;
     response
@@ -22,14 +22,14 @@ pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64
 ///
 /// With the feature `threads` the bodies are shared out among the threads of rayon's current pool. No body's response
 /// depends on another's.
-pub fn body_responses(hull: &Hull, bodies: &[Body], responses: &mut Vec<BodyResponse>) {
+pub fn body_responses(hull: &Hull, bodies: &[SampledBody], responses: &mut Vec<BodyResponse>) {
     responses.clear();
     responses.resize(bodies.len(), BodyResponse::NONE);
     share_out(bodies, responses, &|bodies, responses| respond_on_thread(responses, hull, bodies));
 }
 
 /// Writes the responses of `bodies`, where they touch, to their places.
-fn respond_on_thread(responses: &mut [BodyResponse], hull: &Hull, bodies: &[Body]) {
+fn respond_on_thread(responses: &mut [BodyResponse], hull: &Hull, bodies: &[SampledBody]) {
     ContactPipeline::with_scratch(|pipeline| {
         pipeline.collect_penetrating(hull, bodies, EdgeModel::Pixel, usize::MAX);
         pipeline.group_by_mean_response(hull);

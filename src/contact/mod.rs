@@ -152,7 +152,7 @@ impl BodyResponse {
 
 /// A body to collide.
 #[derive(Debug, Clone, Copy)]
-pub struct Body<'a> {
+pub struct SampledBody<'a> {
     /// Its surface, in its own frame.
     pub samples: &'a Samples,
     /// Its pose. In one that is not finite it touches nothing.
@@ -195,7 +195,7 @@ pub fn collide(
     last_escape: Option<Vector3<f64>>,
 ) -> BodyContacts {
     let mut contacts = [BodyContacts::default()];
-    let body = Body { samples: body, hull_from_body: *hull_from_body, last_escape };
+    let body = SampledBody { samples: body, hull_from_body: *hull_from_body, last_escape };
     collide_into(&mut contacts, hull, &[body], settings);
     let [contacts] = contacts;
     contacts
@@ -209,7 +209,7 @@ pub fn collide(
 ///
 /// ```
 /// use nalgebra::{Isometry3, Point3, Vector3};
-/// use ode_visual_hull::contact::{Body, Settings, collide_many};
+/// use ode_visual_hull::contact::{SampledBody, Settings, collide_many};
 /// use ode_visual_hull::hull::{Aabb, HullData};
 /// use ode_visual_hull::sample;
 /// use ode_visual_hull::synthetic::{Texture, Placed, Solid, Subject, layout, silhouette};
@@ -229,7 +229,7 @@ pub fn collide(
 /// let samples = sample::box_(Vector3::new(0.2, 0.2, 0.2), 0.03)?;
 /// let at = |z: f64| Isometry3::translation(0.0, 0.0, z);
 /// let bodies =
-///     [0.295, 0.5].map(|z| Body { samples: &samples, hull_from_body: at(z), last_escape: None });
+///     [0.295, 0.5].map(|z| SampledBody { samples: &samples, hull_from_body: at(z), last_escape: None });
 /// let mut contacts = Vec::new();
 /// collide_many(&hull, &bodies, &Settings::default(), &mut contacts);
 /// let [standing, hanging] = &contacts[..] else { panic!("one for each body") };
@@ -248,13 +248,23 @@ pub fn collide(
 /// # Ok(())
 /// # }
 /// ```
-pub fn collide_many(hull: &Hull, bodies: &[Body], settings: &Settings, contacts: &mut Vec<BodyContacts>) {
+pub fn collide_many(
+    hull: &Hull,
+    bodies: &[SampledBody],
+    settings: &Settings,
+    contacts: &mut Vec<BodyContacts>,
+) {
     contacts.resize_with(bodies.len(), BodyContacts::default);
     collide_into(contacts, hull, bodies, settings);
 }
 
 /// [`collide_many`] with a place in `contacts` for each of `bodies`.
-pub(crate) fn collide_into(contacts: &mut [BodyContacts], hull: &Hull, bodies: &[Body], settings: &Settings) {
+pub(crate) fn collide_into(
+    contacts: &mut [BodyContacts],
+    hull: &Hull,
+    bodies: &[SampledBody],
+    settings: &Settings,
+) {
     contacts.iter_mut().for_each(BodyContacts::reset);
     if settings.max_contacts > 0 {
         share_out(bodies, contacts, &|bodies, contacts| collide_on_thread(contacts, hull, bodies, settings));
@@ -262,7 +272,12 @@ pub(crate) fn collide_into(contacts: &mut [BodyContacts], hull: &Hull, bodies: &
 }
 
 /// [`collide_into`] on the calling thread, for `contacts` that are empty.
-fn collide_on_thread(contacts: &mut [BodyContacts], hull: &Hull, bodies: &[Body], settings: &Settings) {
+fn collide_on_thread(
+    contacts: &mut [BodyContacts],
+    hull: &Hull,
+    bodies: &[SampledBody],
+    settings: &Settings,
+) {
     let edge = if settings.mode == Mode::Paper { EdgeModel::Pixel } else { EdgeModel::Coverage };
     ContactPipeline::with_scratch(|pipeline| {
         pipeline.collect_penetrating(hull, bodies, edge, usize::MAX);
@@ -287,7 +302,7 @@ pub(crate) fn collide_any(
     settings: &Settings,
 ) {
     contacts.reset();
-    let body = Body { samples: body, hull_from_body: *hull_from_body, last_escape: None };
+    let body = SampledBody { samples: body, hull_from_body: *hull_from_body, last_escape: None };
     ContactPipeline::with_scratch(|pipeline| {
         pipeline.collect_penetrating(hull, &[body], EdgeModel::Coverage, settings.max_contacts);
         pipeline.leave_first_alone(hull, settings);

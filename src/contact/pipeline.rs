@@ -11,7 +11,9 @@
 use super::cluster::{Clusters, is_supported};
 use super::manifold::{Manifolds, PendingManifold};
 use super::reduce::Reduction;
-use super::{Body, BodyContacts, BodyResponse, Manifold, ManifoldPoint, Mode, PenetratingSample, Settings};
+use super::{
+    BodyContacts, BodyResponse, Manifold, ManifoldPoint, Mode, PenetratingSample, SampledBody, Settings,
+};
 use super::{escape, tilt};
 use crate::hull::{EdgeModel, ExitRay, Hull, Scratch, Workspace};
 use nalgebra::{Point3, Vector3};
@@ -76,13 +78,19 @@ impl ContactPipeline {
 
     /// Collects the samples of `bodies` that are inside by `edge`, each with its exit direction: that of contacts by the
     /// coverage edge, the paper's by whole pixels. The first `most` at least.
-    pub(super) fn collect_penetrating(&mut self, hull: &Hull, bodies: &[Body], edge: EdgeModel, most: usize) {
+    pub(super) fn collect_penetrating(
+        &mut self,
+        hull: &Hull,
+        bodies: &[SampledBody],
+        edge: EdgeModel,
+        most: usize,
+    ) {
         let Self { candidates, points, inside, rays, penetrating, .. } = self;
         candidates.clear();
         points.clear();
         let clouds = bodies.iter().map(|body| (body.samples.point_cloud(), body.hull_from_body));
         hull.candidates(clouds, &mut self.workspace, |place, found| {
-            let Body { samples, hull_from_body, .. } = &bodies[place];
+            let SampledBody { samples, hull_from_body, .. } = &bodies[place];
             for index in found.iter() {
                 candidates.push((place, index));
                 points.push(hull_from_body * samples.points()[index].point);
@@ -106,7 +114,7 @@ impl ContactPipeline {
                     escape: None,
                 });
             }
-            let Body { samples, hull_from_body, .. } = &bodies[place];
+            let SampledBody { samples, hull_from_body, .. } = &bodies[place];
             let normal = hull_from_body * samples.points()[index].normal;
             penetrating.push(PenetratingSample { index, point, normal, view, direction, depth: 0.0 });
             if let Some(body) = self.bodies.last_mut() {
@@ -119,13 +127,13 @@ impl ContactPipeline {
     /// leave along one direction for all.
     ///
     /// A smooth body touches with its support points instead, or else it would roll like the polyhedron of its samples.
-    pub(super) fn group_by_clusters(&mut self, hull: &Hull, bodies: &[Body], max_depth: f64) {
+    pub(super) fn group_by_clusters(&mut self, hull: &Hull, bodies: &[SampledBody], max_depth: f64) {
         let Self { penetrating, exits, clusters, manifolds, scratch, .. } = self;
         // Of the others only the direction matters.
         exits.find_depths(hull, penetrating, EdgeModel::Coverage, is_supported, scratch);
         manifolds.restart(EdgeModel::Coverage, max_depth);
         for touching in &mut self.bodies {
-            let Body { samples, hull_from_body, last_escape } = &bodies[touching.place];
+            let SampledBody { samples, hull_from_body, last_escape } = &bodies[touching.place];
             let penetrating = &mut penetrating[touching.penetrating.clone()];
             clusters.find(penetrating);
             if clusters.is_empty() {

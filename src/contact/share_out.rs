@@ -1,14 +1,14 @@
 //! Bodies shared out among threads.
 
-use super::Body;
+use super::SampledBody;
 
 /// Runs `work` on `bodies` and the places of their answers: with the feature `threads` in parts, on the threads of
 /// rayon's current pool.
 #[cfg(feature = "threads")]
 pub(super) fn share_out<T: Send>(
-    bodies: &[Body],
+    bodies: &[SampledBody],
     answers: &mut [T],
-    work: &(impl Fn(&[Body], &mut [T]) + Sync),
+    work: &(impl Fn(&[SampledBody], &mut [T]) + Sync),
 ) {
     /// Fewer bodies fill the lanes too badly to be worth a part of their own.
     const LEAST: usize = 32;
@@ -24,10 +24,10 @@ pub(super) fn share_out<T: Send>(
 /// Runs `work` on halves of halves, down to parts of less than twice `least` bodies.
 #[cfg(feature = "threads")]
 fn halve<T: Send>(
-    bodies: &[Body],
+    bodies: &[SampledBody],
     answers: &mut [T],
     least: usize,
-    work: &(impl Fn(&[Body], &mut [T]) + Sync),
+    work: &(impl Fn(&[SampledBody], &mut [T]) + Sync),
 ) {
     if bodies.len() < 2 * least {
         return work(bodies, answers);
@@ -39,6 +39,10 @@ fn halve<T: Send>(
 
 /// Runs `work` on `bodies` and the places of their answers: without the feature `threads`, at once.
 #[cfg(not(feature = "threads"))]
-pub(super) fn share_out<T>(bodies: &[Body], answers: &mut [T], work: &impl Fn(&[Body], &mut [T])) {
+pub(super) fn share_out<T>(
+    bodies: &[SampledBody],
+    answers: &mut [T],
+    work: &impl Fn(&[SampledBody], &mut [T]),
+) {
     work(bodies, answers);
 }

@@ -227,9 +227,9 @@ fn bodies_get_the_same_contacts_side_by_side_as_alone() {
         let (x, y) = (0.1 * (k % 7) as f64 - 0.3, 0.07 * (k % 9) as f64 - 0.3);
         let turned = UnitQuaternion::from_euler_angles(0.2 * k as f64, 0.1 * k as f64, 0.0);
         let hull_from_body = at(x, y, 0.05 * (k % 8) as f64) * turned;
-        Body { samples: &all[k % all.len()], hull_from_body, last_escape: escapes[k % 3] }
+        SampledBody { samples: &all[k % all.len()], hull_from_body, last_escape: escapes[k % 3] }
     };
-    let lost = Body { hull_from_body: at(f64::NAN, 0.0, 0.0), ..body(0) };
+    let lost = SampledBody { hull_from_body: at(f64::NAN, 0.0, 0.0), ..body(0) };
     let bodies: Vec<_> = (0..40).map(body).chain([lost]).chain((40..80).map(body)).collect();
     // Whatever was in it before.
     let mut found = vec![BodyContacts { escape: Some(Vector3::y()), ..BodyContacts::default() }; 100];
@@ -240,7 +240,7 @@ fn bodies_get_the_same_contacts_side_by_side_as_alone() {
         collide_many(hull, &bodies, &settings, &mut found);
         assert_eq!(found.len(), bodies.len());
         let mut escapes = 0;
-        for (k, (found, Body { samples, hull_from_body, last_escape })) in
+        for (k, (found, SampledBody { samples, hull_from_body, last_escape })) in
             found.iter().zip(&bodies).enumerate()
         {
             assert_eq!(

@@ -25,7 +25,7 @@ pub struct Options {
     /// What this camera sees appears so many pixels farther right and down than the calibration says (pixels of the
     /// scaled images): its principal point is moved. May be given for each camera.
     #[arg(long, value_name = "CAMERA=DU,DV", value_parser = parse_shift, allow_hyphen_values = true)]
-    shift: Vec<Shift>,
+    shift: Vec<ImageShift>,
     /// Replace the rig file if there is one.
     #[arg(long)]
     force: bool,
@@ -39,7 +39,7 @@ Examples:
 
 /// How far a camera's image is moved, in pixels.
 #[derive(Debug, Clone)]
-struct Shift {
+struct ImageShift {
     camera: String,
     by: Vector2<f64>,
 }
@@ -60,7 +60,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     if let Some(factor) = *scale {
         rig = rig.scaled(factor)?;
     }
-    for Shift { camera, by } in shift {
+    for ImageShift { camera, by } in shift {
         rig = rig.shifted(camera, *by)?;
     }
     make_folder_of(out)?;
@@ -72,7 +72,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn parse_shift(text: &str) -> std::result::Result<Shift, String> {
+fn parse_shift(text: &str) -> std::result::Result<ImageShift, String> {
     let (camera, by) = text.split_once('=').ok_or_else(|| format!("expected camera=du,dv, found {text}"))?;
-    Ok(Shift { camera: camera.to_owned(), by: Vector2::from(numbers::<2>(by, "du,dv")?) })
+    Ok(ImageShift { camera: camera.to_owned(), by: Vector2::from(numbers::<2>(by, "du,dv")?) })
 }

@@ -36,7 +36,7 @@ fn hulls(real: &[Camera], calibrated: &[Camera]) -> Vec<Arc<Hull>> {
     (0..6).map(hull).collect()
 }
 
-fn shifts(real: &[Camera], calibrated: &[Camera]) -> Vec<Shift> {
+fn shifts(real: &[Camera], calibrated: &[Camera]) -> Vec<ViewShift> {
     let mut tangents = EpipolarTangency::new();
     hulls(real, calibrated).iter().for_each(|hull| tangents.add(hull));
     tangents.shifts()

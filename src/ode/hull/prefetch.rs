@@ -15,7 +15,7 @@
 use super::body_samples;
 use super::geom::{Collidable, HullGeom};
 use crate::Result;
-use crate::contact::{self, Body, BodyContacts, Settings};
+use crate::contact::{self, BodyContacts, SampledBody, Settings};
 use crate::hull::Hull;
 use crate::lock::lock;
 use crate::ode::convert;
@@ -79,7 +79,7 @@ pub(super) struct Ahead {
     rest: u32,
     /// Memory.
     met: Vec<usize>,
-    bodies: Vec<Body<'static>>,
+    bodies: Vec<SampledBody<'static>>,
 }
 
 impl Question {
@@ -113,9 +113,9 @@ impl Question {
             && self.last_escape == other.last_escape
     }
 
-    fn body(&self) -> Body<'_> {
+    fn body(&self) -> SampledBody<'_> {
         let Self { samples, when, last_escape, .. } = self;
-        Body { samples, hull_from_body: when.hull_from_other, last_escape: *last_escape }
+        SampledBody { samples, hull_from_body: when.hull_from_other, last_escape: *last_escape }
     }
 }
 
@@ -230,7 +230,7 @@ impl Ahead {
         if answers.len() < questions.len() {
             answers.resize_with(questions.len(), BodyContacts::default);
         }
-        let mut list: Vec<Body> = recycle(std::mem::take(bodies));
+        let mut list: Vec<SampledBody> = recycle(std::mem::take(bodies));
         list.extend(questions[first..].iter().map(Question::body));
         contact::collide_into(&mut answers[first..questions.len()], hull, &list, settings);
         *bodies = recycle(list);

@@ -4,7 +4,7 @@ use super::{Options, Report};
 use crate::progress;
 use crate::recorded_hulls::RecordedHulls;
 use ode_visual_hull::Result;
-use ode_visual_hull::calibration_check::{EpipolarTangency, Shift, SilhouetteCoherence};
+use ode_visual_hull::calibration_check::{EpipolarTangency, SilhouetteCoherence, ViewShift};
 use ode_visual_hull::hull::{EmptyReason, Hull, HullData};
 use ode_visual_hull::pipeline::publish_masks;
 use ode_visual_hull::rig::{PoseConvention, Rig};
@@ -74,7 +74,7 @@ fn totals(frames: &[Vec<SilhouetteCoherence>]) -> Vec<SilhouetteCoherence> {
     (0..views).map(of).collect()
 }
 
-fn table(rig: &Rig, shifts: &[Shift], fits: &[SilhouetteCoherence]) {
+fn table(rig: &Rig, shifts: &[ViewShift], fits: &[SilhouetteCoherence]) {
     let width = rig.cameras().iter().map(|camera| camera.name().chars().count()).max().unwrap_or(0).max(6);
     let all: usize = fits.iter().map(|fit| fit.pixels).sum();
     println!(
@@ -111,8 +111,14 @@ fn tenths(x: f64) -> f64 {
     (10.0 * x).round() / 10.0 + 0.0
 }
 
-fn judge(rig: &Rig, shifts: &[Shift], fits: &[SilhouetteCoherence], options: &Options, report: &mut Report) {
-    let off = |shift: &Shift| {
+fn judge(
+    rig: &Rig,
+    shifts: &[ViewShift],
+    fits: &[SilhouetteCoherence],
+    options: &Options,
+    report: &mut Report,
+) {
+    let off = |shift: &ViewShift| {
         shift.planes >= FEW_PLANES
             && shift.shift.norm() > options.tolerance
             && shift.gain > LEAST_GAIN * options.tolerance

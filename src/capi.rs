@@ -251,7 +251,7 @@ extern "C" fn dGeomVisualHullDataUpdate(d: DataId, time: dReal) -> c_int {
         let data = data::get(d)?;
         data.update(time)?;
         // SAFETY: the header has it called between two collides, where the simulation runs.
-        unsafe { ode::adopt_everywhere(&data) };
+        unsafe { ode::apply_latest_frame_everywhere(&data) };
         Ok(OK)
     })
 }
@@ -273,7 +273,7 @@ extern "C" fn dGeomVisualHullSetData(g: dGeomID, d: DataId) {
         let (hull, data) = (RawHull::find(g)?, data::get(d)?);
         hull.set_data(data.clone());
         // SAFETY: the header has it called between two collides.
-        unsafe { ode::adopt_everywhere(&data) };
+        unsafe { ode::apply_latest_frame_everywhere(&data) };
         Ok(())
     });
 }

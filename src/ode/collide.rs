@@ -95,7 +95,7 @@ impl World {
     pub fn collide(&mut self, mut visit: impl FnMut(&Pair<'_>)) -> Result<()> {
         self.ode.ensure_thread_data()?;
         self.clear_contacts();
-        self.adopt_frames();
+        self.apply_latest_frames();
         let problem = Cell::new(None);
         let mut search = PairSearch { world: self, visit: &mut visit, problem: &problem, panic: None };
         let data: *mut PairSearch<'_> = &mut search;
@@ -143,7 +143,7 @@ impl World {
     pub fn collide_geoms(&mut self, first: GeomId, second: GeomId, max: usize) -> Result<Vec<ContactGeom>> {
         self.ode.ensure_thread_data()?;
         let raw = [self.geoms.find(first)?.raw, self.geoms.find(second)?.raw];
-        self.adopt_frames();
+        self.apply_latest_frames();
         let found = contacts(self, raw, [first, second], max, 0).to_vec();
         panic::resume_parked();
         Ok(found)

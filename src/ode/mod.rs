@@ -87,7 +87,7 @@ pub use trimesh::TriMesh;
 pub use world::World;
 
 pub(crate) use hull::{
-    RawHull, adopt_everywhere, clear_samples, close_class, create_hull_in, open_class, open_class_number,
-    set_samples, take_last_error,
+    RawHull, apply_latest_frame_everywhere, clear_samples, close_class, create_hull_in, open_class,
+    open_class_number, set_samples, take_last_error,
 };
 pub(crate) use panic::{catch, is_fenced, take_parked as take_parked_panic};

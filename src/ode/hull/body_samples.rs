@@ -16,19 +16,19 @@ use std::mem::size_of;
 use std::ptr::null_mut;
 use std::sync::{Arc, LazyLock, Mutex};
 
-/// Samples of every shape met lately, for all hulls of the process.
+/// Samples of the shapes that collided lately, for all hulls of the process.
 static CACHE: LazyLock<Mutex<SampleCache>> = LazyLock::new(Mutex::default);
 
-/// Samples that users gave to geoms, by the geom's address.
+/// Samples that programs have set for geoms, by the geom's address.
 static USER_SAMPLES: LazyLock<Mutex<HashMap<usize, UserSamples>>> = LazyLock::new(Mutex::default);
 
-/// Vertices of convex geoms are put in order on a grid of this many metres: coarser than the rounding of a pose.
+/// Grid on which the vertices of convex geoms are sorted, in metres: coarser than the rounding of a pose.
 const VERTEX_GRID: f64 = 1e-7;
 
 #[derive(Debug)]
 struct UserSamples {
     samples: Arc<Samples>,
-    /// What the geom was when it got them: another geom at its address must not inherit them.
+    /// The geom's class and sizes when they were set: another geom at the same address must not inherit them.
     kind: Kind,
 }
 
@@ -39,7 +39,7 @@ struct Kind {
     sizes: [f64; 3],
 }
 
-/// Gives `geom` samples of the user's own, instead of what its class would set_samples.
+/// Sets the samples of `geom`, in place of those of its class and sizes.
 ///
 /// # Safety
 /// `geom` is a living geom.
@@ -49,13 +49,13 @@ pub(crate) unsafe fn set_samples(geom: dGeomID, samples: Samples) {
     lock(&USER_SAMPLES).insert(geom as usize, UserSamples { samples: Arc::new(samples), kind });
 }
 
-/// Takes the samples given to the geom at this address away again.
+/// Removes the samples set for the geom at this address.
 pub(crate) fn clear_samples(geom: dGeomID) {
     lock(&USER_SAMPLES).remove(&(geom as usize));
 }
 
-/// The surface samples of `geom` in its own frame: the user's, else by its class; `None` for a class without a
-/// surface that can be asked for.
+/// The surface samples of `geom` in its own frame: those that were set, else those of its class and sizes. `None` for a
+/// class whose surface ODE does not reveal.
 ///
 /// # Errors
 /// A shape that cannot be sampled: degenerate, or too large for `min_feature`.
@@ -156,15 +156,17 @@ unsafe fn convex_vertices(convex: dGeomID, world_from_geom: &Isometry3<f64>) -> 
     unsafe { dGeomGetAABB(convex, aabb.as_mut_ptr()) };
     let middle = 0.5 * (aabb[4] + aabb[5]);
     let mut vertices: Vec<Point3<f64>> = Vec::new();
+
     for side in [1.0, -1.0] {
         // SAFETY: as above.
         let behind = unsafe { vertices_behind(convex, side, side * middle) };
         let local = behind.iter().map(|v| world_from_geom.inverse_transform_point(v));
-        // A vertex in the very middle is behind both.
+        // A vertex exactly in the middle is behind both planes.
         let fresh: Vec<_> = local.filter(|v| !vertices.contains(v)).collect();
         vertices.extend(fresh);
     }
-    // ODE's order depends on the pose. In an order of their own the vertices are the same ones at every step.
+
+    // ODE's order depends on the pose. Sorted, the vertices are the same list in every step.
     let rank = |v: &Point3<f64>| [v.x, v.y, v.z].map(|x| (x / VERTEX_GRID).round() as i64);
     vertices.sort_by_key(rank);
     vertices

@@ -1,7 +1,7 @@
 //! The visual hull as a geometry class of ODE: registration and the callbacks that ODE calls.
 //!
-//! ODE has room for four user classes in a process, no way to give one back, and forgets all of them when it closes.
-//! So this crate registers one, at most once for each time that ODE is open, whoever opened it.
+//! ODE has room for four user classes in a process, cannot remove one, and forgets all of them when it closes. So this
+//! crate registers one class, at most once while ODE is open, whether this crate or the program opened it.
 
 use super::collider;
 use super::geom::HullGeom;
@@ -26,18 +26,17 @@ type ClassData = *const HullGeom;
 /// The number under which the class was registered last.
 static NUMBER: Mutex<Option<c_int>> = Mutex::new(None);
 
-/// The hull geoms that were made and not destroyed, by their addresses, which are not followed here: another thread
-/// may be about to destroy one.
+/// All living hull geoms by their addresses, which are not followed here: another thread may be about to destroy one.
 static HULL_GEOMS: Mutex<BTreeMap<usize, Arc<HullGeom>>> = Mutex::new(BTreeMap::new());
 
 thread_local! {
     static CANARY_RAN: Cell<bool> = const { Cell::new(false) };
 }
 
-/// The class's number, after registering it where ODE does not know it. ODE must be open.
+/// The class's number. Registers the class where ODE does not know it. ODE must be open.
 ///
 /// # Errors
-/// Four user classes of others.
+/// All four user classes are taken by other libraries.
 pub(super) fn number() -> Result<c_int> {
     let mut number = lock(&NUMBER);
     if let Some(known) = *number
@@ -45,6 +44,7 @@ pub(super) fn number() -> Result<c_int> {
     {
         return Ok(known);
     }
+
     let class = dGeomClass {
         bytes: size_of::<ClassData>() as c_int,
         collider: Some(collider),
@@ -61,15 +61,17 @@ pub(super) fn number() -> Result<c_int> {
              process"
         ))
     })?;
-    // SAFETY: both numbers are ODE's own; two rays never touch, so that the pair is nobody's.
+    // SAFETY: both numbers are ODE's own; two rays never touch, so that no other library collides the pair.
     unsafe { dSetColliderOverride(dRayClass as c_int, dRayClass as c_int, Some(canary_collider)) };
     *number = Some(fresh);
     Ok(fresh)
 }
 
-/// Whether ODE, which must be open, has stayed so since the class was registered. ODE does not tell, and asking it for a geom of a stale
-/// number may reach somebody else's class; but a collider between two rays, which nobody else has a use for, is
-/// forgotten together with the class.
+/// Whether ODE, which must be open, has stayed open since the class was registered.
+///
+/// ODE has no getter for that, and a stale class number may be another library's class by now. But ODE forgets collider
+/// overrides together with its classes: if the one between two rays, a pair that never collides, still runs, then the
+/// class is registered too.
 pub(super) fn is_still_registered() -> bool {
     CANARY_RAN.set(false);
     // SAFETY: ODE is open; the rays are in no space and destroyed here; the buffer holds the one contact asked for.
@@ -88,7 +90,7 @@ extern "C" fn canary_collider(_: dGeomID, _: dGeomID, _: c_int, _: *mut dContact
     0
 }
 
-/// Fills the data of a fresh geom of the class; the geom owns it from here on.
+/// Binds `data` to a new geom of the class, which owns it from here on.
 ///
 /// # Safety
 /// `geom` is a living geom of the class without data.
@@ -124,7 +126,8 @@ pub(super) unsafe fn data<'a>(geom: dGeomID) -> Option<&'a HullGeom> {
     }
 }
 
-/// Asked by ODE once a class pair. Everything that has a surface of its own may meet a hull; planes have no end.
+/// The collider of a pair of classes, which ODE looks up once. A hull collides with all classes but itself and planes,
+/// which are unbounded and cannot be sampled.
 extern "C" fn collider(other: c_int) -> dColliderFn {
     let own = *lock(&NUMBER);
     if other == dPlaneClass as c_int || Some(other) == own {
@@ -143,12 +146,12 @@ extern "C" fn collide_body(
     contacts: *mut dContactGeom,
     skip: c_int,
 ) -> c_int {
-    // SAFETY: ODE passes living geoms, ours first (dispatch is by class number), and room for as many contacts as
-    // the low 16 bits of `flags` say, `skip` bytes apart.
+    // SAFETY: ODE passes living geoms, the hull first, since it dispatches by class number. There is room for as many
+    // contacts as the low 16 bits of `flags` say, `skip` bytes apart.
     fence(0, || unsafe {
         #[cfg(test)]
         crate::ode::injected_panic::panic_if_injected();
-        collider::collide_body(hull, body, flags, contacts, skip)
+        data(hull).map_or(0, |geom| collider::collide_body(geom, hull, body, flags, contacts, skip))
     })
 }
 
@@ -161,10 +164,11 @@ extern "C" fn collide_ray(
 ) -> c_int {
     let _ = (flags, skip);
     // SAFETY: as in `collide_body`; ODE asks for at least one contact.
-    fence(0, || unsafe { collider::collide_ray(hull, ray, contacts) })
+    fence(0, || unsafe { data(hull).map_or(0, |geom| collider::collide_ray(geom, hull, ray, contacts)) })
 }
 
-/// ODE's order: min x, max x, min y, max y, min z, max z. Never NaN, which aborts a hash space.
+/// The box of a hull geom in ODE's order: min x, max x, min y, max y, min z, max z. Never NaN, on which a hash space
+/// aborts.
 extern "C" fn aabb(geom: dGeomID, into: *mut dReal) {
     let bounds = fence([0.0; 6], || {
         #[cfg(test)]

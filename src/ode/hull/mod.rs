@@ -1,23 +1,26 @@
 //! The visual hull as a geometry class of ODE.
 //!
 //! ```text
-//!   class ─► collider ─► prefetch ─► contacts of all bodies of a space
-//!              │           └► body_samples
-//!              └► geom: the frame in force, settings, what it touched last
-//!   view (programs in Rust) ─► raw ◄─ open_class (programs that own ODE themselves)
+//!   ODE's collide ─► class ─► collider ─► prefetch ─► contact::collide_many
+//!                                │            └► query ─► body_samples
+//!                                └► geom: the frame in force, settings, last_contacts
+//!
+//!   programs in Rust: view ─► raw ◄─ open_class: programs that own ODE themselves
 //! ```
 
 mod body_samples;
 mod class;
 mod collider;
 mod geom;
+mod last_contacts;
 mod open_class;
 mod prefetch;
+mod query;
 mod raw;
 mod view;
 
 pub(crate) use body_samples::{clear_samples, set_samples};
 pub(crate) use geom::take_last_error;
 pub(crate) use open_class::{close_class, number as open_class_number, open as open_class};
-pub(crate) use raw::{RawHull, adopt_everywhere, create_in as create_hull_in};
+pub(crate) use raw::{RawHull, apply_latest_frame_everywhere, create_in as create_hull_in};
 pub use view::{HullMut, HullView};

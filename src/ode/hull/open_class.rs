@@ -1,4 +1,4 @@
-//! The class held open by callers who own ODE themselves.
+//! The class held open for programs that own ODE themselves.
 
 use super::class;
 use crate::lock::lock;
@@ -8,7 +8,7 @@ use crate::{Error, Result};
 use ode_sys::{dAllocateMaskAll, dAllocateODEDataForThread};
 use std::sync::{Mutex, MutexGuard};
 
-/// How often the class was opened, and the reference on ODE that the openings share.
+/// How often the class is open, and the reference on ODE that the openings share.
 #[derive(Debug)]
 struct Openings {
     count: usize,
@@ -22,8 +22,8 @@ fn openings() -> MutexGuard<'static, Openings> {
 }
 
 impl Openings {
-    /// Lets go of a reference that callers took from us: by one `dCloseODE` too many they closed ODE beneath the
-    /// class. They may have opened it again since, so that giving ours back would close theirs.
+    /// Forgets the reference on ODE where the program has closed ODE beneath the class, by one `dCloseODE` too many. The
+    /// program may have opened ODE again since, and dropping the reference would close that.
     fn drop_if_stolen(&mut self) {
         if self.ode.is_some()
             && !(ode_is_open() && class::is_still_registered())
@@ -34,10 +34,10 @@ impl Openings {
     }
 }
 
-/// Opens the class once more.
+/// Opens the class; each opening is closed by one [`close_class`].
 ///
 /// # Errors
-/// As [`Ode::init`], and a full table of user classes.
+/// The errors of [`Ode::init`], and a full table of user classes.
 pub(crate) fn open() -> Result<()> {
     let mut openings = openings();
     openings.drop_if_stolen();
@@ -50,10 +50,10 @@ pub(crate) fn open() -> Result<()> {
     Ok(())
 }
 
-/// Gives one opening back.
+/// Closes one opening of the class.
 ///
 /// # Errors
-/// None is left.
+/// The class is not open.
 pub(crate) fn close_class() -> Result<()> {
     let mut openings = openings();
     openings.count = openings.count.checked_sub(1).ok_or_else(closed)?;
@@ -64,15 +64,17 @@ pub(crate) fn close_class() -> Result<()> {
     Ok(())
 }
 
-/// The class's number while it is open.
+/// The class's number while the class is open.
 ///
 /// # Errors
-/// It was not opened, or ODE was closed beneath it.
+/// The class is not open, or ODE was closed beneath it.
 pub(crate) fn number() -> Result<i32> {
     let mut openings = openings();
     if openings.count == 0 {
         return Err(closed());
     }
+
+    // The program may have closed ODE beneath the class.
     openings.drop_if_stolen();
     if openings.ode.is_none() {
         return Err(Error::Ode(
@@ -85,7 +87,7 @@ pub(crate) fn number() -> Result<i32> {
 }
 
 fn ode_is_open() -> bool {
-    // SAFETY: where ODE is closed it refuses before it changes anything, else it makes sure of what is there.
+    // SAFETY: where ODE is closed it refuses before it changes anything; else the data is allocated already.
     unsafe { abort::guarded(|| dAllocateODEDataForThread(dAllocateMaskAll as u32)) }.is_ok()
 }
 

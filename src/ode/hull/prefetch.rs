@@ -1,248 +1,191 @@
-//! Contacts of many bodies with a hull, found together before ODE asks for them pair by pair.
+//! Contacts of many bodies with a hull, computed together before ODE queries them pair by pair.
 //!
 //! ```text
-//!   a step      A alone, B alone, C alone                        each is noted
-//!   the next    A is asked for again, elsewhere ─► A, B and C together
-//!               A, B and C are handed out as ODE asks for them
+//!   a step      A, B and C are collided one by one, and noted
+//!   the next    A is queried again, in another pose ─► A, B and C are collided together
+//!               B and C are copied from there as ODE queries them
 //! ```
 //!
-//! Whoever was asked for in one step is likely to be asked for in the next. An answer is handed out for the very
-//! question that it answers, so that it is what the body alone would get; a body that has moved meanwhile is alone.
+//! ODE does not tell its colliders when a step begins, and bodies are collided faster side by side. But bodies that were
+//! queried in one step are likely to be queried in the next. Contacts are used for an equal query only, so that results
+//! do not change; a body that has moved in between is collided once more, alone.
 //!
-//! Geoms are remembered by their addresses, which are compared and never followed: those to ask for ahead are met in
-//! the space that ODE is colliding.
+//! Geoms are remembered by their addresses, which are compared and never followed: the geoms to collide are those that
+//! ODE lists in the space that it is colliding.
 
-use super::body_samples;
-use super::geom::{Collidable, HullGeom};
-use crate::Result;
+use super::query::{CollideContext, ContactQuery, PoseStamp};
 use crate::contact::{self, BodyContacts, SampledBody, Settings};
 use crate::hull::Hull;
 use crate::lock::lock;
-use crate::ode::convert;
 use crate::recycle::recycle;
-use crate::sample::Samples;
-use nalgebra::{Isometry3, Vector3};
 use ode_sys::{
     dGeomGetClass, dGeomGetSpace, dGeomID, dQuadTreeSpaceClass, dSpaceGetGeom, dSpaceGetNumGeoms, dSpaceID,
     dTriMeshClass,
 };
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
-/// Steps in which nothing is asked ahead after most answers went unused: the program moves bodies between questions.
-const REST: u32 = 16;
+/// Steps without prefetching after one in which most prefetched contacts were not used: the program moves bodies between
+/// queries.
+const COOLDOWN_STEPS: u32 = 16;
 
-/// Geoms that are remembered of a step: enough for any, and few enough for a program that never asks for one twice.
-const MOST: usize = 1 << 16;
+/// Geoms that are remembered of a step. Bounds memory if geoms are never queried twice, since addresses accumulate.
+const MAX_GEOMS: usize = 1 << 16;
 
-/// What the contacts of a body with a hull depend on.
-#[derive(Debug, Clone)]
-pub(super) struct Question {
-    /// The address of its geom.
-    pub(super) other: usize,
-    pub(super) samples: Arc<Samples>,
-    pub(super) when: Moment,
-    pub(super) settings: Settings,
-    pub(super) last_escape: Option<Vector3<f64>>,
-}
-
-/// Where a body was in which frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Moment {
-    /// How many frames the hull had taken up by then.
-    pub(super) frame: u64,
-    pub(super) hull_from_other: Isometry3<f64>,
-}
-
-/// What is in force in a hull geom while ODE asks it.
-pub(super) struct InForce<'a> {
-    pub(super) geom: &'a HullGeom,
-    pub(super) now: &'a Collidable,
-    pub(super) hull_from_world: &'a Isometry3<f64>,
-}
-
-/// The answers that wait for their questions.
+/// Prefetched contacts of one step, and which geoms were queried when.
 #[derive(Debug, Default)]
-pub(super) struct Ahead {
-    /// As many answers at least, which belong to the questions in their order.
-    questions: Vec<Question>,
-    answers: Vec<BodyContacts>,
-    /// The place of each geom's.
+pub(super) struct ContactPrefetch {
+    queries: Vec<ContactQuery>,
+    /// The contacts of `queries`, in their order; there may be more places than queries.
+    contacts: Vec<BodyContacts>,
+    /// The place of each geom among the queries, by its address.
     places: HashMap<usize, usize>,
-    handed_out: usize,
-    /// Geoms asked for in the last step and in this one, and when.
-    expected: HashMap<usize, Moment>,
-    asked: HashMap<usize, Moment>,
-    /// The addresses of the spaces that were looked through in this step.
+    /// How many prefetched contacts were used.
+    used: usize,
+    /// Geoms queried in the last step and in this one, with their poses.
+    last_step: HashMap<usize, PoseStamp>,
+    this_step: HashMap<usize, PoseStamp>,
+    /// The addresses of the spaces that were collided as a whole in this step.
     spaces: Vec<usize>,
-    /// Steps in which nothing is asked ahead.
-    rest: u32,
-    /// Memory.
-    met: Vec<usize>,
+    /// Steps left without prefetching.
+    cooldown: u32,
+    /// Memory for lists that are built anew in each step.
+    geoms: Vec<usize>,
     bodies: Vec<SampledBody<'static>>,
 }
 
-impl Question {
-    /// That for the contacts of `geom`; `None` for a class that has no surface, and in a pose that is not finite.
-    ///
-    /// # Errors
-    /// A shape that cannot be sampled.
-    ///
-    /// # Safety
-    /// `geom` is living.
-    pub(super) unsafe fn of(geom: dGeomID, in_force: &InForce) -> Result<Option<Self>> {
-        let Collidable { settings, min_feature, adopted, .. } = *in_force.now;
-        // SAFETY: the caller vouches for the geom.
-        let world_from_geom = unsafe { convert::any_pose(geom) };
-        let hull_from_other = in_force.hull_from_world * world_from_geom;
-        if !hull_from_other.to_homogeneous().iter().all(|x| x.is_finite()) {
-            return Ok(None);
-        }
-        // SAFETY: as above; the pose is the geom's.
-        let samples = unsafe { body_samples::of(geom, &world_from_geom, min_feature)? };
-        let (other, when) = (geom as usize, Moment { frame: adopted, hull_from_other });
-        let question =
-            |samples| Self { other, samples, when, settings, last_escape: in_force.geom.last_escape(other) };
-        Ok(samples.map(question))
-    }
-
-    fn is(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.samples, &other.samples)
-            && self.when == other.when
-            && self.settings == other.settings
-            && self.last_escape == other.last_escape
-    }
-
-    fn body(&self) -> SampledBody<'_> {
-        let Self { samples, when, last_escape, .. } = self;
-        SampledBody { samples, hull_from_body: when.hull_from_other, last_escape: *last_escape }
-    }
-}
-
-/// Writes the answer to `question`, which is of `other`, to `contacts`.
+/// Writes the contacts of `query`, which is for the geom `other`, to `contacts`.
 ///
 /// # Safety
-/// `other` is living, and nobody changes the space that it is in.
-pub(super) unsafe fn answer(
-    in_force: &InForce,
+/// `other` is a living geom, and no thread changes the space that it is in.
+pub(super) unsafe fn contacts_for(
+    prefetch: &Mutex<Option<Box<ContactPrefetch>>>,
+    context: &CollideContext,
     other: dGeomID,
-    question: Question,
+    query: ContactQuery,
     contacts: &mut BodyContacts,
 ) {
-    // No lock is held while ODE is called: another thread that asks meanwhile asks for its body alone.
-    let Some(mut ahead) = lock(&in_force.geom.ahead).take() else {
-        return answer_alone(&in_force.now.hull, &question, contacts);
+    // Taken out, so that no lock is held while ODE is called: another thread that comes meanwhile collides its body alone.
+    let Some(mut cached) = lock(prefetch).take() else {
+        return collide_single(&context.hull, &query, contacts);
     };
-    if !ahead.hand_out(&question, contacts) {
+
+    if !cached.take_cached(&query, contacts) {
         // SAFETY: the caller vouches for the geom.
         let space = unsafe { dGeomGetSpace(other) };
-        if ahead.expects(&question, space) {
+        if cached.should_batch(&query, space) {
             // SAFETY: the caller vouches for the space.
-            unsafe { ahead.look_through(space, in_force, &question) };
-            ahead.hand_out(&question, contacts);
+            unsafe { cached.collide_space(space, context, &query) };
+            cached.take_cached(&query, contacts);
         } else {
-            answer_alone(&in_force.now.hull, &question, contacts);
+            collide_single(&context.hull, &query, contacts);
         }
     }
-    *lock(&in_force.geom.ahead) = Some(ahead);
+    *lock(prefetch) = Some(cached);
 }
 
-fn answer_alone(hull: &Hull, question: &Question, contacts: &mut BodyContacts) {
-    contact::collide_into(std::slice::from_mut(contacts), hull, &[question.body()], &question.settings);
+/// Collides one body alone.
+fn collide_single(hull: &Hull, query: &ContactQuery, contacts: &mut BodyContacts) {
+    contact::collide_into(std::slice::from_mut(contacts), hull, &[query.body()], &query.settings);
 }
 
-impl Ahead {
-    /// Writes the answer to `contacts`, if it has been found.
-    fn hand_out(&mut self, question: &Question, contacts: &mut BodyContacts) -> bool {
-        let place = self.places.get(&question.other).filter(|&&place| self.questions[place].is(question));
+impl ContactPrefetch {
+    /// Writes the contacts of `query` to `contacts`, if they were prefetched.
+    fn take_cached(&mut self, query: &ContactQuery, contacts: &mut BodyContacts) -> bool {
+        let place = self.places.get(&query.other).filter(|&&place| self.queries[place].matches(query));
         let Some(&place) = place else { return false };
-        contacts.copy(&self.answers[place]);
-        self.handed_out += 1;
-        self.asked.insert(question.other, question.when);
+        contacts.copy(&self.contacts[place]);
+        self.used += 1;
+        self.this_step.insert(query.other, query.stamp);
         true
     }
 
-    /// Notes the question, and says whether others of its space are worth being asked ahead.
-    fn expects(&mut self, question: &Question, space: dSpaceID) -> bool {
-        if self.asked.get(&question.other).is_some_and(|before| *before != question.when) {
+    /// Notes `query`, and returns whether the other geoms of its space should be collided together with it.
+    fn should_batch(&mut self, query: &ContactQuery, space: dSpaceID) -> bool {
+        // The same geom in another pose or frame: a new step has begun.
+        if self.this_step.get(&query.other).is_some_and(|before| *before != query.stamp) {
             self.begin_step();
         }
-        if self.asked.len() >= MOST {
-            self.asked.clear();
+        if self.this_step.len() >= MAX_GEOMS {
+            self.this_step.clear();
         }
-        self.asked.insert(question.other, question.when);
-        let is_new = !space.is_null() && !self.spaces.contains(&(space as usize));
-        let expects = is_new && self.rest == 0 && self.expected.len() > 1;
-        if expects && self.expected.contains_key(&question.other) {
+        self.this_step.insert(query.other, query.stamp);
+
+        let is_new_space = !space.is_null() && !self.spaces.contains(&(space as usize));
+        let is_worth_it = is_new_space && self.cooldown == 0 && self.last_step.len() > 1;
+        if is_worth_it && self.last_step.contains_key(&query.other) {
             self.spaces.push(space as usize);
             return true;
         }
         false
     }
 
-    /// A geom was asked for again, elsewhere or in another frame.
+    /// Forgets the contacts of the step that is over, and what was queried in the step before that.
     fn begin_step(&mut self) {
-        if self.rest > 0 {
-            self.rest -= 1;
-        } else if 2 * self.handed_out < self.questions.len() {
-            self.rest = REST;
+        if self.cooldown > 0 {
+            self.cooldown -= 1;
+        } else if 2 * self.used < self.queries.len() {
+            self.cooldown = COOLDOWN_STEPS;
         }
-        std::mem::swap(&mut self.asked, &mut self.expected);
-        self.asked.clear();
+
+        std::mem::swap(&mut self.this_step, &mut self.last_step);
+        self.this_step.clear();
         self.spaces.clear();
-        self.questions.clear();
+        self.queries.clear();
         self.places.clear();
-        self.handed_out = 0;
+        self.used = 0;
     }
 
-    /// Answers the question, together with those of all geoms in `space` that are expected and were not asked for yet.
-    /// What cannot be sampled says so once it is asked for itself.
+    /// Finds the contacts of `query`, together with those of all geoms in `space` that were queried in the last step and
+    /// not yet in this one. Errors of other geoms are left to their own queries.
     ///
     /// # Safety
-    /// `space` is living, and nobody changes it.
-    unsafe fn look_through(&mut self, space: dSpaceID, in_force: &InForce, question: &Question) {
-        let first = self.questions.len();
-        self.questions.push(question.clone());
-        self.met.clear();
+    /// `space` is a living space, and no thread changes it.
+    unsafe fn collide_space(&mut self, space: dSpaceID, context: &CollideContext, query: &ContactQuery) {
+        let first = self.queries.len();
+        self.queries.push(query.clone());
+        self.geoms.clear();
         // SAFETY: the caller vouches for the space.
-        unsafe { meet(space, &mut self.met) };
-        for &address in &self.met {
-            if self.expected.contains_key(&address) && !self.asked.contains_key(&address) {
+        unsafe { collect_geoms(space, &mut self.geoms) };
+
+        for &address in &self.geoms {
+            if self.last_step.contains_key(&address) && !self.this_step.contains_key(&address) {
                 let geom = address as dGeomID;
                 // SAFETY: the geom is in the space, and so it is living.
                 unsafe {
                     // All triangles of a mesh would be read twice.
                     if dGeomGetClass(geom) != dTriMeshClass as i32 {
-                        self.questions.extend(Question::of(geom, in_force).ok().flatten());
+                        self.queries.extend(ContactQuery::new(geom, context).ok().flatten());
                     }
                 }
             }
         }
-        for (place, question) in self.questions.iter().enumerate().skip(first) {
-            self.places.insert(question.other, place);
+
+        for (place, query) in self.queries.iter().enumerate().skip(first) {
+            self.places.insert(query.other, place);
         }
-        self.find_answers(first, &in_force.now.hull, &question.settings);
+        self.find_contacts(first, &context.hull, &query.settings);
     }
 
-    /// Answers the questions from place `first` on.
-    fn find_answers(&mut self, first: usize, hull: &Hull, settings: &Settings) {
-        let Self { questions, answers, bodies, .. } = self;
-        if answers.len() < questions.len() {
-            answers.resize_with(questions.len(), BodyContacts::default);
+    /// Finds the contacts of the queries from place `first` on.
+    fn find_contacts(&mut self, first: usize, hull: &Hull, settings: &Settings) {
+        let Self { queries, contacts, bodies, .. } = self;
+        if contacts.len() < queries.len() {
+            contacts.resize_with(queries.len(), BodyContacts::default);
         }
         let mut list: Vec<SampledBody> = recycle(std::mem::take(bodies));
-        list.extend(questions[first..].iter().map(Question::body));
-        contact::collide_into(&mut answers[first..questions.len()], hull, &list, settings);
+        list.extend(queries[first..].iter().map(ContactQuery::body));
+        contact::collide_into(&mut contacts[first..queries.len()], hull, &list, settings);
         *bodies = recycle(list);
     }
 }
 
-/// Adds the addresses of all geoms in `space`, but of none in a quadtree, which ODE 0.16 cannot enumerate.
+/// Adds the addresses of all geoms in `space`. A quadtree is left out, since ODE 0.16 cannot enumerate it.
 ///
 /// # Safety
-/// `space` is living, and nobody changes it.
-unsafe fn meet(space: dSpaceID, addresses: &mut Vec<usize>) {
-    // A space remembers which geom it was asked for last, and threads may collide pairs of one space side by side.
+/// `space` is a living space, and no thread changes it.
+unsafe fn collect_geoms(space: dSpaceID, addresses: &mut Vec<usize>) {
+    // A space caches the geom that was enumerated last, and threads may collide pairs of one space side by side.
     static ENUMERATION: Mutex<()> = Mutex::new(());
     let _one_at_a_time = lock(&ENUMERATION);
     // SAFETY: the caller vouches for the space, which is a geom.

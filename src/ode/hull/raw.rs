@@ -1,4 +1,4 @@
-//! A hull geom by ODE's own id: what it can be asked and told, whoever owns the world that it is in.
+//! A hull geom by ODE's own id: queries and settings, whether a [`World`](super::super::World) or the program owns it.
 
 use super::geom::{self, HullGeom};
 use super::{body_samples, class};
@@ -17,12 +17,12 @@ pub(crate) struct RawHull {
     geom: Arc<HullGeom>,
 }
 
-/// A geom of the class with this number, in no space, bound to `data`.
+/// Creates a geom of the class with this number, in no space, bound to `data`.
 ///
 /// # Safety
 /// ODE is open and `number` is the class's.
 pub(super) unsafe fn create(number: i32, data: Arc<HullData>) -> dGeomID {
-    // SAFETY: the caller vouches for the number; the data is given before the geom comes into a space.
+    // SAFETY: the caller vouches for the number; the data is bound before the geom comes into a space.
     unsafe {
         let raw = dCreateGeom(number);
         class::give_data(raw, HullGeom::new(data));
@@ -30,7 +30,7 @@ pub(super) unsafe fn create(number: i32, data: Arc<HullData>) -> dGeomID {
     }
 }
 
-/// A hull in `space`, or in none where that is null, with the latest frame of `data` in force.
+/// Creates a hull geom in `space`, or in none where that is null, with the latest frame of `data` in force.
 ///
 /// # Errors
 /// The class is not open, or ODE is closed.
@@ -57,21 +57,20 @@ pub(crate) unsafe fn create_in(space: dSpaceID, data: Arc<HullData>) -> Result<d
 /// # Safety
 /// No space that holds one of them is being collided, nor is one of them being destroyed. Geoms bound to other data
 /// may be.
-pub(crate) unsafe fn adopt_everywhere(data: &Arc<HullData>) {
+pub(crate) unsafe fn apply_latest_frame_everywhere(data: &Arc<HullData>) {
     for (raw, geom) in class::all() {
         if Arc::ptr_eq(&geom.data(), data) {
-            // SAFETY: the geom is on the list of the living; the caller vouches that it stays there, and for its
-            // space.
+            // SAFETY: the geom is listed, and so it is living; the caller vouches that it stays so, and for its space.
             unsafe { geom::apply_latest_frame(raw, &geom) };
         }
     }
 }
 
 impl RawHull {
-    /// The hull geom `raw`.
+    /// Finds the hull geom `raw` by its address, which is not followed.
     ///
     /// # Errors
-    /// An address at which no hull geom lives; it is not followed.
+    /// An address at which there is no hull geom.
     pub(crate) fn find(raw: dGeomID) -> Result<Self> {
         let geom = class::find(raw).ok_or_else(|| {
             let found =
@@ -85,7 +84,7 @@ impl RawHull {
         self.geom.data()
     }
 
-    /// Binds the geom to other data, from its next adoption on.
+    /// Binds the geom to other data, from its next frame on.
     pub(crate) fn set_data(&self, data: Arc<HullData>) {
         self.geom.set_data(data);
     }
@@ -126,6 +125,7 @@ impl RawHull {
             let pose = convert::any_pose(other);
             (pose, body_samples::of(other, &pose, self.min_feature())?)
         };
+
         let (Some(hull), Some(samples)) = (self.frame(), samples) else { return Ok(nothing) };
         let pose = self.pose();
         let response = contact::body_response(&hull, &samples, &(pose.inverse() * world_from_body));
@@ -133,8 +133,7 @@ impl RawHull {
     }
 
     fn pose(&self) -> Isometry3<f64> {
-        // SAFETY: the geom was found among the living, and its owner does not destroy it meanwhile; the class is
-        // placeable.
+        // SAFETY: the geom is listed as living, and its owner does not destroy it meanwhile; the class is placeable.
         unsafe { geom::pose(self.raw) }
     }
 

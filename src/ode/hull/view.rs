@@ -1,4 +1,4 @@
-//! Hull geoms in a world.
+//! Hull geoms in a [`World`]: adding, querying and changing them.
 
 use super::raw::{self, RawHull};
 use super::{body_samples, class, geom};
@@ -12,10 +12,10 @@ use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
 
 impl World {
-    /// A geom of the visual hull class, bound to `data`, with its capture space at the world's origin.
+    /// Adds a geom of the visual hull class, bound to `data`, with the origin of the capture volume at the world's origin.
     ///
-    /// It collides with the latest frame that `data` has published when a collide begins; without a frame with
-    /// nothing. Any number of geoms may share one data object, and the data lives as long as they do.
+    /// The geom collides with the latest frame that `data` has published when a collide begins, and with nothing before
+    /// the first frame. Any number of geoms may share one data object, which lives as long as they do.
     ///
     /// # Errors
     ///
@@ -27,17 +27,17 @@ impl World {
         unsafe { self.insert_geom(space, raw::create(number, data.clone())) }
     }
 
-    /// A hull geom to ask.
+    /// A hull geom, for queries.
     ///
     /// # Panics
     ///
-    /// If the geom was removed, is of another world, or is no hull. [`get_hull`](Self::get_hull) does not.
+    /// Panics if the geom was removed, is of another world, or is no hull. [`get_hull`](Self::get_hull) returns an error.
     #[track_caller]
     pub fn hull(&self, id: GeomId) -> HullView<'_> {
         self.get_hull(id).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// A hull geom to ask.
+    /// A hull geom, for queries.
     ///
     /// # Errors
     ///
@@ -47,18 +47,18 @@ impl World {
         Ok(HullView { world: self, hull })
     }
 
-    /// A hull geom to change.
+    /// A hull geom, for changes.
     ///
     /// # Panics
     ///
-    /// As [`hull`](Self::hull).
+    /// Panics where [`hull`](Self::hull) does.
     #[track_caller]
     pub fn hull_mut(&mut self, id: GeomId) -> HullMut<'_> {
         HullMut { view: self.hull(id) }
     }
 
-    /// Gives a geom surface samples of the user's own, for classes that have none or better ones, until
-    /// [`clear_samples`](Self::clear_samples).
+    /// Sets the surface samples of a geom, in place of those of its class, until [`clear_samples`](Self::clear_samples).
+    /// For classes that have no samples, and for shapes whose samples a program knows better.
     ///
     /// # Errors
     ///
@@ -70,7 +70,7 @@ impl World {
         Ok(())
     }
 
-    /// Goes back to the samples of the geom's class.
+    /// Returns to the samples of the geom's class.
     ///
     /// # Errors
     ///
@@ -80,8 +80,8 @@ impl World {
         Ok(())
     }
 
-    /// Brings the latest published frames into force. Runs before each collide, when no space is locked.
-    pub(in crate::ode) fn adopt_frames(&mut self) {
+    /// Brings the latest published frames into force. Runs before each collide, while no space is locked.
+    pub(in crate::ode) fn apply_latest_frames(&mut self) {
         for (_, record) in self.geoms.iter() {
             if let Some(hull) = class::find(record.raw) {
                 // SAFETY: the record is alive, and the world is borrowed mutably, so that nothing collides.
@@ -91,7 +91,7 @@ impl World {
     }
 }
 
-/// A hull geom to ask, in world coordinates: it answers by the frame in force, that of the last collide.
+/// A hull geom, for queries in world coordinates. They refer to the frame in force, which is that of the last collide.
 #[derive(Debug, Clone)]
 pub struct HullView<'w> {
     world: &'w World,
@@ -99,7 +99,7 @@ pub struct HullView<'w> {
 }
 
 impl HullView<'_> {
-    /// The data that it is bound to.
+    /// The data object that the geom is bound to.
     pub fn data(&self) -> Arc<HullData> {
         self.hull.data()
     }
@@ -114,28 +114,28 @@ impl HullView<'_> {
         self.hull.settings()
     }
 
-    /// The diameter, in metres, of the thinnest real feature that must not slip between a body's samples.
+    /// The diameter, in metres, of the thinnest real feature that must not pass between a body's samples.
     pub fn min_feature(&self) -> f64 {
         self.hull.min_feature()
     }
 
-    /// What the collider could not tell ODE, once: a body too large to sample, a degenerate mesh. Such bodies do not
-    /// collide.
+    /// Takes the first error of the collider since the last call, such as a body too large to sample or a degenerate mesh.
+    /// Such bodies do not collide, and ODE has no way to report why.
     pub fn take_error(&self) -> Option<Error> {
         self.hull.take_error()
     }
 
-    /// Whether a point of the world is inside.
+    /// Whether a point, in world coordinates, is inside the hull.
     pub fn inside(&self, p: &Point3<f64>) -> bool {
         self.hull.inside(p)
     }
 
-    /// The paper's response vector of a point of the world; `None` outside.
+    /// The paper's response vector `w` (section 4.2) of a point, both in world coordinates; `None` outside the hull.
     pub fn point_response(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
         self.hull.point_response(p)
     }
 
-    /// The paper's response of the body shape of geom `body`, in the world.
+    /// The paper's response `V` (section 5) of the shape of geom `body`, in world coordinates.
     ///
     /// # Errors
     ///
@@ -147,19 +147,19 @@ impl HullView<'_> {
     }
 }
 
-/// A hull geom to change.
+/// A hull geom, for changes.
 #[derive(Debug)]
 pub struct HullMut<'w> {
     view: HullView<'w>,
 }
 
 impl HullMut<'_> {
-    /// The same geom to ask.
+    /// This geom, for queries.
     pub fn view(&self) -> HullView<'_> {
         self.view.clone()
     }
 
-    /// Binds the geom to other data, from the next collide on.
+    /// Binds the geom to another data object, from the next collide on.
     pub fn set_data(&mut self, data: &Arc<HullData>) {
         self.view.hull.set_data(data.clone());
     }
@@ -169,7 +169,7 @@ impl HullMut<'_> {
         self.view.hull.set_mode(mode);
     }
 
-    /// Sets the most contacts for a pair; the caller of a collide may ask for fewer.
+    /// Sets the largest number of contacts of a pair. The caller of a collide may ask for fewer.
     ///
     /// # Errors
     ///
@@ -187,7 +187,7 @@ impl HullMut<'_> {
         self.view.hull.set_max_depth(depth)
     }
 
-    /// Sets the diameter, in metres, of the thinnest real feature that must not slip between a body's samples.
+    /// Sets the diameter, in metres, of the thinnest real feature that must not pass between a body's samples.
     ///
     /// # Errors
     ///

@@ -11,7 +11,7 @@ use ode_sys::{
 use std::ptr::null_mut;
 use std::sync::Arc;
 
-/// A contact with room behind it that nobody may touch.
+/// A contact with memory behind it that must not be written.
 #[repr(C)]
 #[derive(Clone, Copy)]
 struct Padded {

@@ -1,12 +1,14 @@
-//! What the collider hands out is what each body gets alone, whatever was asked ahead.
+//! The collider returns the contacts that each body has alone, whatever was prefetched.
 
-use super::super::class;
+use super::super::{body_samples, class};
 use super::*;
 use crate::hull::{Aabb, HullData};
+use crate::ode::convert;
 use crate::ode::{BodyId, Convex, GeomId, Ode, Shape, SpaceId, SpaceKind, SweepAxes, TriMesh, World};
 use crate::synthetic::{Subject, layout, silhouette};
-use nalgebra::{Point3, Translation3, UnitQuaternion, point, vector};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, point, vector};
 use ode_sys::{dAllocateMaskAll, dAllocateODEDataForThread, dCollide, dContactGeom};
+use std::sync::Arc;
 
 /// Boxes, balls and others that fly about a walking person, each on a course of its own.
 struct Flight {
@@ -48,7 +50,7 @@ impl Flight {
         self.data.update(step as f64 / 30.0).unwrap();
     }
 
-    /// Puts each body where its course has led it.
+    /// Moves each body along its course.
     fn fly(&mut self, step: usize) {
         for (k, &(body, _)) in self.flyers.iter().enumerate() {
             let t = 0.9 * k as f64 + 0.05 * step as f64;
@@ -58,38 +60,38 @@ impl Flight {
         }
     }
 
-    /// Collides, and compares each body's contacts with those that it gets alone. How many bodies touched, and how many
-    /// were handed out.
+    /// Collides, and compares each body's contacts with those that it has alone. Returns how many bodies touched, and how
+    /// many contacts came from the prefetch.
     fn collide(&mut self) -> (usize, usize) {
-        let (hull, mut touching, mut asked) = (self.hull, 0, 0);
+        let (hull, mut touching, mut queried) = (self.hull, 0, 0);
         self.world
             .collide(|pair| {
                 let Some(other) = pair.geoms().into_iter().find(|&geom| geom != hull) else { return };
                 if pair.geoms().contains(&hull) {
                     // SAFETY: ODE shows living geoms, and both are used here alone.
-                    let alone = unsafe {
+                    let expected = unsafe {
                         let raw = pair.geom_views().map(|view| (view.id(), view.raw()));
                         let find = |id| raw.iter().find(|(known, _)| *known == id).unwrap().1;
-                        alone(find(hull), find(other))
+                        contacts_alone(find(hull), find(other))
                     };
                     let found: Vec<_> =
                         pair.contacts(8).iter().map(|contact| (contact.position, contact.depth)).collect();
-                    assert_eq!(found, alone);
+                    assert_eq!(found, expected);
                     touching += usize::from(!found.is_empty());
-                    asked += 1;
+                    queried += 1;
                 }
             })
             .unwrap();
-        let handed_out = self.ahead(|ahead| ahead.handed_out);
-        assert!(handed_out <= asked);
-        (touching, handed_out)
+        let used = self.prefetch(|prefetch| prefetch.used);
+        assert!(used <= queried);
+        (touching, used)
     }
 
-    fn ahead<R>(&self, read: impl FnOnce(&Ahead) -> R) -> R {
+    fn prefetch<R>(&self, read: impl FnOnce(&ContactPrefetch) -> R) -> R {
         // SAFETY: the world outlives the id, which is not followed.
         let raw = unsafe { self.world.geom(self.hull).raw() };
         let geom = class::find(raw).unwrap();
-        read(lock(&geom.ahead).as_ref().unwrap())
+        read(lock(&geom.prefetch).as_ref().unwrap())
     }
 }
 
@@ -113,18 +115,18 @@ fn shapes() -> [Shape; 6] {
     ]
 }
 
-/// Positions and depths of the contacts that a geom gets alone, in the frame in force.
+/// Positions and depths of the contacts that a geom has alone, in the frame in force.
 ///
 /// # Safety
 /// Both are living.
-unsafe fn alone(hull: dGeomID, other: dGeomID) -> Vec<(Point3<f64>, f64)> {
+unsafe fn contacts_alone(hull: dGeomID, other: dGeomID) -> Vec<(Point3<f64>, f64)> {
     let geom = class::find(hull).unwrap();
     // SAFETY: the caller vouches for the geom, of which the pose is its own.
     let (pose, samples) = unsafe {
         let pose = convert::any_pose(other);
         (pose, body_samples::of(other, &pose, geom.min_feature()).unwrap().unwrap())
     };
-    let (frame, last_escape) = (geom.hull().unwrap(), geom.last_escape(other as usize));
+    let (frame, last_escape) = (geom.hull().unwrap(), geom.last_contacts.escape(other as usize));
     let contacts = contact::collide(&frame, &samples, &pose, &geom.settings(), last_escape);
     contacts.points.iter().map(|point| (point.point, point.depth)).collect()
 }
@@ -141,34 +143,34 @@ fn kinds() -> [Option<SpaceKind>; 5] {
 }
 
 #[test]
-fn in_every_kind_of_space_bodies_get_the_contacts_that_they_get_alone() {
+fn bodies_in_every_kind_of_space_have_the_contacts_that_they_have_alone() {
     for kind in kinds() {
         let mut flight = Flight::new(kind);
-        let (mut touching, mut handed_out) = (0, 0);
+        let (mut touching, mut used) = (0, 0);
         for step in 0..12 {
             if step % 3 == 0 {
                 flight.show(step);
             }
             flight.fly(step);
-            let (touch, handed) = flight.collide();
-            (touching, handed_out) = (touching + touch, handed_out + handed);
+            let (more_touching, more_used) = flight.collide();
+            (touching, used) = (touching + more_touching, used + more_used);
         }
         assert!(touching > 60, "{touching} in {kind:?}");
-        // Of six classes five are asked ahead, from the second step on; ODE cannot tell who is in a quadtree.
+        // Five of the six classes are prefetched, from the second step on. ODE cannot enumerate a quadtree.
         let expected = if matches!(kind, Some(SpaceKind::QuadTree { .. })) { 0..12 } else { 60..200 };
-        assert!(expected.contains(&handed_out), "{handed_out} in {kind:?}");
+        assert!(expected.contains(&used), "{used} in {kind:?}");
     }
 }
 
 #[test]
-fn nobody_who_is_gone_is_followed() {
+fn addresses_of_removed_geoms_are_not_followed() {
     let mut flight = Flight::new(None);
     let root = flight.world.root_space();
     flight.show(0);
     for step in 0..30 {
         flight.fly(step);
         flight.collide();
-        // Somebody goes in each step, and somebody else, perhaps at the same address, comes.
+        // In each step one geom goes and another comes, perhaps at the same address.
         let (body, geom) = flight.flyers.remove(step % 5);
         flight.world.remove_geom(geom);
         flight.world.remove_body(body);
@@ -177,11 +179,11 @@ fn nobody_who_is_gone_is_followed() {
 }
 
 #[test]
-fn a_frame_or_a_setting_between_two_questions_makes_the_answers_old() {
+fn a_new_frame_or_setting_between_two_queries_invalidates_prefetched_contacts() {
     let mut flight = Flight::new(None);
     flight.show(0);
     for step in 0..12 {
-        // Nobody moves from one collide to the next but the person.
+        // From one collide to the next only the person moves.
         flight.fly(step / 4);
         match step % 4 {
             1 => flight.show(step),
@@ -194,26 +196,27 @@ fn a_frame_or_a_setting_between_two_questions_makes_the_answers_old() {
 }
 
 #[test]
-fn nothing_is_asked_ahead_for_whoever_moves_bodies_between_questions() {
+fn prefetching_stops_in_programs_that_move_bodies_between_queries() {
     let mut flight = Flight::new(None);
     flight.show(0);
     for step in 0..40 {
         for k in 0..5 {
-            // The others are where they were, but the answers for them are of no use once they move.
+            // The other bodies are where they were, but their prefetched contacts are of no use once they move.
             flight.fly(5 * step + k);
             let other = flight.flyers[k].1;
             let contacts = flight.world.collide_geoms(flight.hull, other, 8).unwrap();
             // SAFETY: the world keeps both geoms.
-            let alone =
-                unsafe { alone(flight.world.geom(flight.hull).raw(), flight.world.geom(other).raw()) };
-            assert_eq!(contacts.len(), alone.len());
+            let expected = unsafe {
+                contacts_alone(flight.world.geom(flight.hull).raw(), flight.world.geom(other).raw())
+            };
+            assert_eq!(contacts.len(), expected.len());
         }
     }
-    assert!(flight.ahead(|ahead| ahead.rest) > 0);
+    assert!(flight.prefetch(|prefetch| prefetch.cooldown) > 0);
 }
 
 #[test]
-fn threads_that_share_the_pairs_of_a_step_get_what_each_body_gets_alone() {
+fn threads_that_share_the_pairs_of_a_step_get_the_contacts_of_each_body_alone() {
     const THREADS: usize = 4;
     let mut flight = Flight::new(None);
     flight.show(0);
@@ -232,15 +235,15 @@ fn threads_that_share_the_pairs_of_a_step_get_what_each_body_gets_alone() {
                 scope.spawn(move || {
                     for &other in others.iter().skip(thread).step_by(THREADS) {
                         let mut found = [dContactGeom::default(); 8];
-                        // SAFETY: living geoms that nobody moves, and room for eight contacts.
+                        // SAFETY: living geoms that no thread moves, and room for eight contacts.
                         unsafe {
                             dAllocateODEDataForThread(dAllocateMaskAll as u32);
-                            let alone = alone(hull as dGeomID, other as dGeomID);
+                            let expected = contacts_alone(hull as dGeomID, other as dGeomID);
                             let size = size_of::<dContactGeom>() as i32;
                             let count =
                                 dCollide(hull as dGeomID, other as dGeomID, 8, found.as_mut_ptr(), size);
                             let depths = found[..count as usize].iter().map(|contact| contact.depth);
-                            assert!(depths.eq(alone.iter().map(|(_, depth)| *depth)));
+                            assert!(depths.eq(expected.iter().map(|(_, depth)| *depth)));
                         }
                     }
                 });

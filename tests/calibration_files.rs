@@ -112,7 +112,7 @@ fn a_folder_per_camera_has_the_lenses_of_its_refined_rig() {
         assert_eq!((camera.name(), camera.size()), (refined.name(), refined.size()));
         // The file has single precision.
         assert!((camera.intrinsics() - refined.intrinsics()).abs().max() < 1e-4);
-        let (a, b) = (camera.distortion().coefficients(), refined.distortion().coefficients());
+        let (a, b) = (camera.lens().coefficients(), refined.lens().coefficients());
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-8), "{a:?} {b:?}");
     }
     assert!(

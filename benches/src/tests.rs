@@ -109,7 +109,7 @@ fn the_literal_program_and_the_library_find_the_same_bodies_in_contact_also_behi
     let bodies = Bodies::scattered(600, SAMPLES_400);
     for optics in [Optics::Pinholes, Optics::Lenses] {
         let given = Given::new(Who::Person, 7, VGA, optics);
-        let has_lens = |scene: &Scene| scene.cameras.iter().any(|camera| !camera.distortion().is_none());
+        let has_lens = |scene: &Scene| scene.cameras.iter().any(|camera| !camera.lens().is_none());
         assert_eq!((has_lens(&given.ours), has_lens(&given.rivals)), (optics == Optics::Lenses, false));
 
         let frame = Rig::new(&given.ours).publish(&given.ours.masks);

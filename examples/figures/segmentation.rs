@@ -118,7 +118,7 @@ fn seated_cameras(dir: &Path, refined: &Rig) -> Vec<Camera> {
     let camera = |refined: &Camera| {
         let lens = &lenses.cameras()[lenses.index_of(refined.name()).expect("the same cameras")];
         let pose = *refined.cam_from_world();
-        Camera::new(refined.name(), size, *lens.intrinsics(), *lens.distortion(), pose).expect("a camera")
+        Camera::new(refined.name(), size, *lens.intrinsics(), *lens.lens(), pose).expect("a camera")
     };
     refined.cameras().iter().map(camera).collect()
 }

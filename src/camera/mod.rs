@@ -13,15 +13,19 @@
 //! the principal point by one half. Lengths in metres, images in pixels.
 
 mod distortion;
+mod fisheye;
 mod floor;
 mod footprint;
 pub(crate) mod frustum;
 mod image_line;
+mod lens;
 
 pub use distortion::Distortion;
+pub use fisheye::Fisheye;
 pub(crate) use floor::{floor, floor_pixel};
 pub(crate) use footprint::Footprint;
 pub(crate) use image_line::{CellExit, ImageLine};
+pub use lens::Lens;
 
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3, Matrix3x4, Point2, Point3, Rotation3, UnitQuaternion, Vector3};
@@ -59,7 +63,7 @@ impl Ray {
     }
 }
 
-/// A calibrated camera: a pinhole with OpenCV's lens distortion.
+/// A calibrated camera: a pinhole, or one of OpenCV's lenses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     name: String,
@@ -67,7 +71,7 @@ pub struct Camera {
     height: u32,
     intrinsics: Matrix3<f64>,
     intrinsics_inverse: Matrix3<f64>,
-    distortion: Distortion,
+    lens: Lens,
     cam_from_world: Isometry3<f64>,
 }
 
@@ -77,15 +81,18 @@ impl Camera {
     ///
     /// # Errors
     /// A size of zero or above 65,535, more than 2^28 pixels in all, a number that is not finite, a focal length that
-    /// is not positive, a last row other than `0 0 1`, a rotation that is none.
+    /// is not positive, a last row other than `0 0 1`, a rotation that is none. A [`Fisheye`] whose image shows rays at
+    /// 90 degrees or more from its axis, or whose model folds back all around the axis inside the image: a calibration
+    /// finds corners at least up to the nearest border. Beyond a fold that leaves the image's corners out, they are
+    /// unseen.
     pub fn new(
         name: impl Into<String>,
         size: (u32, u32),
         k: Matrix3<f64>,
-        distortion: Distortion,
+        lens: impl Into<Lens>,
         cam_from_world: Isometry3<f64>,
     ) -> Result<Self> {
-        let name = name.into();
+        let (name, lens) = (name.into(), lens.into());
         let fail = |problem: String| Err(Error::camera(&name, problem));
         let (width, height) = size;
         if width == 0 || height == 0 || width > 65_535 || height > 65_535 {
@@ -99,7 +106,7 @@ impl Camera {
                 "expected at most {MOST_PIXELS} pixels in all, found {width} x {height}; scale the images down"
             ));
         }
-        if !k.iter().all(|x| x.is_finite()) || !distortion.is_finite() {
+        if !k.iter().all(|x| x.is_finite()) {
             return fail(format!("expected finite intrinsics, found K = {}; calibrate again", rows(&k)));
         }
         let pose = cam_from_world.to_homogeneous();
@@ -137,10 +144,11 @@ impl Camera {
                 rows(&k)
             ));
         };
-        Ok(Self { name, width, height, intrinsics: k, intrinsics_inverse, distortion, cam_from_world })
+        lens.check_image(&intrinsics_inverse, size).map_err(|problem| Error::camera(&name, problem))?;
+        Ok(Self { name, width, height, intrinsics: k, intrinsics_inverse, lens, cam_from_world })
     }
 
-    /// A camera without distortion from its projection matrix `p` (world to image, any scale but zero).
+    /// A pinhole camera from its projection matrix `p` (world to image, any scale but zero).
     ///
     /// # Errors
     /// A matrix that is not finite or whose left 3x3 part is singular, and all that [`Camera::new`] refuses.
@@ -151,10 +159,10 @@ impl Camera {
                            singular or NaN one; calibrate again";
             return Err(Error::camera(name, problem));
         };
-        Self::new(name, size, k, Distortion::none(), cam_from_world)
+        Self::new(name, size, k, Lens::none(), cam_from_world)
     }
 
-    /// A camera without distortion at `eye` that looks at `target`, its image's upper edge towards `up`, with
+    /// A pinhole camera at `eye` that looks at `target`, its image's upper edge towards `up`, with
     /// square pixels and a horizontal field of view in radians.
     ///
     /// # Errors
@@ -186,13 +194,7 @@ impl Camera {
         // OpenCV's camera frame is the right-handed look-at frame turned half around its x axis.
         let graphics = Isometry3::look_at_rh(&eye, &target, &up);
         let opencv = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-        Self::new(
-            name,
-            size,
-            k,
-            Distortion::none(),
-            Isometry3::from_parts([0.0; 3].into(), opencv) * graphics,
-        )
+        Self::new(name, size, k, Lens::none(), Isometry3::from_parts([0.0; 3].into(), opencv) * graphics)
     }
 
     /// The camera's name, unique in its rig.
@@ -210,9 +212,9 @@ impl Camera {
         &self.intrinsics
     }
 
-    /// The lens distortion.
-    pub fn distortion(&self) -> &Distortion {
-        &self.distortion
+    /// The lens.
+    pub fn lens(&self) -> &Lens {
+        &self.lens
     }
 
     /// World to camera.
@@ -230,33 +232,33 @@ impl Camera {
         self.cam_from_world.inverse_transform_vector(&Vector3::z())
     }
 
-    /// `P = K [R t]`, the projection without distortion; its third component is the depth in metres.
+    /// `P = K [R t]`, the projection without the lens; its third component is the depth in metres.
     pub fn projection_matrix(&self) -> Matrix3x4<f64> {
         self.intrinsics * self.cam_from_world.to_homogeneous().fixed_rows::<3>(0)
     }
 
-    /// Where `world` appears, lens distortion included; `None` when it is behind the camera, or so far off the
-    /// axis that the distortion model folds back.
+    /// Where `world` appears, lens included; `None` when it is behind the camera, or so far off the axis that the lens
+    /// model folds back.
     pub fn project(&self, world: &Point3<f64>) -> Option<Pixel> {
         let cam = self.cam_from_world * world;
         if cam.z.is_nan() || cam.z <= MIN_DEPTH {
             return None;
         }
-        let distorted = self.distortion.distort(Point2::new(cam.x / cam.z, cam.y / cam.z))?;
+        let distorted = self.lens.distort(Point2::new(cam.x / cam.z, cam.y / cam.z))?;
         let image = self.intrinsics * distorted.to_homogeneous();
         Some(Pixel { u: image.x, v: image.y, depth: cam.z })
     }
 
-    /// Whether `world` appears in the image, lens distortion included.
+    /// Whether `world` appears in the image, lens included.
     pub fn sees(&self, world: &Point3<f64>) -> bool {
         let (w, h) = (f64::from(self.width), f64::from(self.height));
         self.project(world).is_some_and(|p| (0.0..w).contains(&p.u) && (0.0..h).contains(&p.v))
     }
 
-    /// The world point at `depth` metres behind image position `(u, v)`; `None` outside the distortion model's range.
+    /// The world point at `depth` metres behind image position `(u, v)`; `None` beyond the lens model's range.
     pub fn unproject(&self, u: f64, v: f64, depth: f64) -> Option<Point3<f64>> {
         let image = self.intrinsics_inverse * Vector3::new(u, v, 1.0);
-        let flat = self.distortion.undistort(Point2::new(image.x, image.y))?;
+        let flat = self.lens.undistort(Point2::new(image.x, image.y))?;
         let cam = Point3::new(flat.x * depth, flat.y * depth, depth);
         Some(self.cam_from_world.inverse_transform_point(&cam))
     }

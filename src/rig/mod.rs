@@ -111,13 +111,7 @@ impl Rig {
         let old_from_world = world_from_old.inverse();
         let moved = |camera: &Camera| {
             let cam_from_world = camera.cam_from_world() * old_from_world;
-            Camera::new(
-                camera.name(),
-                camera.size(),
-                *camera.intrinsics(),
-                *camera.distortion(),
-                cam_from_world,
-            )
+            Camera::new(camera.name(), camera.size(), *camera.intrinsics(), *camera.lens(), cam_from_world)
         };
         Ok(Self { cameras: self.cameras.iter().map(moved).collect::<Result<_>>()? })
     }

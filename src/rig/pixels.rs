@@ -44,7 +44,7 @@ impl Rig {
 }
 
 fn with_pixels(camera: &Camera, size: (u32, u32), k: Matrix3<f64>) -> Result<Camera> {
-    Camera::new(camera.name(), size, k, *camera.distortion(), *camera.cam_from_world())
+    Camera::new(camera.name(), size, k, *camera.lens(), *camera.cam_from_world())
 }
 
 #[cfg(test)]

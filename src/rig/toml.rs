@@ -18,7 +18,7 @@
 use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera, pixels};
 use super::source::Source;
 use super::{Rig, pose};
-use crate::camera::{Camera, Distortion};
+use crate::camera::{Camera, Distortion, Lens};
 use crate::{Error, Result};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::fmt::Write;
@@ -108,16 +108,19 @@ fn camera_to_toml(camera: &Camera) -> String {
     k[(0, 2)] -= HALF_PIXEL;
     k[(1, 2)] -= HALF_PIXEL;
     let row = |r: usize| [k[(r, 0)], k[(r, 1)], k[(r, 2)]];
-    let all = camera.distortion().coefficients();
-    let polynomial = all[5..].iter().all(|&c| c == 0.0);
-    let distortions = if polynomial { &all[..5] } else { &all[..] };
+    let fisheye = matches!(camera.lens(), Lens::Fisheye(_));
+    let distortions = match camera.lens() {
+        // The tools named above expect five at least.
+        Lens::OpenCv(lens) => &lens.coefficients()[..lens.shortest().len().max(5)],
+        Lens::Fisheye(lens) => lens.coefficients(),
+    };
     let pose = camera.cam_from_world();
     let rotation: [f64; 3] = pose.rotation.scaled_axis().into();
     let translation: [f64; 3] = pose.translation.vector.into();
     // Rust's debug form of a float is the shortest that reads back to the same bits, and valid TOML.
     format!(
         "name = {name}\nsize = [{width}, {height}]\nmatrix = {:?}\ndistortions = {distortions:?}\n\
-         rotation = {rotation:?}\ntranslation = {translation:?}\nfisheye = false\n",
+         rotation = {rotation:?}\ntranslation = {translation:?}\nfisheye = {fisheye}\n",
         [row(0), row(1), row(2)]
     )
 }

@@ -1,4 +1,4 @@
-//! Masks of a distorted camera, redrawn once as a pinhole camera in the same place would see them.
+//! Masks of a camera with a lens, redrawn once as a pinhole camera in the same place would see them.
 //!
 //! ```text
 //!   what the lens saw           what the pinhole sees
@@ -40,13 +40,13 @@ mod tile_rows;
 pub(crate) use tile_mask::TileMask;
 
 use super::MaskView;
-use crate::camera::{Camera, Distortion};
+use crate::camera::{Camera, Lens};
 use crate::{Error, Result};
 use image::{GrayImage, Luma};
 use nalgebra::{Matrix3, Point2};
 use tile_map::TileMap;
 
-/// The way from a distorted camera's masks to those of a pinhole camera in its place, with the same focal lengths.
+/// The way from the masks of a camera with a lens to those of a pinhole camera in its place, with the same focal lengths.
 ///
 /// The pinhole's image is the rectangle around all that the original sees, in whole pixels, at most twice as wide and
 /// twice as high as the original's; what exceeds that, far off the axis, is cut. Its pixels whose centre the original
@@ -86,9 +86,9 @@ const MOST_ENLARGED: i64 = 2;
 const MOST_PIXELS: i64 = 65_535;
 
 impl Undistortion {
-    /// The undistortion of `camera`'s masks; `None` if the camera has no distortion and so needs none.
+    /// The undistortion of `camera`'s masks; `None` if the camera is a pinhole and so needs none.
     pub fn new(camera: &Camera) -> Option<Self> {
-        if camera.distortion().is_none() {
+        if camera.lens().is_none() {
             return None;
         }
         let pinhole = pinhole_around(camera)?;
@@ -99,7 +99,7 @@ impl Undistortion {
         let taps: Vec<Tap> = pixels
             .map(|pixel| {
                 let on_plane = apply_affine(&to_plane, centre(pixel));
-                let distorted = camera.distortion().distort(on_plane);
+                let distorted = camera.lens().distort(on_plane);
                 Tap::at(distorted.map(|p| apply_affine(camera.intrinsics(), p)), camera.size())
             })
             .collect();
@@ -229,7 +229,7 @@ fn pinhole_around(camera: &Camera) -> Option<Camera> {
     let (top, new_height) = side(low.y, high.y, k[(1, 2)], height);
     k[(0, 2)] -= left as f64;
     k[(1, 2)] -= top as f64;
-    Camera::new(camera.name(), (new_width, new_height), k, Distortion::none(), *camera.cam_from_world()).ok()
+    Camera::new(camera.name(), (new_width, new_height), k, Lens::none(), *camera.cam_from_world()).ok()
 }
 
 /// Points on the plane at depth 1 around the border of what `camera` sees: the image's border where the lens model
@@ -238,7 +238,7 @@ fn border_on_plane(camera: &Camera) -> Option<Vec<Point2<f64>>> {
     let (width, height) = (f64::from(camera.size().0), f64::from(camera.size().1));
     let k = camera.intrinsics();
     let to_plane = k.try_inverse()?;
-    let lens = camera.distortion();
+    let lens = camera.lens();
     let along = |length: f64| {
         let n = (length as u32) * BORDER_SAMPLES;
         (0..=n).map(move |i| length * f64::from(i) / f64::from(n))
@@ -248,7 +248,9 @@ fn border_on_plane(camera: &Camera) -> Option<Vec<Point2<f64>>> {
     let image_border = rows.chain(columns);
     let mut border: Vec<_> =
         image_border.filter_map(|p| lens.undistort(apply_affine(&to_plane, p))).collect();
-    if let Some(radius) = range_radius(lens) {
+    if lens.max_radius().is_finite() {
+        // The factor keeps the rim inside when it is turned around.
+        let radius = lens.max_radius() * (1.0 - 1e-12);
         let n = 2.0 * (width + height) * f64::from(BORDER_SAMPLES);
         let rim = (0..n as u32).map(|i| {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / n).sin_cos();
@@ -260,21 +262,6 @@ fn border_on_plane(camera: &Camera) -> Option<Vec<Point2<f64>>> {
         }));
     }
     Some(border)
-}
-
-/// The radius up to which the lens model holds, just inside; `None` if it holds everywhere.
-fn range_radius(lens: &Distortion) -> Option<f64> {
-    let holds = |radius: f64| lens.distort(Point2::new(radius, 0.0)).is_some();
-    let (mut inside, mut outside) = (0.0, 1e6);
-    if holds(outside) {
-        return None;
-    }
-    // Halving the interval 80 times is past the last bit; the factor keeps the rim inside when it is turned around.
-    for _ in 0..80 {
-        let middle = 0.5 * (inside + outside);
-        *(if holds(middle) { &mut inside } else { &mut outside }) = middle;
-    }
-    Some(inside * (1.0 - 1e-12))
 }
 
 /// First pixel and length of the pinhole image's side that covers `low..high`; a side that would be too long is the

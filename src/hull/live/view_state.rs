@@ -46,12 +46,12 @@ pub(super) struct Preparation {
 impl ViewState {
     pub(super) fn new(camera: Camera) -> Result<Self> {
         let undistortion = Undistortion::new(&camera);
-        if undistortion.is_none() && !camera.distortion().is_none() {
+        if undistortion.is_none() && !camera.lens().is_none() {
             let (width, height) = camera.size();
             let problem = format!(
                 "expected a lens that can be undistorted within the largest image, found {width} x {height} pixels \
-                 with distortion {:?}; scale the images down or undistort them first",
-                camera.distortion().coefficients()
+                 and the lens {}; scale the images down or undistort them first",
+                camera.lens()
             );
             return Err(Error::view(camera.name(), problem));
         }

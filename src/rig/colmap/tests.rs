@@ -30,8 +30,8 @@ fn views_come_in_the_images_order_with_their_cameras_lenses() {
     assert_eq!(names, [("left", (640, 480)), ("right", (600, 400)), ("top", (640, 480))]);
     // Pixel corners are whole numbers in the file, too.
     assert_sees(&rig.cameras()[0], [0.5, -0.3, 1.0], 500.0 * 0.6 / 4.0 + 320.0, 500.0 * -0.1 / 4.0 + 240.0);
-    assert_eq!(rig.cameras()[1].distortion().coefficients()[..5], [-0.1, 0.02, 0.001, -0.002, 0.0]);
-    assert_eq!(rig.cameras()[2].distortion().coefficients()[..5], [-0.1, 0.02, 0.0, 0.0, 0.0]);
+    assert_eq!(rig.cameras()[1].lens().coefficients()[..5], [-0.1, 0.02, 0.001, -0.002, 0.0]);
+    assert_eq!(rig.cameras()[2].lens().coefficients()[..5], [-0.1, 0.02, 0.0, 0.0, 0.0]);
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn a_full_lens_has_opencvs_eight_coefficients() {
         .replace("RADIAL 640 480 500 320", "FULL_OPENCV 640 480 500 501 320")
         .replace("240 -0.1 0.02\n", "240 .1 .2 .3 .4 .5 .6 .7 .8\n");
     let rig = load(&full, IMAGES).unwrap().rig;
-    assert_eq!(rig.cameras()[2].distortion().coefficients(), &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]);
+    assert_eq!(rig.cameras()[2].lens().coefficients(), &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]);
     assert_eq!(rig.cameras()[2].intrinsics()[(1, 1)], 501.0);
 }
 

@@ -30,11 +30,11 @@ fn both_files_together_are_a_rig_from_the_folder_and_from_either() {
         assert_eq!((calibration.format, calibration.notes[0].as_str()), (FORMAT.name, length::NOTE));
         let [left, other] = calibration.rig.cameras() else { panic!("{:?}", calibration.rig) };
         assert_eq!((left.name(), left.size(), left.intrinsics()[(0, 2)]), ("left", (640, 480), 320.0));
-        assert_eq!(left.distortion().coefficients()[..2], [-0.1, 0.01]);
+        assert_eq!(left.lens().coefficients()[..2], [-0.1, 0.01]);
         // x_cam = R x_world + T with a quarter turn about z: the centre is -R^T T.
         assert!((left.centre() - Point3::new(0.0, 0.25, -3.0)).norm() < 1e-9);
         assert_eq!((other.name(), other.size()), ("07", (320, 240)));
-        assert!(other.distortion().is_none());
+        assert!(other.lens().is_none());
         assert_eq!(other.centre(), Point3::new(0.0, 0.0, -3.0));
     }
 }

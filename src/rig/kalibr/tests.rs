@@ -46,7 +46,7 @@ fn a_chain_of_motions_places_each_camera_in_the_first_ones_frame() {
     let rig = rig(CHAIN).unwrap();
     let [first, second, third] = rig.cameras() else { panic!("{rig:?}") };
     assert_eq!((first.name(), first.size(), first.centre()), ("cam0", (640, 480), Point3::origin()));
-    assert_eq!(first.distortion().coefficients()[..4], [-0.1, 0.01, 0.001, -0.002]);
+    assert_eq!(first.lens().coefficients()[..4], [-0.1, 0.01, 0.001, -0.002]);
     assert_eq!((first.intrinsics()[(0, 2)], first.intrinsics()[(1, 1)]), (320.0, 510.0));
     // 0.2 m to the right of the first; the third stands in the same place and looks along the first one's x axis.
     for camera in [second, third] {

@@ -26,8 +26,8 @@ fn opengl_cameras_look_along_minus_z_with_y_up() {
 #[test]
 fn what_a_frame_says_goes_before_what_stands_at_the_top() {
     let rig = load_text(TEXT, &HINTS).unwrap().rig;
-    assert!(rig.cameras()[0].distortion().is_none());
-    assert_eq!(rig.cameras()[1].distortion().coefficients()[..5], [-0.1, 0.02, 0.001, 0.002, 0.0]);
+    assert!(rig.cameras()[0].lens().is_none());
+    assert_eq!(rig.cameras()[1].lens().coefficients()[..5], [-0.1, 0.02, 0.001, 0.002, 0.0]);
     assert_eq!(rig.cameras()[1].size(), (600, 480));
 }
 

@@ -48,7 +48,7 @@ fn yaml_xml_and_json_hold_the_same_camera() {
     let read = |text: &str| rig(text).unwrap_or_else(|e| panic!("{e}")).cameras()[0].clone();
     let camera = read(YAML);
     assert_eq!((camera.name(), camera.size()), ("left", (640, 480)));
-    assert_eq!(camera.distortion().coefficients()[..2], [-0.1, 0.01]);
+    assert_eq!(camera.lens().coefficients()[..2], [-0.1, 0.01]);
     // On the axis: the principal point, whose pixel centre is a whole number in the file.
     let pixel = camera.project(&nalgebra::Point3::new(0.0, 0.25, 0.0)).unwrap();
     assert!(
@@ -92,7 +92,7 @@ fn a_camera_without_size_takes_the_hint_and_one_without_distortion_has_none() {
     assert_refused(rig(&text), &["expected to know the size of its images"]);
     let calibration = load(&text, &Hints { size: Some((320, 200)), ..Hints::default() }).unwrap();
     let camera = &calibration.rig.cameras()[0];
-    assert!(camera.size() == (320, 200) && camera.distortion().is_none());
+    assert!(camera.size() == (320, 200) && camera.lens().is_none());
     assert_eq!(calibration.notes[0], length::NOTE);
 }
 

@@ -22,7 +22,7 @@ fn centimetres_become_metres_and_points_land_where_k_r_and_t_put_them() {
     let camera = &found.rig.cameras()[0];
     assert_eq!((camera.name(), camera.size()), ("00_00", (1920, 1080)));
     assert_sees(camera, [0.5, -0.3, 1.0], 1600.0 * 0.6 / 4.0 + 940.5, 1610.0 * -0.1 / 4.0 + 550.5);
-    let lens = found.rig.cameras()[1].distortion();
+    let lens = found.rig.cameras()[1].lens();
     assert_eq!(lens.coefficients()[..5], [-0.2, 0.1, 0.001, 0.002, 0.05]);
     assert!(found.notes[0].contains("centimetres"));
 }

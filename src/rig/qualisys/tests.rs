@@ -60,7 +60,7 @@ fn distortion_is_opencvs() {
         .replace("Distortion1=\"0\"", "Distortion1=\"0.1\"")
         .replace("Distortion3=\"0\"", "Distortion3=\"0.3\"");
     let rig = load(&text).unwrap().rig;
-    assert_eq!(rig.cameras()[0].distortion().coefficients()[..5], [0.1, 0.0, 0.1, 0.0, 0.3]);
+    assert_eq!(rig.cameras()[0].lens().coefficients()[..5], [0.1, 0.0, 0.1, 0.0, 0.3]);
 }
 
 #[test]

@@ -82,7 +82,7 @@ fn a_printed_message_is_read_and_its_rectification_passed_over() {
     let rig = with_pose(MESSAGE, POSE).unwrap();
     let camera = &rig.cameras()[0];
     assert_eq!((camera.name(), camera.size()), ("left", (640, 480)));
-    assert_eq!(*camera.distortion().coefficients(), [0.1, 0.2, 0.0, 0.0, 0.3, 0.4, 0.5, 0.6]);
+    assert_eq!(*camera.lens().coefficients(), [0.1, 0.2, 0.0, 0.0, 0.3, 0.4, 0.5, 0.6]);
     assert!((camera.forward() - Vector3::x()).norm() < 1e-12);
 }
 

@@ -25,7 +25,7 @@ fn matrix_text(p: &Matrix3x4<f64>) -> String {
 }
 
 fn rad_text(camera: &Camera) -> String {
-    let (k, c) = (camera.intrinsics(), camera.distortion().coefficients());
+    let (k, c) = (camera.intrinsics(), camera.lens().coefficients());
     let mut text = String::new();
     for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
         text += &format!("K{}{} = {}\n", i + 1, j + 1, k[(i, j)]);

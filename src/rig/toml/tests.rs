@@ -35,7 +35,7 @@ fn a_file_is_read_with_its_pixel_centres_moved_by_one_half() {
     let camera = &rig.cameras()[0];
     assert_eq!((camera.name(), camera.size()), ("left", (640, 480)));
     assert_eq!((camera.intrinsics()[(0, 2)], camera.intrinsics()[(1, 2)]), (320.0, 240.0));
-    assert_eq!(camera.distortion().coefficients()[..5], [-0.1, 0.01, 0.0, 1e-4, 0.0]);
+    assert_eq!(camera.lens().coefficients()[..5], [-0.1, 0.01, 0.0, 1e-4, 0.0]);
     let translation = camera.cam_from_world() * Point3::origin();
     assert_eq!(translation, Point3::new(0.1, 1.0, 3.0));
 }
@@ -71,7 +71,7 @@ fn writing_and_reading_gives_the_same_rig() {
     let again = Rig::from_toml(&text).unwrap();
     assert!(text.contains("[cam_00]") && text.contains("[cam_11]") && text.contains("[metadata]"));
     for (a, b) in rig.cameras().iter().zip(again.cameras()) {
-        assert_eq!((a.name(), a.size(), a.distortion()), (b.name(), b.size(), b.distortion()));
+        assert_eq!((a.name(), a.size(), a.lens()), (b.name(), b.size(), b.lens()));
         // Roundings of the half pixel and of the way from quaternion to rotation vector and back.
         assert!((a.intrinsics() - b.intrinsics()).abs().max() < 1e-12);
         let motion = a.cam_from_world() * b.cam_from_world().inverse();

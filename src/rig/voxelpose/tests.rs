@@ -24,7 +24,7 @@ fn t_is_where_the_camera_stands_in_millimetres() {
 #[test]
 fn radial_and_tangential_coefficients_come_apart() {
     let rig = load_text(TEXT, &HINTS).unwrap().rig;
-    assert_eq!(rig.cameras()[1].distortion().coefficients()[..5], [0.1, 0.2, 0.4, 0.5, 0.3]);
+    assert_eq!(rig.cameras()[1].lens().coefficients()[..5], [0.1, 0.2, 0.4, 0.5, 0.3]);
 }
 
 #[test]

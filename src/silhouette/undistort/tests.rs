@@ -1,23 +1,38 @@
 mod tiles;
 
 use super::*;
+use crate::camera::{Distortion, Fisheye};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 const SIZE: (u32, u32) = (322, 243);
 
 fn camera(focal: f64, coefficients: &[f64]) -> Camera {
-    let k = Matrix3::new(focal, 0.0, 167.0, 0.0, focal * 1.005, 111.5, 0.0, 0.0, 1.0);
-    let pose = Isometry3::new(Vector3::new(0.2, -0.1, 3.0), Vector3::new(1.2, 0.4, -0.3));
-    Camera::new("test", SIZE, k, Distortion::from_opencv(coefficients).unwrap(), pose).unwrap()
+    with_lens(focal, Distortion::from_opencv(coefficients).unwrap())
 }
 
-/// The lenses the claims are tested with: barrel, pincushion, rational, and one that folds back inside its image.
-fn cameras() -> [Camera; 4] {
+fn fisheye(focal: f64, coefficients: &[f64]) -> Camera {
+    with_lens(focal, Fisheye::from_opencv(coefficients).unwrap())
+}
+
+fn with_lens(focal: f64, lens: impl Into<Lens>) -> Camera {
+    let k = Matrix3::new(focal, 0.0, 167.0, 0.0, focal * 1.005, 111.5, 0.0, 0.0, 1.0);
+    let pose = Isometry3::new(Vector3::new(0.2, -0.1, 3.0), Vector3::new(1.2, 0.4, -0.3));
+    Camera::new("test", SIZE, k, lens, pose).unwrap()
+}
+
+/// The lenses the claims are tested with: barrel, pincushion, rational, one that folds back inside its image, a thin
+/// prism before a tilted sensor; fisheyes of 120 and 160 degrees from corner to corner, and one that folds back in the
+/// corners.
+fn cameras() -> [Camera; 8] {
     [
         camera(270.0, &[-0.369, 0.203, 3e-4, 2e-5, -0.071]),
         camera(245.0, &[0.15, 0.02, -8e-4, 1e-3]),
         camera(200.0, &[0.4, 0.02, 1e-4, -2e-4, 0.001, 0.6, 0.05, 0.003]),
         camera(130.0, &[-0.3, 0.0, 0.0, 0.0]),
+        camera(260.0, &[-0.2, 0.05, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.01, -2e-3, -8e-3, 1e-3, 0.04, -0.03]),
+        fisheye(200.0, &[0.03, -0.01, 2e-3, -1e-4]),
+        fisheye(150.0, &[0.0; 4]),
+        fisheye(170.0, &[-0.3, 0.0, 0.0, 0.0]),
     ]
 }
 
@@ -84,7 +99,7 @@ fn the_pinhole_stands_where_the_camera_stands() {
     for camera in cameras() {
         let undistortion = Undistortion::new(&camera).unwrap();
         let pinhole = undistortion.pinhole();
-        assert!(pinhole.distortion().is_none());
+        assert!(pinhole.lens().is_none());
         assert_eq!((pinhole.name(), pinhole.cam_from_world()), (camera.name(), camera.cam_from_world()));
         let shift = camera.intrinsics() - pinhole.intrinsics();
         assert_eq!((shift[(0, 2)].fract(), shift[(1, 2)].fract()), (0.0, 0.0));
@@ -141,8 +156,8 @@ fn unseen_pixels_are_exactly_those_whose_source_is_outside() {
 
 #[test]
 fn the_pinhole_covers_all_that_the_camera_sees_and_no_more() {
-    let [barrel, pincushion, rational, _] = cameras();
-    for camera in [barrel, pincushion, rational] {
+    let [barrel, pincushion, rational, _, prism, fisheye, ..] = cameras();
+    for camera in [barrel, pincushion, rational, prism, fisheye] {
         let undistortion = Undistortion::new(&camera).unwrap();
         let pinhole = undistortion.pinhole();
         for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
@@ -168,6 +183,32 @@ fn a_lens_that_folds_back_inside_its_image_is_used_up_to_the_fold() {
     assert!((f64::from(height) - 2.0 * fold * 1.005).abs() < 2.0, "{height}");
     assert_eq!(undistortion.field_of_view().get_pixel(0, 0).0[0], 0);
     assert_eq!(undistortion.field_of_view().get_pixel(width / 2, height / 2).0[0], 255);
+}
+
+#[test]
+fn of_a_wide_fisheye_the_part_around_the_axis_is_kept_in_an_image_of_twice_the_size() {
+    let undistortion = Undistortion::new(&cameras()[6]).unwrap();
+    let pinhole = undistortion.pinhole();
+    assert_eq!(pinhole.size(), (2 * SIZE.0, 2 * SIZE.1));
+    // What was cut off at the sides lay outside of the pinhole's image, and all in it but its corners was seen.
+    let axis = pinhole.intrinsics().column(2).xy();
+    for (x, y) in [(0, axis.y as u32), (2 * SIZE.0 - 1, axis.y as u32), (axis.x as u32, 2 * SIZE.1 - 1)] {
+        assert_eq!(undistortion.seen().get_pixel(x, y).0[0], 255, "{x}, {y}");
+    }
+}
+
+#[test]
+fn what_lies_beyond_the_fold_of_a_fisheye_is_unseen() {
+    // theta (1 - 0.3 theta^2) folds at theta = 1 / sqrt 0.9, which a pinhole sees 170 tan(theta) px from its axis.
+    let undistortion = Undistortion::new(&cameras()[7]).unwrap();
+    let pinhole = undistortion.pinhole();
+    let fold = (1.0 / 0.9_f64.sqrt()).tan();
+    let to_plane = pinhole.intrinsics().try_inverse().unwrap();
+    let seen = undistortion.seen().enumerate_pixels().filter(|(_, _, value)| value.0[0] == 255);
+    let farthest =
+        seen.map(|(x, y, _)| apply_affine(&to_plane, centre(x, y)).coords.norm()).fold(0.0, f64::max);
+    // To a pixel, 1/170 on the plane.
+    assert!((fold - farthest).abs() < 1.0 / 170.0, "{farthest} {fold}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::super::tile_mask::TileMask;
 use super::*;
+use crate::camera::{Distortion, Fisheye, Lens};
 use crate::silhouette::mask_crop::value_beyond;
 use crate::silhouette::tests::Random;
 use crate::silhouette::{Border, Silhouette};
@@ -24,8 +25,15 @@ fn random_camera(random: &mut Random, k: u32) -> Camera {
     if k.is_multiple_of(2) {
         coefficients.extend([small(random, 0.2), small(random, 0.05), small(random, 0.02)]);
     }
+    let (focal, lens) = match k % 5 {
+        // Focal lengths with which the corners stay below 90 degrees.
+        3 => {
+            let k1 = 0.2 * k1.abs();
+            (1.5 * focal, Fisheye::from_opencv(&[k1, 0.1 * k1, 0.0, 1e-3]).unwrap().into())
+        }
+        _ => (focal, Lens::from(Distortion::from_opencv(&coefficients).unwrap())),
+    };
     let intrinsics = Matrix3::new(focal, random.between(-2.0, 2.0), u, 0.0, focal * 1.01, v, 0.0, 0.0, 1.0);
-    let lens = Distortion::from_opencv(&coefficients).unwrap();
     Camera::new("random", size, intrinsics, lens, Isometry3::identity()).unwrap()
 }
 
@@ -107,7 +115,7 @@ fn masks_drawn_by_tiles_are_those_that_apply_makes_whatever_was_in_their_memory(
         let Some(lens) = Undistortion::new(&camera) else { continue };
         for n in 0..9 {
             let mask = random_mask(&mut random, camera.size(), n);
-            let what = format!("lens {k} of {:?} and {:?}, mask {n}", camera.size(), camera.distortion());
+            let what = format!("lens {k} of {:?} and {:?}, mask {n}", camera.size(), camera.lens());
             filled += check(&mut silhouette, &mut tiles, &lens, &mask, &what);
         }
     }

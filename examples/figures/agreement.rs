@@ -13,7 +13,7 @@ use crate::figure::{Bound, Figure};
 use crate::random::Random;
 use crate::scene;
 use nalgebra::{Isometry3, Point2, Point3, UnitQuaternion, point};
-use ode_visual_hull::camera::{Camera, Distortion};
+use ode_visual_hull::camera::{Camera, Distortion, Fisheye, Lens};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, PointResponse, Response, Unseen, Workspace, reference};
 use ode_visual_hull::synthetic::{self, Subject, layout};
 use std::sync::Arc;
@@ -42,15 +42,49 @@ const TOLERANCE: f64 = 1e-9;
 #[derive(Debug, Clone, Copy)]
 struct Kind {
     name: &'static str,
-    k1: f64,
+    optics: Optics,
     unseen: Unseen,
 }
 
-const KINDS: [Kind; 3] = [
-    Kind { name: "reference_agree_lens", k1: -0.36, unseen: Unseen::Outside },
-    Kind { name: "reference_agree_abstain", k1: 0.0, unseen: Unseen::ABSTAIN },
-    Kind { name: "reference_agree_lens_abstain", k1: -0.36, unseen: Unseen::ABSTAIN },
+/// The cameras' lenses.
+#[derive(Debug, Clone, Copy)]
+enum Optics {
+    Pinhole,
+    /// OpenCV's polynomial, k1 = -0.36.
+    Barrel,
+    /// OpenCV's fisheye.
+    Fisheye,
+}
+
+const KINDS: [Kind; 5] = [
+    Kind { name: "reference_agree_lens", optics: Optics::Barrel, unseen: Unseen::Outside },
+    Kind { name: "reference_agree_abstain", optics: Optics::Pinhole, unseen: Unseen::ABSTAIN },
+    Kind { name: "reference_agree_lens_abstain", optics: Optics::Barrel, unseen: Unseen::ABSTAIN },
+    Kind { name: "reference_agree_fisheye", optics: Optics::Fisheye, unseen: Unseen::Outside },
+    Kind { name: "reference_agree_fisheye_abstain", optics: Optics::Fisheye, unseen: Unseen::ABSTAIN },
 ];
+
+impl Optics {
+    fn lens(self) -> Lens {
+        match self {
+            Self::Pinhole => Lens::none(),
+            Self::Barrel => {
+                Distortion::from_opencv(&[-0.36, 0.0, 0.0, 0.0]).expect("four coefficients").into()
+            }
+            Self::Fisheye => {
+                Fisheye::from_opencv(&[0.05, -0.01, 2e-3, -2e-4]).expect("four coefficients").into()
+            }
+        }
+    }
+
+    /// The focal length as a share of that of a pinhole that sees [`FIELD_OF_VIEW`]: a fisheye sees more.
+    fn focal_share(self) -> f64 {
+        match self {
+            Self::Pinhole | Self::Barrel => 1.0,
+            Self::Fisheye => 0.6,
+        }
+    }
+}
 
 /// What was found in one scene.
 struct Measured {
@@ -133,7 +167,7 @@ fn points(hull: &Hull, seed: u64) -> Vec<Point3<f64>> {
 /// The hull of `shape` as `n` cameras give it through their lenses.
 fn hull(kind: Kind, shape: &str, n: usize) -> Arc<Hull> {
     let subject = Subject::new(vec![scene::placed(shape)]);
-    let cameras = cameras(kind.k1, n);
+    let cameras = cameras(kind.optics, n);
     let data = HullData::new();
     let set_up = || {
         data.set_bounds(Aabb::new(point![-0.45, -0.45, 0.05], point![0.45, 0.45, 0.95])?)?;
@@ -148,12 +182,13 @@ fn hull(kind: Kind, shape: &str, n: usize) -> Arc<Hull> {
 }
 
 /// Cameras around the target, each turned until it sees the target at its place in the image.
-fn cameras(k1: f64, n: usize) -> Vec<Camera> {
+fn cameras(optics: Optics, n: usize) -> Vec<Camera> {
     let around = layout::staggered(n, 1.6, &HEIGHTS, TARGET, SIZE, FIELD_OF_VIEW).expect("a valid layout");
-    let lens = Distortion::from_opencv(&[k1, 0.0, 0.0, 0.0]).expect("four coefficients");
     let with_pose = |camera: &Camera, cam_from_world: Isometry3<f64>| {
-        let (name, size, k) = (camera.name(), camera.size(), *camera.intrinsics());
-        Camera::new(name, size, k, lens, cam_from_world).expect("a valid camera")
+        let (name, size, mut k) = (camera.name(), camera.size(), *camera.intrinsics());
+        k[(0, 0)] *= optics.focal_share();
+        k[(1, 1)] *= optics.focal_share();
+        Camera::new(name, size, k, optics.lens(), cam_from_world).expect("a valid camera")
     };
     let turned = |(camera, at): (&Camera, &Point2<f64>)| {
         let ray =

@@ -73,7 +73,8 @@ fn masks(samples: u32) -> &'static [GrayImage] {
     MASKS[samples as usize].get_or_init(draw)
 }
 
-fn mask(camera: &Camera, samples: u32) -> GrayImage {
+/// What a camera sees of the subject, by `samples` times `samples` rays a pixel.
+pub(super) fn mask(camera: &Camera, samples: u32) -> GrayImage {
     let (width, height) = camera.size();
     GrayImage::from_fn(width, height, |i, j| {
         let offset = |k: u32| (f64::from(k) + 0.5) / f64::from(samples);

@@ -1,11 +1,12 @@
 //! Many points at once against the single queries: the same bits, for views of every kind.
 
-use super::super::tests::{POLICIES, Random, bounds, cameras, hull};
-use super::super::{Aabb, Unseen, View, reference};
+use super::super::tests::{POLICIES, Random, bounds, cameras, hull, mask};
+use super::super::{Aabb, HullData, Unseen, View, reference};
 use super::*;
+use crate::camera::{Camera, Fisheye};
 use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
-use nalgebra::{point, vector};
+use nalgebra::{Matrix3, point, vector};
 use std::sync::{Arc, LazyLock};
 
 /// What a hull's views are like.
@@ -19,8 +20,8 @@ struct Kind {
     is_mixed: bool,
 }
 
-/// Hulls with and without coverage; and of masks full of specks and holes, some of them up to the image's border, by
-/// both policies, with and without lenses. Drawn once for all tests.
+/// Hulls with and without coverage, by pinholes and by fisheyes; and of masks full of specks and holes, some of them up
+/// to the image's border, by both policies, with and without lenses. Drawn once for all tests.
 fn hulls() -> &'static [Hull] {
     static HULLS: LazyLock<Vec<Hull>> = LazyLock::new(draw_hulls);
     &HULLS
@@ -36,14 +37,35 @@ fn draw_hulls() -> Vec<Hull> {
             })
         })
     });
-    plain.chain(kinds.map(specked)).collect()
+    let fisheyes =
+        POLICIES.into_iter().flat_map(|unseen| [1, 4].map(|samples| through_fisheyes(unseen, samples)));
+    plain.chain(kinds.map(specked)).chain(fisheyes).collect()
+}
+
+/// The hull of cameras with fisheye lenses. In some of their images the subject is near a border, which cuts it off;
+/// the corner on the other side is up to 83 degrees from the axis.
+fn through_fisheyes(unseen: Unseen, samples: u32) -> Hull {
+    let lens = Fisheye::from_opencv(&[0.01, -0.004, 5e-4, -2e-5]).unwrap();
+    let data = HullData::new();
+    data.set_bounds(bounds()).unwrap();
+    data.set_unseen(unseen).unwrap();
+    for (k, camera) in cameras().iter().enumerate() {
+        let cx = 80.0 + [0.0, 65.0, -65.0][k % 3];
+        let intrinsics = Matrix3::new(110.0, 0.0, cx, 0.0, 110.0, 60.0, 0.0, 0.0, 1.0);
+        let camera =
+            Camera::new(camera.name(), (160, 120), intrinsics, lens, *camera.cam_from_world()).unwrap();
+        let mask = mask(&camera, samples);
+        let view = data.add_view(camera).unwrap();
+        data.set_mask(view, &mask).unwrap();
+    }
+    Hull::clone(&data.update(0.0).unwrap())
 }
 
 /// A hull whose views see specks.
 fn specked(Kind { unseen, coverage, has_lenses, is_mixed }: Kind) -> Hull {
     let border = if unseen == Unseen::Outside { Border::Background } else { Border::Unknown };
     let mut random = Random(3);
-    let view = |(k, camera): (usize, crate::camera::Camera)| {
+    let view = |(k, camera): (usize, Camera)| {
         let mut mask = specks(&mut random, coverage && !(is_mixed && k == 1));
         let lens = has_lenses && !(is_mixed && k == 2);
         let field_of_view = lens.then(|| disc(75.0));

@@ -123,14 +123,31 @@ int dGeomVisualHullDataAddView(dVisualHullDataID d, const dReal P[12], int width
  * whole numbers: add 0.5 to its principal point.
  * @param R the rotation from world to camera, 3x3, row-major, without padding
  * @param t the translation, so that x_cam = R x_world + t
- * @param distortion k1 k2 p1 p2 [k3 [k4 k5 k6]]; may be NULL where nDistortion is 0
- * @param nDistortion 0, 4, 5 or 8
+ * @param distortion k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [taux tauy]]]]; may be NULL where nDistortion is 0
+ * @param nDistortion 0, 4, 5, 8, 12 or 14
  * @param width the image's width in pixels
  * @param height the image's height in pixels
  * @return The view's index, from 0; -1 for a calibration that cannot be used.
  */
 int dGeomVisualHullDataAddCamera(dVisualHullDataID d, const dReal K[9], const dReal R[9], const dReal t[3],
                                  const dReal *distortion, int nDistortion, int width, int height);
+
+/**
+ * @brief Adds a view by its camera, with OpenCV's fisheye lens.
+ *
+ * @param d the data object
+ * @param K the intrinsic matrix, as for dGeomVisualHullDataAddCamera
+ * @param R the rotation from world to camera, 3x3, row-major, without padding
+ * @param t the translation, so that x_cam = R x_world + t
+ * @param k k1 k2 k3 k4; may be NULL where nk is 0: all of them are then zero
+ * @param nk 0 or 4
+ * @param width the image's width in pixels
+ * @param height the image's height in pixels
+ * @return The view's index, from 0; -1 for a calibration that cannot be used, for an image that shows rays at 90 degrees
+ * or more from the camera's axis, and for coefficients with which the model folds back before the nearest border.
+ */
+int dGeomVisualHullDataAddFisheyeCamera(dVisualHullDataID d, const dReal K[9], const dReal R[9], const dReal t[3],
+                                        const dReal *k, int nk, int width, int height);
 
 /**
  * @brief Adds all views of a calibration file, the TOML of anipose, Pose2Sim and caliscope.

@@ -13,7 +13,7 @@ mod tests;
 
 pub use data::DataId;
 
-use crate::camera::{Camera, Distortion};
+use crate::camera::{Camera, Distortion, Fisheye, Lens};
 use crate::contact::Mode;
 use crate::hull::{Aabb, HullData, Unseen};
 use crate::ode::{self, RawHull};
@@ -105,17 +105,35 @@ unsafe extern "C" fn dGeomVisualHullDataAddCamera(
 ) -> c_int {
     fenced(NONE, || {
         let data = data::get(d)?;
-        let count = count(nDistortion, 8, "nDistortion")?;
+        let count = count(nDistortion, 14, "nDistortion")?;
         // SAFETY: the caller vouches for the arrays.
-        let (k, r, t, lens) = unsafe {
-            let lens = if count == 0 { &[] } else { numbers(distortion, count, "distortion")? };
-            (numbers(K, 9, "K")?, numbers(R, 9, "R")?, numbers(t, 3, "t")?, lens)
-        };
-        let pose = Isometry3::from_parts(Translation3::new(t[0], t[1], t[2]), rotation(r)?);
-        let name = format!("view {}", data.view_count());
-        let lens = Distortion::from_opencv(lens)?;
-        let camera = Camera::new(name, image_size(width, height)?, Matrix3::from_row_slice(k), lens, pose)?;
-        Ok(data.add_view(camera)? as c_int)
+        let (camera, lens) =
+            unsafe { (Parts::new(K, R, t, width, height)?, coefficients(distortion, count, "distortion")?) };
+        Ok(data.add_view(camera.with_lens(&data, Distortion::from_opencv(lens)?)?)? as c_int)
+    })
+}
+
+/// # Safety
+/// `K` and `R` are NULL or nine numbers, `t` NULL or three, `k` NULL or `nk`.
+#[unsafe(no_mangle)]
+#[allow(non_snake_case, reason = "the header's names")]
+#[allow(clippy::too_many_arguments, reason = "the header's arguments")]
+unsafe extern "C" fn dGeomVisualHullDataAddFisheyeCamera(
+    d: DataId,
+    K: *const dReal,
+    R: *const dReal,
+    t: *const dReal,
+    k: *const dReal,
+    nk: c_int,
+    width: c_int,
+    height: c_int,
+) -> c_int {
+    fenced(NONE, || {
+        let data = data::get(d)?;
+        let count = count(nk, 4, "nk")?;
+        // SAFETY: the caller vouches for the arrays.
+        let (camera, lens) = unsafe { (Parts::new(K, R, t, width, height)?, coefficients(k, count, "k")?) };
+        Ok(data.add_view(camera.with_lens(&data, Fisheye::from_opencv(lens)?)?)? as c_int)
     })
 }
 
@@ -401,6 +419,42 @@ fn count(n: c_int, most: c_int, what: &str) -> Result<usize> {
     } else {
         Err(Error::argument(format!("{what}: expected 0 to {most}, found {n}")))
     }
+}
+
+/// A camera but for its lens.
+struct Parts {
+    k: Matrix3<f64>,
+    pose: Isometry3<f64>,
+    size: (u32, u32),
+}
+
+impl Parts {
+    /// # Safety
+    /// `k` and `r` are NULL or nine numbers, `t` is NULL or three.
+    unsafe fn new(
+        k: *const dReal,
+        r: *const dReal,
+        t: *const dReal,
+        width: c_int,
+        height: c_int,
+    ) -> Result<Self> {
+        // SAFETY: the caller vouches for the arrays.
+        let (k, r, t) = unsafe { (numbers(k, 9, "K")?, numbers(r, 9, "R")?, numbers(t, 3, "t")?) };
+        let pose = Isometry3::from_parts(Translation3::new(t[0], t[1], t[2]), rotation(r)?);
+        Ok(Self { k: Matrix3::from_row_slice(k), pose, size: image_size(width, height)? })
+    }
+
+    /// The camera, named as the next view of `data`.
+    fn with_lens(self, data: &HullData, lens: impl Into<Lens>) -> Result<Camera> {
+        Camera::new(format!("view {}", data.view_count()), self.size, self.k, lens, self.pose)
+    }
+}
+
+/// # Safety
+/// `from` is NULL or `n` numbers, which outlive the result. Where there are none it may be NULL.
+unsafe fn coefficients<'a>(from: *const dReal, n: usize, what: &str) -> Result<&'a [dReal]> {
+    // SAFETY: the caller vouches for them.
+    if n == 0 { Ok(&[]) } else { unsafe { numbers(from, n, what) } }
 }
 
 fn image_size(width: c_int, height: c_int) -> Result<(u32, u32)> {

@@ -6,7 +6,7 @@
 #include <math.h>
 
 static dReal *nan_at(int index, const dReal *numbers, int count) {
-  static dReal copy[12];
+  static dReal copy[14];
   memcpy(copy, numbers, count * sizeof(dReal));
   copy[index] = NAN;
   return copy;
@@ -31,6 +31,7 @@ static void ids_that_are_none(dVisualHullDataID stale) {
     CHECK_REFUSED_VOID(dGeomVisualHullDataDestroy(d), "data");
     CHECK_REFUSED(dGeomVisualHullDataAddView(d, numbers, 8, 8), -1, "data");
     CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, numbers, numbers, numbers, 0, 0, 8, 8), -1, "data");
+    CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, numbers, numbers, numbers, 0, 0, 8, 8), -1, "data");
     CHECK_REFUSED(dGeomVisualHullDataLoadRig(d, "rig.toml"), 0, "data");
     CHECK_REFUSED(dGeomVisualHullDataGetViewCount(d), -1, "data");
     CHECK_REFUSED(dGeomVisualHullDataSetBounds(d, numbers), 0, "data");
@@ -67,9 +68,9 @@ static void geoms_that_are_no_hulls(dVisualHullDataID data, dGeomID stale) {
 
 static void views_that_cannot_be(void) {
   static const int sizes[][2] = {{0, 10}, {10, 0}, {-1, 10}, {10, INT_MIN}, {INT_MAX, INT_MAX}, {INT_MAX, 1}};
-  const dReal zeros[12] = {0}, mirror[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1}, lens[8] = {0};
+  const dReal zeros[12] = {0}, mirror[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1}, lens[14] = {0}, folding[4] = {-50, 0, 0, 0};
   dVisualHullDataID d = dGeomVisualHullDataCreate();
-  dReal P[12], K[9], R[9], t[3];
+  dReal P[12], K[9], R[9], t[3], wide[9] = {4, 0, 4, 0, 4, 4, 0, 0, 1};
   int k;
   projection(0, P);
   camera(0, K, R, t);
@@ -84,8 +85,10 @@ static void views_that_cannot_be(void) {
   }
   for (k = 0; k < 3; k++)
     CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, nan_at(k, t, 3), 0, 0, 8, 8), -1, "");
-  for (k = 0; k < 8; k++)
-    CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, nan_at(k, lens, 8), 8, 8, 8), -1, "");
+  for (k = 0; k < 14; k++)
+    CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, nan_at(k, lens, 14), 14, 8, 8), -1, "finite");
+  for (k = 0; k < 4; k++)
+    CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, t, nan_at(k, lens, 4), 4, 8, 8), -1, "finite");
   CHECK_REFUSED(dGeomVisualHullDataAddView(d, NULL, 8, 8), -1, "P");
   CHECK_REFUSED(dGeomVisualHullDataAddView(d, zeros, 8, 8), -1, "");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, NULL, R, t, 0, 0, 8, 8), -1, "K");
@@ -96,8 +99,20 @@ static void views_that_cannot_be(void) {
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, mirror, t, 0, 0, 8, 8), -1, "rotation");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, NULL, 5, 8, 8), -1, "distortion");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, lens, -1, 8, 8), -1, "nDistortion");
-  CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, lens, 3, 8, 8), -1, "");
+  CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, lens, 3, 8, 8), -1, "found 3");
+  CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, lens, 13, 8, 8), -1, "found 13");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, lens, INT_MAX, 8, 8), -1, "nDistortion");
+  CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, NULL, R, t, 0, 0, 8, 8), -1, "K");
+  CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, NULL, t, 0, 0, 8, 8), -1, "R");
+  CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, NULL, 0, 0, 8, 8), -1, "t");
+  CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, t, NULL, 4, 8, 8), -1, "k");
+  CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, t, lens, -1, 8, 8), -1, "nk");
+  CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, t, lens, 5, 8, 8), -1, "nk");
+  CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, t, lens, 2, 8, 8), -1, "found 2");
+  CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, t, lens, 4, 0, 8), -1, "size");
+  CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, wide, R, t, folding, 4, 8, 8), -1, "folds back");
+  wide[0] = wide[4] = 3; /* the corners lie 5.7 px from the axis: 108 degrees */
+  CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, wide, R, t, lens, 4, 8, 8), -1, "108.0 degrees");
   CHECK_REFUSED(dGeomVisualHullDataLoadRig(d, NULL), 0, "path");
   CHECK_REFUSED(dGeomVisualHullDataLoadRig(d, "/no/such/rig.toml"), 0, "/no/such/rig.toml");
   CHECK_REFUSED(dGeomVisualHullDataLoadRig(d, "/"), 0, "/");

@@ -135,7 +135,7 @@ fn a_rig_file_with_a_bad_camera_is_refused_by_path_and_line() {
         ("[640, 480]", "[65536, 480]", &["cam0", "`size`", "65535"][..]),
         ("0.0, 0.0, 1.0]", "0.0, 0.0, nan]", &["cam0", "`matrix`", "finite", "calibrate"][..]),
         ("name =", "nome", &["expected"][..]),
-        ("fisheye = false", "fisheye = true", &["cam0", "`fisheye`", "undistort"][..]),
+        ("fisheye = false", "fisheye = true", &["cam0", "`distortions`", "4 fisheye coefficients"][..]),
         ("translation", "transition", &["cam0", "`translation`", "found none", "metres"][..]),
     ] {
         let bad = good.replacen(was, now, 1);

@@ -83,8 +83,7 @@ impl Camera {
     /// A size of zero or above 65,535, more than 2^28 pixels in all, a number that is not finite, a focal length that
     /// is not positive, a last row other than `0 0 1`, a rotation that is none. A [`Fisheye`] whose image shows rays at
     /// 90 degrees or more from its axis, or whose model folds back all around the axis inside the image: a calibration
-    /// finds corners at least up to the nearest border. Beyond a fold that leaves the image's corners out, they are
-    /// unseen.
+    /// finds corners at least up to the nearest border. What lies beyond a fold farther out is unseen.
     pub fn new(
         name: impl Into<String>,
         size: (u32, u32),
@@ -92,7 +91,7 @@ impl Camera {
         lens: impl Into<Lens>,
         cam_from_world: Isometry3<f64>,
     ) -> Result<Self> {
-        let (name, lens) = (name.into(), lens.into());
+        let name = name.into();
         let fail = |problem: String| Err(Error::camera(&name, problem));
         let (width, height) = size;
         if width == 0 || height == 0 || width > 65_535 || height > 65_535 {
@@ -144,8 +143,22 @@ impl Camera {
                 rows(&k)
             ));
         };
-        lens.check_image(&intrinsics_inverse, size).map_err(|problem| Error::camera(&name, problem))?;
-        Ok(Self { name, width, height, intrinsics: k, intrinsics_inverse, lens, cam_from_world })
+        let none = Lens::none();
+        let pinhole =
+            Self { name, width, height, intrinsics: k, intrinsics_inverse, lens: none, cam_from_world };
+        pinhole.with_lens(lens)
+    }
+
+    /// This camera with another lens.
+    ///
+    /// # Errors
+    /// A [`Fisheye`] that cannot have made its image, as [`Camera::new`] has it.
+    pub fn with_lens(self, lens: impl Into<Lens>) -> Result<Self> {
+        let lens = lens.into();
+        let size = (self.width, self.height);
+        lens.check_image(&self.intrinsics_inverse, size)
+            .map_err(|problem| Error::camera(&self.name, problem))?;
+        Ok(Self { lens, ..self })
     }
 
     /// A pinhole camera from its projection matrix `p` (world to image, any scale but zero).

@@ -7,7 +7,7 @@ use super::{
     Rig, colmap, easymocap, kalibr, matrices, middlebury, nerfstudio, opencv, panoptic, qualisys, ros,
     selfcal, toml, voxelpose,
 };
-use crate::camera::Camera;
+use crate::camera::{Camera, Lens};
 use crate::{Error, MissingHint, Result};
 use nalgebra::Isometry3;
 use std::path::Path;
@@ -149,7 +149,7 @@ impl RawCalibration {
 
 impl RawCamera {
     fn camera(self, centres: PixelCentres, metres_per_unit: f64, hints: &Hints) -> Result<Camera> {
-        let Self { name, size, mut k, distortion, rotation, translation } = self;
+        let Self { name, size, mut k, lens, rotation, translation } = self;
         let Some(size) = size.or(hints.size) else {
             let problem = "expected to know the size of its images, found a file that does not tell; give width and \
                            height";
@@ -160,8 +160,8 @@ impl RawCamera {
             k[(1, 2)] += 0.5;
         }
         let translation = translation * metres_per_unit;
-        let camera =
-            Camera::new(name, size, k, distortion, Isometry3::from_parts(translation.into(), rotation))?;
+        let pose = Isometry3::from_parts(translation.into(), rotation);
+        let pinhole = Camera::new(name, size, k, Lens::none(), pose)?;
         let widths = [0, 1].map(|axis| k[(axis, axis)] / f64::from(size.0));
         if let Some(bad) = widths.iter().find(|widths| !FOCAL_LENGTHS.contains(*widths)) {
             let problem = format!(
@@ -169,9 +169,9 @@ impl RawCamera {
                  size of the images, {} x {}",
                 size.0, size.1
             );
-            return Err(Error::camera(camera.name(), problem));
+            return Err(Error::camera(pinhole.name(), problem));
         }
-        Ok(camera)
+        pinhole.with_lens(lens.lens).map_err(|e| lens.at_its_place(e))
     }
 }
 

@@ -13,11 +13,10 @@
 
 mod lens;
 
-use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::image_names;
 use super::lines::{self, Line, is_number};
 use super::source::{self, Source};
-use crate::camera::Distortion;
 use crate::{Error, Result};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::collections::HashMap;
@@ -44,7 +43,7 @@ struct Image<'a> {
 struct Intrinsics {
     size: (u32, u32),
     k: Matrix3<f64>,
-    distortion: Distortion,
+    lens: RawLens,
 }
 
 fn recognise(source: &Source) -> bool {
@@ -80,7 +79,10 @@ fn is_points(line: &Line) -> bool {
 
 fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
     let [(cameras_path, cameras), (images_path, images)] = [file(source, CAMERAS)?, file(source, IMAGES)?];
-    let lenses = lenses(&cameras).map_err(|e| Error::file(cameras_path, e))?;
+    let mut lenses = lenses(&cameras).map_err(|e| Error::file(&cameras_path, e))?;
+    for Intrinsics { lens, .. } in lenses.values_mut() {
+        *lens = lens.clone().in_file(&cameras_path);
+    }
     let cameras = views(&images, &lenses).map_err(|e| Error::file(images_path, e))?;
     Ok(RawCalibration {
         cameras,
@@ -159,7 +161,7 @@ fn view(image: &Image, lenses: &HashMap<&str, Intrinsics>) -> Result<RawCamera> 
             "expected a rotation as a quaternion of length 1, found length {length:.4}; {IMAGE}"
         )));
     }
-    let Some(Intrinsics { size, k, distortion }) = lenses.get(camera) else {
+    let Some(Intrinsics { size, k, lens }) = lenses.get(camera) else {
         let problem =
             format!("expected camera {camera} of this image in {CAMERAS}, found none; export both together");
         return Err(line.fail(problem));
@@ -168,7 +170,7 @@ fn view(image: &Image, lenses: &HashMap<&str, Intrinsics>) -> Result<RawCamera> 
         name: name.clone(),
         size: Some(*size),
         k: *k,
-        distortion: *distortion,
+        lens: lens.clone(),
         rotation: UnitQuaternion::new_normalize(quaternion),
         translation: Vector3::from_column_slice(&numbers[4..]),
     })

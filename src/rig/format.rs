@@ -2,9 +2,10 @@
 //! brought to those of this crate.
 
 use super::source::Source;
-use crate::Result;
-use crate::camera::Distortion;
+use crate::camera::{Distortion, Fisheye, Lens};
+use crate::{Error, Result};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::path::{Path, PathBuf};
 
 /// What a calibration file does not say, or says in a unit of its own.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -39,11 +40,71 @@ pub(super) struct RawCamera {
     /// Pixels, where the file says.
     pub(super) size: Option<(u32, u32)>,
     pub(super) k: Matrix3<f64>,
-    pub(super) distortion: Distortion,
+    pub(super) lens: RawLens,
     /// World to camera, OpenCV's axes.
     pub(super) rotation: UnitQuaternion<f64>,
     /// World to camera, in the file's unit of length.
     pub(super) translation: Vector3<f64>,
+}
+
+/// A lens, and where the file has it: whether it suits the image shows only when both are known.
+#[derive(Debug, Clone)]
+pub(super) struct RawLens {
+    pub(super) lens: Lens,
+    /// `line 5, \`D\``; empty where the lens suits every image.
+    place: String,
+    /// Of several files the one that it stands in.
+    path: Option<PathBuf>,
+}
+
+/// The models of lenses that formats name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LensModel {
+    /// OpenCV's polynomial or rational model.
+    OpenCv,
+    /// OpenCV's fisheye model, elsewhere called equidistant.
+    Fisheye,
+}
+
+impl RawLens {
+    /// The lens of these coefficients, which the file has at `place`.
+    ///
+    /// # Errors
+    /// Coefficients that are too few or too many; the message does not name the place.
+    pub(super) fn new(model: LensModel, coefficients: &[f64], place: String) -> Result<Self> {
+        let lens = match model {
+            LensModel::OpenCv => Distortion::from_opencv(coefficients)?.into(),
+            LensModel::Fisheye if coefficients.is_empty() => {
+                let problem = "expected 4 fisheye coefficients (k1 k2 k3 k4), found none";
+                return Err(Error::argument(problem));
+            }
+            LensModel::Fisheye => Fisheye::from_opencv(coefficients)?.into(),
+        };
+        Ok(Self { lens, place, path: None })
+    }
+
+    pub(super) fn none() -> Self {
+        Distortion::none().into()
+    }
+
+    pub(super) fn in_file(self, path: &Path) -> Self {
+        Self { path: Some(path.to_owned()), ..self }
+    }
+
+    /// The error that a camera cannot have this lens, with its place.
+    pub(super) fn at_its_place(&self, error: Error) -> Error {
+        let error = match error {
+            Error::Camera { camera, problem } => Error::camera(camera, format!("{}: {problem}", self.place)),
+            other => other,
+        };
+        self.path.as_ref().map_or(error.clone(), |path| Error::file(path, error))
+    }
+}
+
+impl From<Distortion> for RawLens {
+    fn from(lens: Distortion) -> Self {
+        Self { lens: lens.into(), place: String::new(), path: None }
+    }
 }
 
 /// Which image coordinates a pixel's centre has.

@@ -14,12 +14,11 @@
 //! matrix each, which then are called like the files. Lengths are taken as metres, pixel centres as whole numbers,
 //! without distortion; sizes are not in it.
 
-use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::length;
 use super::lines::{self, Line, is_number};
 use super::projections::pinholes;
 use super::source::{self, Source};
-use crate::camera::Distortion;
 use crate::{Error, Result};
 use nalgebra::Matrix3x4;
 use std::path::Path;
@@ -76,7 +75,7 @@ fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
         name,
         size: None,
         k: pinhole.k,
-        distortion: Distortion::none(),
+        lens: RawLens::none(),
         rotation: pinhole.cam_from_world.rotation,
         translation: pinhole.cam_from_world.translation.vector,
     };

@@ -12,11 +12,10 @@
 //! (their hull is 0.3 % larger than with pixel corners). A camera is called like its image, without the extension.
 //! Sizes are those of the images, beside the file or in `image/` beside it.
 
-use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
+use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::lines::{self, Line, is_number};
 use super::source::Source;
 use super::{image_names, pose};
-use crate::camera::Distortion;
 use crate::{Error, Result};
 use nalgebra::{Matrix3, Vector3};
 
@@ -73,7 +72,7 @@ fn camera(source: &Source, line: &Line, name: String) -> Result<RawCamera> {
         name,
         size,
         k: Matrix3::from_row_slice(&numbers[..9]),
-        distortion: Distortion::none(),
+        lens: RawLens::none(),
         rotation,
         translation: Vector3::from_row_slice(&numbers[18..]),
     })

@@ -14,10 +14,9 @@
 //! mostly come from, has it. The scale of the world is arbitrary.
 
 use super::document::{self, Entry, Node};
-use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
+use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::source::Source;
 use super::{image_names, lines, pose};
-use crate::camera::Distortion;
 use crate::{Error, MissingHint, Result};
 use nalgebra::Matrix3;
 
@@ -25,7 +24,7 @@ pub(super) const FORMAT: Format = Format { name: "nerfstudio's transforms.json",
 
 const FRAME: &str = "write file_path and transform_matrix for each frame";
 const INTRINSICS: &str = "write fl_x, fl_y, cx, cy, w and h at the top or in each frame";
-const UNDISTORT: &str = "undistort the images first, and write OPENCV or PINHOLE";
+const UNDISTORT: &str = "undistort the images first, and write PINHOLE";
 
 fn recognise(source: &Source) -> bool {
     let has = |key: &str| source.json().is_some_and(|text| text.contains(&format!("\"{key}\"")));
@@ -57,43 +56,57 @@ struct FrameEntry<'a> {
 
 impl<'a> FrameEntry<'a> {
     fn found(self, hints: &Hints) -> Result<RawCamera> {
-        self.check_lens_model()?;
         let size = self.size()?;
         let k = self.intrinsics(size.or(hints.size))?;
-        let [k1, k2, p1, p2, k3, k4] = ["k1", "k2", "p1", "p2", "k3", "k4"].map(|key| self.number(key));
-        // nerfstudio's k4 is the next power of the polynomial, not OpenCV's k4.
-        if let Some(entry) = self.find("k4")
-            && k4?.is_some_and(|k4| k4 != 0.0)
-        {
-            return Err(
-                entry.fail(format!("expected a lens of k1, k2, k3, p1 and p2, found a k4; {UNDISTORT}"))
-            );
-        }
-        let coefficients = [k1?, k2?, p1?, p2?, k3?].map(Option::unwrap_or_default);
+        let lens = self.lens()?;
         let (world_from_opengl, centre) = self.frame.require("transform_matrix", FRAME)?.motion()?;
         let rotation = pose::opengl_axes() * world_from_opengl.inverse();
-        Ok(RawCamera {
-            name: self.name,
-            size,
-            k,
-            distortion: Distortion::from_opencv(&coefficients)?,
-            rotation,
-            translation: -(rotation * centre),
-        })
+        Ok(RawCamera { name: self.name, size, k, lens, rotation, translation: -(rotation * centre) })
     }
 
-    fn check_lens_model(&self) -> Result<()> {
-        if let Some(entry) = self.find("camera_model") {
-            let model = entry.text()?;
-            if !["OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "PERSPECTIVE"].contains(&model) {
-                return Err(entry.fail(format!("expected OPENCV or PINHOLE, found {model}; {UNDISTORT}")));
+    fn lens(&self) -> Result<RawLens> {
+        let model = self.lens_model()?;
+        // nerfstudio's k4 of a polynomial lens is its next power, not OpenCV's k4.
+        let (used, unused) = match model {
+            LensModel::OpenCv => (["k1", "k2", "p1", "p2", "k3"].as_slice(), ["k4"].as_slice()),
+            LensModel::Fisheye => (["k1", "k2", "k3", "k4"].as_slice(), ["p1", "p2"].as_slice()),
+        };
+        for &key in unused {
+            if let Some(entry) = self.find(key)
+                && entry.number()? != 0.0
+            {
+                let used = used.join(", ");
+                return Err(entry.fail(format!("expected a lens of {used}, found a {key}; {UNDISTORT}")));
             }
         }
-        match self.find("is_fisheye") {
-            Some(entry) if entry.is_true() => {
-                Err(entry.fail(format!("expected no fisheye lens, found one; {UNDISTORT}")))
+        let coefficient = |key: &&str| Ok(self.number(key)?.unwrap_or_default());
+        let coefficients = used.iter().map(coefficient).collect::<Result<Vec<_>>>()?;
+        let place = self.find("k1").map_or_else(|| self.frame.place(), |entry| entry.place());
+        RawLens::new(model, &coefficients, place)
+    }
+
+    /// By `camera_model`, and by instant-ngp's `is_fisheye`; where both are there they have to agree.
+    fn lens_model(&self) -> Result<LensModel> {
+        let of_flag = |entry: &Entry| if entry.is_true() { LensModel::Fisheye } else { LensModel::OpenCv };
+        let flag = self.find("is_fisheye");
+        let Some(entry) = self.find("camera_model") else {
+            return Ok(flag.as_ref().map_or(LensModel::OpenCv, of_flag));
+        };
+        let model = match entry.text()? {
+            "OPENCV" | "PINHOLE" | "SIMPLE_PINHOLE" | "PERSPECTIVE" => LensModel::OpenCv,
+            "OPENCV_FISHEYE" => LensModel::Fisheye,
+            other => {
+                let expected = "expected OPENCV, OPENCV_FISHEYE or PINHOLE";
+                return Err(entry.fail(format!("{expected}, found {other}; {UNDISTORT}")));
             }
-            _ => Ok(()),
+        };
+        match flag.filter(|flag| of_flag(flag) != model) {
+            Some(flag) => {
+                let found = entry.text()?;
+                Err(flag
+                    .fail(format!("expected it to agree with `camera_model`, found {found}; correct one")))
+            }
+            None => Ok(model),
         }
     }
 

@@ -10,11 +10,10 @@
 //! the studio's own tools draw). The y axis of its worlds points down.
 
 use super::document::{self, Entry};
-use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
+use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::lines;
 use super::source::Source;
 use crate::Result;
-use crate::camera::Distortion;
 
 pub(super) const FORMAT: Format = Format { name: "Panoptic's JSON", recognise, read };
 
@@ -44,12 +43,12 @@ fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
 
 fn camera(camera: &Entry) -> Result<RawCamera> {
     let get = |key| camera.require(key, CAMERA);
-    let distortion = camera.entry("distCoef").map(|entry| entry.distortion()).transpose()?;
+    let lens = camera.entry("distCoef").map(|entry| entry.lens(LensModel::OpenCv)).transpose()?;
     Ok(RawCamera {
         name: get("name")?.text()?.to_owned(),
         size: camera.entry("resolution").map(|entry| entry.size()).transpose()?,
         k: get("K")?.matrix3()?,
-        distortion: distortion.unwrap_or_else(Distortion::none),
+        lens: lens.unwrap_or_else(RawLens::none),
         rotation: get("R")?.rotation()?,
         translation: get("t")?.vector3()?,
     })

@@ -119,7 +119,7 @@ fn found(camera: &Element, notes: &mut Vec<String>) -> Result<RawCamera> {
         name,
         size: Some((width, height)),
         k: intrinsics(&intrinsic, left, top, scale)?,
-        distortion: distortion(&intrinsic)?,
+        lens: distortion(&intrinsic)?.into(),
         translation: -(rotation * centre),
         rotation,
     })

@@ -105,7 +105,7 @@ fn camera(
         name,
         size,
         k: lens.k,
-        distortion: lens.distortion,
+        lens: lens.distortion.into(),
         rotation: pinhole.cam_from_world.rotation,
         translation: pinhole.cam_from_world.translation.vector,
     })

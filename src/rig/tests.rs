@@ -1,3 +1,5 @@
+mod fisheye;
+
 use super::*;
 
 fn camera(name: &str, eye: [f64; 3]) -> Camera {

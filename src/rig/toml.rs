@@ -11,14 +11,15 @@
 //! fisheye = false
 //! ```
 //!
-//! One table per camera, in the file's order; a table `metadata` and unknown keys are passed over. The pose is world
+//! Where `fisheye` is true the distortions are k1 k2 k3 k4 of OpenCV's fisheye model, else 0, 4, 5, 8, 12 or 14
+//! coefficients of its other one. One table per camera, in the file's order; a table `metadata` and unknown keys are passed over. The pose is world
 //! to camera, the rotation a Rodrigues vector, lengths are taken as metres. Pixel *centres* are whole numbers in the
 //! file, pixel corners in a [`Camera`]: the principal point moves by one half on the way in and back on the way out.
 
-use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera, pixels};
+use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens, pixels};
 use super::source::Source;
 use super::{Rig, pose};
-use crate::camera::{Camera, Distortion, Lens};
+use crate::camera::{Camera, Lens};
 use crate::{Error, Result};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::fmt::Write;
@@ -38,6 +39,7 @@ pub(super) const FORMAT: Format = Format {
 const SIZE: &str = "write size = [width, height] in pixels";
 const MATRIX: &str = "write matrix = [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels";
 const DISTORTIONS: &str = "write distortions = [k1, k2, p1, p2, k3], or [] for none";
+const FISHEYE: &str = "write distortions = [k1, k2, k3, k4] of OpenCV's fisheye model";
 const ROTATION: &str = "write the Rodrigues vector of world to camera, rotation = [rx, ry, rz]";
 const TRANSLATION: &str = "write that of world to camera in metres, translation = [x, y, z]";
 
@@ -56,7 +58,7 @@ impl Rig {
     ///
     /// # Errors
     /// Text that is not TOML, a table that is no camera, a key that is missing or of another type or shape, a number
-    /// that is not finite, a fisheye lens, a rotation that is none, and all that [`Camera::new`] and [`Rig::new`]
+    /// that is not finite, a rotation that is none, and all that [`Camera::new`] and [`Rig::new`]
     /// refuse. Messages name the line, the camera, its table and the key.
     pub fn from_toml(text: &str) -> Result<Self> {
         Ok(contents(text)?.into_rig(&Hints::default())?.0)
@@ -169,30 +171,26 @@ impl<'a> CameraTable<'a> {
     }
 
     fn camera(&self) -> Result<RawCamera> {
-        self.check_lens_model()?;
         let size = self.size()?;
         let k = Matrix3::from_row_slice(&self.numbers_of_shape("matrix", &[3, 3], MATRIX)?);
-        let coefficients = self.numbers("distortions", DISTORTIONS)?.values;
-        let distortion = Distortion::from_opencv(&coefficients)
-            .map_err(|e| self.fail("distortions", format!("{e}; {DISTORTIONS}")))?;
+        let lens = self.lens()?;
         let rotation = self.rotation()?;
         let translation =
             Vector3::from_column_slice(&self.numbers_of_length("translation", 3, TRANSLATION)?);
-        Ok(RawCamera { name: self.name.clone(), size: Some(size), k, distortion, rotation, translation })
+        Ok(RawCamera { name: self.name.clone(), size: Some(size), k, lens, rotation, translation })
     }
 
-    fn check_lens_model(&self) -> Result<()> {
-        match self.entry("fisheye").map(Spanned::get_ref) {
-            None | Some(DeValue::Boolean(false)) => Ok(()),
-            Some(DeValue::Boolean(true)) => Err(self.fail(
-                "fisheye",
-                "expected false, found true: fisheye lenses are not supported yet; undistort the images first and \
-                 calibrate them as a pinhole",
-            )),
+    fn lens(&self) -> Result<RawLens> {
+        let (model, next_step) = match self.entry("fisheye").map(Spanned::get_ref) {
+            None | Some(DeValue::Boolean(false)) => (LensModel::OpenCv, DISTORTIONS),
+            Some(DeValue::Boolean(true)) => (LensModel::Fisheye, FISHEYE),
             Some(other) => {
-                Err(self.fail("fisheye", format!("expected true or false, found {}", found(other))))
+                return Err(self.fail("fisheye", format!("expected true or false, found {}", found(other))));
             }
-        }
+        };
+        let coefficients = self.numbers("distortions", next_step)?.values;
+        RawLens::new(model, &coefficients, self.place("distortions"))
+            .map_err(|e| self.fail("distortions", format!("{e}; {next_step}")))
     }
 
     fn size(&self) -> Result<(u32, u32)> {
@@ -256,8 +254,13 @@ impl<'a> CameraTable<'a> {
     }
 
     fn fail(&self, key: &str, problem: impl std::fmt::Display) -> Error {
+        Error::camera(&self.name, format!("{}: {problem}", self.place(key)))
+    }
+
+    /// Where a key stands, for messages; where the table starts if there is none.
+    fn place(&self, key: &str) -> String {
         let line = line_of(self.text, self.entry(key).map_or(self.start, |value| value.span().start));
-        Error::camera(&self.name, format!("line {line}, table [{}], key `{key}`: {problem}", self.title))
+        format!("line {line}, table [{}], key `{key}`", self.title)
     }
 }
 

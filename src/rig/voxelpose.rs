@@ -46,7 +46,7 @@ fn camera(camera: &Entry) -> Result<RawCamera> {
         name: camera.key.to_string(),
         size: None,
         k: Matrix3::new(number("fx")?, 0.0, number("cx")?, 0.0, number("fy")?, number("cy")?, 0.0, 0.0, 1.0),
-        distortion: Distortion::from_opencv(&[k1, k2, p1, p2, k3])?,
+        lens: Distortion::from_opencv(&[k1, k2, p1, p2, k3])?.into(),
         rotation,
         translation: -(rotation * centre),
     })

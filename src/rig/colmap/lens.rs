@@ -1,28 +1,32 @@
 //! The camera models of COLMAP, as far as they are OpenCV's.
 
+use super::super::format::{LensModel, RawLens};
 use super::super::lines::Line;
 use super::Intrinsics;
 use crate::Result;
-use crate::camera::Distortion;
 use nalgebra::Matrix3;
 
 const CAMERA: &str = "write CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]";
 
 /// A model's name, and where its parameters go. Focal lengths are one or two, the principal point follows, then the
-/// coefficients in OpenCV's order.
+/// coefficients in the order of OpenCV's lens model.
 struct Model {
     name: &'static str,
     focal_lengths: usize,
     coefficients: usize,
+    lens: LensModel,
 }
 
-const MODELS: [Model; 6] = [
-    Model { name: "SIMPLE_PINHOLE", focal_lengths: 1, coefficients: 0 },
-    Model { name: "PINHOLE", focal_lengths: 2, coefficients: 0 },
-    Model { name: "SIMPLE_RADIAL", focal_lengths: 1, coefficients: 1 },
-    Model { name: "RADIAL", focal_lengths: 1, coefficients: 2 },
-    Model { name: "OPENCV", focal_lengths: 2, coefficients: 4 },
-    Model { name: "FULL_OPENCV", focal_lengths: 2, coefficients: 8 },
+const MODELS: [Model; 9] = [
+    Model { name: "SIMPLE_PINHOLE", focal_lengths: 1, coefficients: 0, lens: LensModel::OpenCv },
+    Model { name: "PINHOLE", focal_lengths: 2, coefficients: 0, lens: LensModel::OpenCv },
+    Model { name: "SIMPLE_RADIAL", focal_lengths: 1, coefficients: 1, lens: LensModel::OpenCv },
+    Model { name: "RADIAL", focal_lengths: 1, coefficients: 2, lens: LensModel::OpenCv },
+    Model { name: "OPENCV", focal_lengths: 2, coefficients: 4, lens: LensModel::OpenCv },
+    Model { name: "FULL_OPENCV", focal_lengths: 2, coefficients: 8, lens: LensModel::OpenCv },
+    Model { name: "SIMPLE_RADIAL_FISHEYE", focal_lengths: 1, coefficients: 1, lens: LensModel::Fisheye },
+    Model { name: "RADIAL_FISHEYE", focal_lengths: 1, coefficients: 2, lens: LensModel::Fisheye },
+    Model { name: "OPENCV_FISHEYE", focal_lengths: 2, coefficients: 4, lens: LensModel::Fisheye },
 ];
 
 /// Whether a line has the form of a camera's: a number, and a model's name.
@@ -58,9 +62,10 @@ pub(super) fn read(line: &Line) -> Result<Intrinsics> {
     let mut coefficients = rest[2..].to_vec();
     // Those of radial models are the first two of OpenCV's.
     coefficients.resize(if model.coefficients > 4 { 8 } else { 4 }, 0.0);
+    let lens = RawLens::new(model.lens, &coefficients, format!("line {}", line.number));
     Ok(Intrinsics {
         size,
         k: Matrix3::new(fx, 0.0, rest[0], 0.0, fy, rest[1], 0.0, 0.0, 1.0),
-        distortion: Distortion::from_opencv(&coefficients)?,
+        lens: lens.map_err(|e| line.fail(e))?,
     })
 }

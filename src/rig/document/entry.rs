@@ -1,9 +1,8 @@
 //! What calibrations hold under their keys: numbers, matrices, rotations, lenses, sizes.
 
-use super::super::format::pixels;
+use super::super::format::{LensModel, RawLens, pixels};
 use super::super::pose;
 use super::{Node, Value};
-use crate::camera::Distortion;
 use crate::{Error, Result};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::borrow::Cow;
@@ -35,6 +34,11 @@ impl<'a> Entry<'a> {
     /// An error about it, with its line.
     pub(in crate::rig) fn fail(&self, problem: impl Display) -> Error {
         self.fail_at(self.node, problem)
+    }
+
+    /// Where it stands, for messages: `line 5, \`K\``.
+    pub(in crate::rig) fn place(&self) -> String {
+        format!("line {}, `{}`", self.node.line, self.key)
     }
 
     /// The entry called `key` of the map that it is; none of anything else.
@@ -153,21 +157,11 @@ impl<'a> Entry<'a> {
         Ok((self.rotation_matrix(&matrix)?, Vector3::new(m[3], m[7], m[11])))
     }
 
-    /// OpenCV's distortion coefficients. Zeros after the eighth, which OpenCV writes for models that are off, count
-    /// as absent.
-    pub(in crate::rig) fn distortion(&self) -> Result<Distortion> {
-        let mut coefficients = self.numbers()?.values;
-        if matches!(coefficients.len(), 12 | 14) {
-            if coefficients[8..].iter().any(|&c| c != 0.0) {
-                return Err(self.fail(format!(
-                    "expected 0, 4, 5 or 8 coefficients, found {} of a thin prism or tilted sensor, which are not \
-                     supported; calibrate again without these models",
-                    coefficients.len()
-                )));
-            }
-            coefficients.truncate(8);
-        }
-        Distortion::from_opencv(&coefficients).map_err(|e| self.fail(format!("{e}; calibrate again")))
+    /// The lens of this model whose coefficients it is, in OpenCV's order.
+    pub(in crate::rig) fn lens(&self, model: LensModel) -> Result<RawLens> {
+        let coefficients = self.numbers()?.values;
+        RawLens::new(model, &coefficients, self.place())
+            .map_err(|e| self.fail(format!("{e}; calibrate again")))
     }
 
     /// A count of pixels.

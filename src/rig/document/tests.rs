@@ -1,4 +1,6 @@
+use super::super::format::LensModel;
 use super::*;
+use crate::camera::Distortion;
 
 fn message(text: &str) -> String {
     parse(text).unwrap_err().to_string()
@@ -160,10 +162,10 @@ fn zeros_of_models_that_are_off_are_no_distortion() {
         "off: [1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]\nprism: [1, 2, 0, 0, 0, 0, 0, 0, 0.5, 0, 0, 0]\nodd: [1, 2, 3]\n",
     )
     .unwrap();
-    let lens = |key: &str| document.entry(key).unwrap().distortion();
-    assert_eq!(lens("off").unwrap().coefficients()[..2], [1.0, 2.0]);
-    assert!(lens("prism").unwrap_err().to_string().contains("thin prism"));
-    assert!(lens("odd").unwrap_err().to_string().contains("line 3, `odd`: expected 0, 4, 5 or 8"));
+    let lens = |key: &str| document.entry(key).unwrap().lens(LensModel::OpenCv);
+    assert_eq!(lens("off").unwrap().lens, Distortion::from_opencv(&[1.0, 2.0, 0.0, 0.0]).unwrap().into());
+    assert_eq!(lens("prism").unwrap().lens.coefficients()[8], 0.5);
+    assert!(lens("odd").unwrap_err().to_string().contains("line 3, `odd`: expected 0, 4, 5, 8, 12 or 14"));
 }
 
 #[test]

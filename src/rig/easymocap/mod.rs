@@ -16,10 +16,9 @@
 //! Source: EasyMocap's documentation of calibration and its camera files.
 
 use super::document::{self, Entry, Node};
-use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
+use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::length;
 use super::source::{self, Source};
-use crate::camera::Distortion;
 use crate::{Error, Result};
 use nalgebra::UnitQuaternion;
 use std::path::{Path, PathBuf};
@@ -90,15 +89,14 @@ fn camera(name: &str, intri: &File, extri: &File) -> Result<RawCamera> {
     let in_extri = |e| extri.fail(Error::camera(name, e));
     let k = intri.document.require(&format!("K_{name}"), "calibrate its lens, or take it out of `names`");
     let k = k.and_then(|entry| entry.matrix3()).map_err(in_intri)?;
-    let distortion = match lens("dist").or(lens("D")) {
-        Some(entry) => entry.distortion().map_err(in_intri)?,
-        None => Distortion::none(),
-    };
+    let distortion = lens("dist").or(lens("D")).map(|entry| entry.lens(LensModel::OpenCv));
+    let distortion = distortion.transpose().map_err(in_intri)?;
     let size = size(lens("W"), lens("H")).map_err(in_intri)?;
     let rotation = rotation(name, &extri.document).map_err(in_extri)?;
     let translation = extri.document.require(&format!("T_{name}"), "calibrate where it stands");
     let translation = translation.and_then(|entry| entry.vector3()).map_err(in_extri)?;
-    Ok(RawCamera { name: name.to_owned(), size, k, distortion, rotation, translation })
+    let lens = distortion.unwrap_or_else(RawLens::none);
+    Ok(RawCamera { name: name.to_owned(), size, k, lens, rotation, translation })
 }
 
 /// Width and height, where they are there: -1 stands for unknown.

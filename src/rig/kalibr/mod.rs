@@ -4,8 +4,8 @@
 //! cam0:
 //!   camera_model: pinhole
 //!   intrinsics: [500.0, 500.0, 319.5, 239.5]         # fu fv pu pv, pixels
-//!   distortion_model: radtan
-//!   distortion_coeffs: [-0.1, 0.01, 0.0, 0.0]        # k1 k2 p1 p2
+//!   distortion_model: radtan                         # or equidistant, none
+//!   distortion_coeffs: [-0.1, 0.01, 0.0, 0.0]        # k1 k2 p1 p2; equidistant: k1 k2 k3 k4
 //!   resolution: [640, 480]
 //! cam1:
 //!   T_cn_cnm1:                                       # from cam0's frame to cam1's, metres
@@ -19,9 +19,8 @@
 //! formats" and "Supported models".
 
 use super::document::{self, Entry, Node};
-use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
+use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::source::Source;
-use crate::camera::Distortion;
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3};
 
@@ -84,7 +83,7 @@ fn step(node: &Node) -> Result<Isometry3<f64>> {
 
 fn camera(entry: &Entry, cam_from_world: &Isometry3<f64>) -> Result<RawCamera> {
     let node = entry.node;
-    let undistort = "undistort the images first, or calibrate with pinhole-radtan";
+    let undistort = "undistort the images first, or calibrate with pinhole-radtan or pinhole-equi";
     if let Some(model) = node.entry("camera_model")
         && model.text()? != "pinhole"
     {
@@ -93,16 +92,18 @@ fn camera(entry: &Entry, cam_from_world: &Isometry3<f64>) -> Result<RawCamera> {
             model.fail(format!("{problem} {}, which is not supported yet; {undistort}", model.text()?))
         );
     }
-    let distortion = match node.entry("distortion_model") {
+    let coefficients = |next_step| node.require("distortion_coeffs", next_step);
+    let lens = match node.entry("distortion_model") {
         Some(model) => match model.text()? {
-            "radtan" => node.require("distortion_coeffs", "give k1 k2 p1 p2")?.distortion()?,
-            "none" => Distortion::none(),
+            "radtan" => coefficients("give k1 k2 p1 p2")?.lens(LensModel::OpenCv)?,
+            "equidistant" => coefficients("give k1 k2 k3 k4")?.lens(LensModel::Fisheye)?,
+            "none" => RawLens::none(),
             other => {
-                let problem = "expected the distortion model radtan or none, found";
+                let problem = "expected the distortion model radtan, equidistant or none, found";
                 return Err(model.fail(format!("{problem} {other}, which is not supported yet; {undistort}")));
             }
         },
-        None => Distortion::none(),
+        None => RawLens::none(),
     };
     let intrinsics = node.require("intrinsics", "give fu fv pu pv in pixels")?;
     let [fx, fy, cx, cy] = intrinsics.array()?;
@@ -111,7 +112,7 @@ fn camera(entry: &Entry, cam_from_world: &Isometry3<f64>) -> Result<RawCamera> {
         name: entry.key.to_string(),
         size,
         k: Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0),
-        distortion,
+        lens,
         rotation: cam_from_world.rotation,
         translation: cam_from_world.translation.vector,
     })

@@ -68,8 +68,8 @@ fn a_single_camera_stands_at_the_origin_and_a_note_says_so() {
 fn other_lenses_and_broken_chains_are_refused_with_a_next_step() {
     let cases = [
         (
-            CHAIN.replacen("radtan", "equidistant", 1),
-            "camera \"cam0\": line 5, `distortion_model`: expected the distortion model radtan or none, found equidistant",
+            CHAIN.replacen("radtan", "fov", 1),
+            "camera \"cam0\": line 5, `distortion_model`: expected the distortion model radtan, equidistant or none, found fov",
         ),
         (
             CHAIN.replacen("model: pinhole", "model: omni", 1),

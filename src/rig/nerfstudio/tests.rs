@@ -58,8 +58,7 @@ fn the_scale_is_demanded() {
 #[test]
 fn bad_files_are_refused_by_line_and_key() {
     let with = |old: &str, new: &str| load_text(&TEXT.replacen(old, new, 1), &HINTS);
-    assert_refused(with("OPENCV", "OPENCV_FISHEYE"), &["line 2, `camera_model`", "undistort the images"]);
-    assert_refused(with("\"camera_model\": \"OPENCV\"", "\"is_fisheye\": true"), &["line 2, `is_fisheye`"]);
+    assert_refused(with("OPENCV", "FOV"), &["line 2, `camera_model`", "undistort the images"]);
     assert_refused(with("\"k1\": -0.1", "\"k4\": -0.1"), &["line 3, `k4`", "undistort the images"]);
     assert_refused(load_text(&TEXT[..400], &HINTS), &["calibration.txt: line 8: expected YAML or JSON"]);
     assert_refused(

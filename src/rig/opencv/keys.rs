@@ -25,8 +25,13 @@ const MOTION: &[&str] = &["extrinsicmatrix", "extrinsics", "extrinsic", "camfrom
 const WIDTH: &[&str] = &["imagewidth", "imgwidth", "width", "W", "w"];
 const HEIGHT: &[&str] = &["imageheight", "imgheight", "height", "H", "h"];
 const SIZE: &[&str] = &["imagesize", "imgsize", "resolution", "size"];
-/// Lenses that OpenCV's samples mark by a key of their own, and the mirror parameter of its omnidirectional model.
-const OTHER_LENS: &[&str] = &["fisheyemodel", "fisheye", "xi"];
+/// How OpenCV's calibration sample, and other programs, mark a fisheye.
+const FISHEYE: &[&str] = &["fisheyemodel", "fisheye"];
+/// The mirror parameter of OpenCV's omnidirectional model.
+const MIRROR: &[&str] = &["xi"];
+
+const OFF: &[&str] = &["0", "0.", "0.0", "false"];
+const ON: &[&str] = &["1", "1.", "1.0", "true"];
 
 /// The parts of one camera in a document, by whatever name.
 pub(super) struct Keys<'a> {
@@ -82,15 +87,29 @@ impl<'a> Keys<'a> {
         }
     }
 
-    pub(super) fn refuse_other_lenses(&self) -> Result<()> {
-        let Some(entry) = self.find(OTHER_LENS) else { return Ok(()) };
-        let off = ["0", "0.", "0.0", "false"];
-        match &entry.node.value {
-            Value::Scalar(text) if off.contains(&text.to_ascii_lowercase().as_str()) => Ok(()),
-            _ => Err(entry.fail(
-                "expected a pinhole with OpenCV's polynomial lens, found a fisheye or mirror, which are not supported \
-                 yet; undistort the images first and calibrate them as a pinhole",
-            )),
+    /// The key that says that the lens is a fisheye; none where it is OpenCV's polynomial.
+    ///
+    /// # Errors
+    /// A mirror, which is neither; a value that does not say which.
+    pub(super) fn fisheye(&self) -> Result<Option<Entry<'a>>> {
+        let value = |entry: &Entry| match &entry.node.value {
+            Value::Scalar(text) => text.to_ascii_lowercase(),
+            _ => String::new(),
+        };
+        if let Some(entry) = self.find(MIRROR).filter(|entry| !OFF.contains(&value(entry).as_str())) {
+            return Err(entry.fail(
+                "expected a pinhole or a fisheye, found a mirror, which is not supported yet; undistort the images \
+                 first and calibrate them as a pinhole",
+            ));
+        }
+        let Some(entry) = self.find(FISHEYE) else { return Ok(None) };
+        match value(&entry).as_str() {
+            value if OFF.contains(&value) => Ok(None),
+            value if ON.contains(&value) => Ok(Some(entry)),
+            _ => Err(entry.fail(format!(
+                "expected 1 or true for a fisheye, 0 or false for a polynomial lens, found {}; write one of these",
+                entry.node.outline()
+            ))),
         }
     }
 

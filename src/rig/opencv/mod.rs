@@ -20,6 +20,9 @@
 //! keys (`K1`, `D1`, `R1`, `T1`, ...), and the pair `intrinsics.yml` and `extrinsics.yml` of OpenCV's stereo sample
 //! (`M1`, `D1`, `M2`, `D2`; `R`, `T` lead from the first camera to the second; `R1`, `R2` rectify and are passed over).
 //!
+//! `fisheye_model: 1`, as OpenCV's calibration sample writes it, or `fisheye: true` makes the coefficients k1 k2 k3 k4 of
+//! the fisheye model.
+//!
 //! The format has no keys of its own, so that a thing has many names (`keys`). The pose is world to camera, as
 //! `solvePnP` and `calibrateCamera` return it; axes x right, y down, z forward; pixel *centres* are whole numbers;
 //! lengths have no unit and are taken as metres unless they cannot be. Source: the documentation of
@@ -29,10 +32,9 @@ mod folder;
 mod keys;
 
 use super::document::{self, Entry, Node, Value};
-use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
+use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::length;
 use super::source::{self, Source};
-use crate::camera::Distortion;
 use crate::{Error, Result};
 use keys::Keys;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -51,7 +53,7 @@ const NO_POSE: &str = "add the pose of world to camera, rvec and tvec (or R and 
 #[derive(Debug, Clone, Default)]
 struct Parts {
     k: Option<Matrix3<f64>>,
-    distortion: Option<Distortion>,
+    lens: Option<RawLens>,
     size: Option<(u32, u32)>,
     rotation: Option<UnitQuaternion<f64>>,
     translation: Option<Vector3<f64>>,
@@ -121,25 +123,40 @@ fn maps(document: &Node) -> impl Iterator<Item = Entry<'_>> {
 
 impl OpenCvFile {
     fn open(path: &Path) -> Result<Self> {
-        source::read(path).and_then(|text| Self::read(&text)).map_err(|e| match e {
+        let file = source::read(path).and_then(|text| Self::read(&text)).map_err(|e| match e {
             Error::File { .. } => e,
             other => Error::file(path, other),
-        })
+        });
+        file.map(|file| file.at(path))
+    }
+
+    /// With the path that errors about its lenses name.
+    fn at(mut self, path: &Path) -> Self {
+        let named = self.numbered.iter_mut().chain(&mut self.named).map(|(_, parts)| parts);
+        for parts in named.chain([&mut self.shared]) {
+            parts.lens = parts.lens.take().map(|lens| lens.in_file(path));
+        }
+        self
     }
 
     fn read(text: &str) -> Result<Self> {
         let document = document::parse(text)?;
-        let shared = Parts::read(&Keys::new(&document, ""))?;
+        let keys = Keys::new(&document, "");
+        let fisheye = keys.fisheye()?;
+        let shared = Parts::read(&keys, fisheye.as_ref())?;
         if shared.k.is_some() {
             return Ok(Self { shared, ..Self::default() });
         }
-        let numbered = |number: String| Ok((number.clone(), Parts::read(&Keys::new(&document, &number))?));
+        let numbered = |number: String| {
+            let parts = Parts::read(&Keys::new(&document, &number), fisheye.as_ref())?;
+            Ok((number, parts))
+        };
         let numbered = Keys::numbers(&document).into_iter().map(numbered).collect::<Result<_>>()?;
         let named = maps(&document)
             .filter(|entry| Keys::new(entry.node, "").matrix().is_some())
             .map(|entry| {
-                let parts =
-                    Parts::read(&Keys::new(entry.node, "")).map_err(|e| Error::camera(&entry.key, e))?;
+                let parts = Parts::read(&Keys::new(entry.node, ""), fisheye.as_ref());
+                let parts = parts.map_err(|e| Error::camera(&entry.key, e))?;
                 Ok((entry.key.into_owned(), parts))
             })
             .collect::<Result<_>>()?;
@@ -198,15 +215,24 @@ impl OpenCvFile {
 }
 
 impl Parts {
-    fn read(keys: &Keys) -> Result<Self> {
-        keys.refuse_other_lenses()?;
+    /// `fisheye` is the key that says so of all cameras of the file.
+    fn read(keys: &Keys, fisheye: Option<&Entry>) -> Result<Self> {
+        let own = keys.fisheye()?;
+        let fisheye = own.as_ref().or(fisheye);
+        let model = fisheye.map_or(LensModel::OpenCv, |_| LensModel::Fisheye);
         let mut parts = Self {
             k: keys.matrix().map(|entry| entry.matrix3()).transpose()?,
-            distortion: keys.distortion().map(|entry| entry.distortion()).transpose()?,
+            lens: keys.distortion().map(|entry| entry.lens(model)).transpose()?,
             size: keys.size()?,
             rotation: keys.rotation().map(|entry| entry.rotation()).transpose()?,
             translation: keys.translation().map(|entry| entry.vector3()).transpose()?,
         };
+        if let (Some(entry), Some(_), None) = (fisheye, parts.k, &parts.lens) {
+            return Err(entry.fail(
+                "expected a fisheye with its coefficients, found none under their usual names; call them \
+                 distortion_coefficients, or D",
+            ));
+        }
         if let Some(entry) = keys.motion() {
             let (rotation, translation) = entry.motion()?;
             parts.rotation = parts.rotation.or(Some(rotation));
@@ -218,7 +244,7 @@ impl Parts {
     fn or(self, other: &Self) -> Self {
         Self {
             k: self.k.or(other.k),
-            distortion: self.distortion.or(other.distortion),
+            lens: self.lens.or_else(|| other.lens.clone()),
             size: self.size.or(other.size),
             rotation: self.rotation.or(other.rotation),
             translation: self.translation.or(other.translation),
@@ -245,8 +271,8 @@ impl Parts {
             let problem = format!("expected a rotation and a translation, found {found}; {NO_POSE}");
             return Err(Error::camera(name, problem));
         };
-        let distortion = self.distortion.unwrap_or_else(Distortion::none);
-        Ok(RawCamera { name: name.to_owned(), size: self.size, k, distortion, rotation, translation })
+        let lens = self.lens.unwrap_or_else(RawLens::none);
+        Ok(RawCamera { name: name.to_owned(), size: self.size, k, lens, rotation, translation })
     }
 }
 

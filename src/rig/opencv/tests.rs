@@ -135,7 +135,7 @@ fn what_is_missing_or_broken_is_named() {
             YAML.replace("image_width: 640", "image_width: 640\nimage_width: 640"),
             "line 4: expected each key once",
         ),
-        (format!("{YAML}fisheye_model: 1\n"), "`fisheye_model`: expected a pinhole"),
+        (format!("{YAML}fisheye_model: 1\n"), "expected 0 or 4 fisheye coefficients (k1 k2 k3 k4), found 5"),
         (
             XML.replace("0. -1. 0.", "0. -2. 0."),
             "expected an orthonormal matrix of determinant 1, found determinant 2.0000",

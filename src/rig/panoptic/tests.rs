@@ -52,7 +52,7 @@ fn bad_files_are_refused_by_line_and_key() {
     );
     assert_refused(
         with("0.001, 0.002, 0.05", "0.001"),
-        &["line 11, `cameras[1].distCoef`: expected 0, 4, 5 or 8", "found 3"],
+        &["line 11, `cameras[1].distCoef`: expected 0, 4, 5, 8, 12 or 14", "found 3"],
     );
     assert_refused(with("[0, -1, 0]", "[0, -1.5, 0]"), &["line 12, `cameras[1].R`", "determinant 1.5"]);
     assert_refused(with("00_01", "00_00"), &["camera \"00_00\": line 9", "on line 4 too"]);

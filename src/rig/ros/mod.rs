@@ -8,7 +8,7 @@
 //! image_height: 480
 //! camera_name: left
 //! camera_matrix: { rows: 3, cols: 3, data: [500, 0, 319.5, 0, 500, 239.5, 0, 0, 1] }
-//! distortion_model: plumb_bob                # or rational_polynomial
+//! distortion_model: plumb_bob                # or rational_polynomial, or equidistant: k1 k2 k3 k4 of a fisheye
 //! distortion_coefficients: { rows: 1, cols: 5, data: [-0.1, 0.01, 0, 0, 0] }
 //! ```
 //!
@@ -31,9 +31,8 @@
 mod pose;
 
 use super::document::{self, Node};
-use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
+use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::source::{self, Source};
-use crate::camera::Distortion;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -99,9 +98,9 @@ fn camera(source: &Source, path: &Path, text: &str) -> Result<RawCamera> {
     let matrix = first_of(&document, &["camera_matrix", "K", "k"], "give fx 0 cx 0 fy cy 0 0 1 in pixels")
         .map_err(fail)?;
     let k = matrix.matrix3().map_err(fail)?;
-    let distortion = distortion(&document).map_err(fail)?;
+    let lens = lens(&document).map_err(fail)?.in_file(path);
     let (rotation, translation) = pose::of(source, &stem, &name).map_err(fail)?;
-    Ok(RawCamera { name, size: Some(size), k, distortion, rotation, translation })
+    Ok(RawCamera { name, size: Some(size), k, lens, rotation, translation })
 }
 
 fn size(document: &Node) -> Result<(u32, u32)> {
@@ -109,19 +108,22 @@ fn size(document: &Node) -> Result<(u32, u32)> {
     Ok((side(&["image_width", "width"])?, side(&["image_height", "height"])?))
 }
 
-fn distortion(document: &Node) -> Result<Distortion> {
-    if let Some(model) = document.entry("distortion_model") {
+fn lens(document: &Node) -> Result<RawLens> {
+    let entry = document.entry("distortion_model");
+    let model = match entry.as_ref().map_or("", |entry| entry.text().unwrap_or_default()) {
         // An empty model is how ROS says that there is none.
-        if !["plumb_bob", "rational_polynomial", ""].contains(&model.text().unwrap_or_default()) {
-            return Err(model.fail(format!(
-                "expected plumb_bob or rational_polynomial, found {}, which is not supported yet; undistort the \
-                 images first and calibrate them with one of these",
-                model.node.outline()
-            )));
+        "" | "plumb_bob" | "rational_polynomial" => LensModel::OpenCv,
+        "equidistant" => LensModel::Fisheye,
+        other => {
+            let problem = format!(
+                "expected plumb_bob, rational_polynomial or equidistant, found \"{other}\", which is not supported \
+                 yet; undistort the images first and calibrate them with one of these"
+            );
+            return Err(entry.map_or(Error::argument(&problem), |entry| entry.fail(&problem)));
         }
-    }
+    };
     first_of(document, &["distortion_coefficients", "D", "d"], "give k1 k2 p1 p2 k3, or [] for none")?
-        .distortion()
+        .lens(model)
 }
 
 /// The first of the keys that there is.

@@ -125,7 +125,7 @@ fn faults_name_line_camera_table_key_and_next_step() {
             ["line 7", "`rotation`", "orthonormal", "determinant -1"],
         ),
         ("translation = [0, inf, 0]", ["line 8", "`translation`", "found inf", "calibrate"]),
-        ("fisheye = true", ["line 9", "`fisheye`", "not supported yet", "undistort"]),
+        ("fisheye = true", ["line 6", "`distortions`", "4 fisheye coefficients", "found 5"]),
         ("fisheye = 0", ["line 9", "`fisheye`", "true or false", "integer 0"]),
     ] {
         let message = message_with(line);

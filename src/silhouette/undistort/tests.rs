@@ -191,7 +191,7 @@ fn of_a_wide_fisheye_the_part_around_the_axis_is_kept_in_an_image_of_twice_the_s
     let pinhole = undistortion.pinhole();
     assert_eq!(pinhole.size(), (2 * SIZE.0, 2 * SIZE.1));
     let axis = Point2::from(pinhole.intrinsics().column(2).xy());
-    assert!(is_in(&axis, pinhole.size()) && value_at(undistortion.seen(), &axis) == 255);
+    assert!(is_in(&axis, pinhole.size()) && value_at(undistortion.field_of_view(), &axis) == 255);
     // The original's corner is 86.5 degrees off the axis, which the pinhole would see 16 focal lengths from it.
     let corner = pinhole.project(&cameras()[6].unproject(0.5, 242.5, 1.0).unwrap()).unwrap();
     assert!(!is_in(&Point2::new(corner.u, corner.v), pinhole.size()));
@@ -204,7 +204,7 @@ fn what_lies_beyond_the_fold_of_a_fisheye_is_unseen() {
     let pinhole = undistortion.pinhole();
     let fold = (1.0 / 0.9_f64.sqrt()).tan();
     let to_plane = pinhole.intrinsics().try_inverse().unwrap();
-    let seen = undistortion.seen().enumerate_pixels().filter(|(_, _, value)| value.0[0] == 255);
+    let seen = undistortion.field_of_view().enumerate_pixels().filter(|(_, _, value)| value.0[0] == 255);
     let farthest =
         seen.map(|(x, y, _)| apply_affine(&to_plane, centre(x, y)).coords.norm()).fold(0.0, f64::max);
     // To a pixel, 1/170 on the plane.

@@ -18,7 +18,7 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`camera`] | one calibrated view: projection, viewing rays, lens distortion |
+//! | [`camera`] | one calibrated view: projection, viewing rays, lenses |
 //! | [`rig`] | a named set of cameras, and the files it is read from |
 //! | [`silhouette`] | one view's mask, prepared: bounding rectangle, distances, edge normals |
 //! | [`hull`] | the shape: inside, exits, rays; [`hull::HullData`] takes masks and publishes frames |

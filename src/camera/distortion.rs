@@ -8,10 +8,10 @@ use std::fmt;
 
 /// OpenCV's distortion coefficients `k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [taux tauy]]]]`; all zero means none.
 ///
-/// With `r2 = x2 + y2`: `x' = x (1 + k1 r2 + k2 r4 + k3 r6) / (1 + k4 r2 + k5 r4 + k6 r6) + 2 p1 x y + p2 (r2 + 2 x2)
-/// + s1 r2 + s2 r4` and likewise for `y`, with `s3 r2 + s4 r4`. A sensor that is tilted by `taux` and `tauy` (radians)
-/// then sees `(x', y', 1)` through a homography. Source: OpenCV's documentation of the module `calib3d`. The model is
-/// used only out to the radius at which it would fold back on itself.
+/// With `r2 = x2 + y2`, `x' = x (1 + k1 r2 + k2 r4 + k3 r6) / (1 + k4 r2 + k5 r4 + k6 r6) + 2 p1 x y + p2 (r2 + 2 x2) +
+/// s1 r2 + s2 r4`, and likewise for `y` with `s3 r2 + s4 r4`. A sensor that is tilted by `taux` and `tauy` (radians) then
+/// sees `(x', y', 1)` through a homography. Source: OpenCV's documentation of the module `calib3d`. The model is used
+/// only out to the radius at which it would fold back on itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distortion {
     coefficients: [f64; COUNT],

@@ -143,8 +143,8 @@ int dGeomVisualHullDataAddCamera(dVisualHullDataID d, const dReal K[9], const dR
  * @param nk 0 or 4
  * @param width the image's width in pixels
  * @param height the image's height in pixels
- * @return The view's index, from 0; -1 for a calibration that cannot be used, for an image that shows rays at 90 degrees
- * or more from the camera's axis, and for coefficients with which the model folds back before the nearest border.
+ * @return The view's index, from 0; -1 for a calibration that cannot be used, for an image that shows rays at 90
+ * degrees or more from the camera's axis, and for a model that folds back before the nearest border of the image.
  */
 int dGeomVisualHullDataAddFisheyeCamera(dVisualHullDataID d, const dReal K[9], const dReal R[9], const dReal t[3],
                                         const dReal *k, int nk, int width, int height);

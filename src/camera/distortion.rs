@@ -9,9 +9,9 @@ use std::fmt;
 /// OpenCV's distortion coefficients `k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [taux tauy]]]]`; all zero means none.
 ///
 /// With `r2 = x2 + y2`, `x' = x (1 + k1 r2 + k2 r4 + k3 r6) / (1 + k4 r2 + k5 r4 + k6 r6) + 2 p1 x y + p2 (r2 + 2 x2) +
-/// s1 r2 + s2 r4`, and likewise for `y` with `s3 r2 + s4 r4`. A sensor that is tilted by `taux` and `tauy` (radians) then
-/// sees `(x', y', 1)` through a homography. Source: OpenCV's documentation of the module `calib3d`. The model is used
-/// only out to the radius at which it would fold back on itself.
+/// s1 r2 + s2 r4`, and likewise for `y` with `s3 r2 + s4 r4`. A sensor that is tilted by `taux` and `tauy` (radians)
+/// then sees `(x', y', 1)` through a homography. Source: OpenCV's documentation of the module `calib3d`. The model is
+/// used only out to the radius at which it would fold back on itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distortion {
     coefficients: [f64; COUNT],
@@ -72,8 +72,8 @@ impl Distortion {
         &self.coefficients
     }
 
-    /// The coefficients in OpenCV's order without the zeros at the end, as far as OpenCV leaves them out: 0, 4, 5, 8, 12
-    /// or 14.
+    /// The coefficients in OpenCV's order without the zeros at the end, as far as OpenCV leaves them out: 0, 4, 5, 8,
+    /// 12 or 14.
     pub fn shortest(&self) -> &[f64] {
         let used = self.coefficients.iter().rposition(|&c| c != 0.0).map_or(0, |last| last + 1);
         let count = COUNTS.into_iter().find(|&count| count >= used).unwrap_or(COUNT);

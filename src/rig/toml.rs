@@ -12,9 +12,10 @@
 //! ```
 //!
 //! Where `fisheye` is true the distortions are k1 k2 k3 k4 of OpenCV's fisheye model, else 0, 4, 5, 8, 12 or 14
-//! coefficients of its other one. One table per camera, in the file's order; a table `metadata` and unknown keys are passed over. The pose is world
-//! to camera, the rotation a Rodrigues vector, lengths are taken as metres. Pixel *centres* are whole numbers in the
-//! file, pixel corners in a [`Camera`]: the principal point moves by one half on the way in and back on the way out.
+//! coefficients of its other one. One table per camera, in the file's order; a table `metadata` and unknown keys are
+//! passed over. The pose is world to camera, the rotation a Rodrigues vector, lengths are taken as metres. Pixel
+//! *centres* are whole numbers in the file, pixel corners in a [`Camera`]: the principal point moves by one half on the
+//! way in and back on the way out.
 
 use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens, pixels};
 use super::source::Source;

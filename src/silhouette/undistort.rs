@@ -46,7 +46,7 @@ use image::{GrayImage, Luma};
 use nalgebra::{Matrix3, Point2};
 use tile_map::TileMap;
 
-/// The way from the masks of a camera with a lens to those of a pinhole camera in its place, with the same focal lengths.
+/// The way from the masks of a camera with a lens to those of a pinhole camera in its place, of the same focal lengths.
 ///
 /// The pinhole's image is the rectangle around all that the original sees, in whole pixels, at most twice as wide and
 /// twice as high as the original's; what exceeds that, far off the axis, is cut. Its pixels whose centre the original

@@ -1,5 +1,5 @@
-//! Where OpenCV itself puts points: `cv2.projectPoints` and `cv2.fisheye.projectPoints` of opencv-python-headless 5.0.0,
-//! called once with `POINTS`, `rvec`, `tvec`, `K` and the coefficients below, all digits kept.
+//! Where OpenCV itself puts points: `cv2.projectPoints` and `cv2.fisheye.projectPoints` of opencv-python-headless
+//! 5.0.0, called once with `POINTS`, `rvec`, `tvec`, `K` and the coefficients below, all digits kept.
 
 use super::*;
 

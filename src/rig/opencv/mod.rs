@@ -20,8 +20,8 @@
 //! keys (`K1`, `D1`, `R1`, `T1`, ...), and the pair `intrinsics.yml` and `extrinsics.yml` of OpenCV's stereo sample
 //! (`M1`, `D1`, `M2`, `D2`; `R`, `T` lead from the first camera to the second; `R1`, `R2` rectify and are passed over).
 //!
-//! `fisheye_model: 1`, as OpenCV's calibration sample writes it, or `fisheye: true` makes the coefficients k1 k2 k3 k4 of
-//! the fisheye model.
+//! `fisheye_model: 1`, as OpenCV's calibration sample writes it, or `fisheye: true` makes the coefficients k1 k2 k3 k4
+//! of the fisheye model.
 //!
 //! The format has no keys of its own, so that a thing has many names (`keys`). The pose is world to camera, as
 //! `solvePnP` and `calibrateCamera` return it; axes x right, y down, z forward; pixel *centres* are whole numbers;

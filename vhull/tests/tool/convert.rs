@@ -46,3 +46,19 @@ fn what_a_calibration_leaves_out_leads_to_the_option_that_tells_it() {
         assert!(!told.out.contains("--unit"), "{}", told.out);
     }
 }
+
+#[test]
+fn a_fisheye_stays_one_in_the_rig_file() {
+    let folder = folder("convert_fisheye");
+    let chain = "cam0:\n  camera_model: pinhole\n  distortion_model: equidistant\n  \
+                 distortion_coeffs: [0.05, -0.01, 0.002, -0.0003]\n  intrinsics: [500.0, 510.0, 319.5, 239.5]\n  \
+                 resolution: [640, 480]\n";
+    std::fs::write(folder.join("camchain.yaml"), chain).unwrap();
+    let run = vhull(&folder, &["convert", "camchain.yaml", "rig.toml"]);
+    assert_eq!(run.code, 0, "{}", run.error);
+    let text = std::fs::read_to_string(folder.join("rig.toml")).unwrap();
+    assert!(text.contains("distortions = [0.05, -0.01, 0.002, -0.0003]"), "{text}");
+    assert!(text.contains("fisheye = true"), "{text}");
+    let lens = |path: &str| *Rig::load(folder.join(path)).unwrap().cameras()[0].lens();
+    assert_eq!(lens("rig.toml"), lens("camchain.yaml"));
+}

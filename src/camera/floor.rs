@@ -6,11 +6,11 @@ pub(crate) fn floor_pixel(u: f64, v: f64) -> (i32, i32) {
     (floor(u), floor(v))
 }
 
-/// The whole number below, kept within `i32`: `as` saturates, so that a point near the camera's plane lands far
+/// The whole number below `x`, kept within `i32`: `as` saturates, so that a point near the camera's plane lands far
 /// outside every image.
 #[inline]
 pub(crate) fn floor(x: f64) -> i32 {
-    // `as` rounds towards zero; on a processor without SSE 4.1, the least that is built for, `floor` is a call.
+    // `f64::floor` is a function call on the baseline x86-64, which has no SSE 4.1; `as` rounds towards zero.
     let towards_zero = x as i32;
     if f64::from(towards_zero) > x { towards_zero.saturating_sub(1) } else { towards_zero }
 }

@@ -1,12 +1,13 @@
-//! Planes through a camera's centre: behind an image line, and around a silhouette's rectangle (paper, section 4.1).
+//! Planes through a camera's centre: the back-projection of an image line, and the frustum of a silhouette's rectangle
+//! (paper, section 4.1).
 
 use super::{Camera, MIN_DEPTH};
 use crate::math::aabb::Aabb;
 use crate::math::rect::Rect;
 use nalgebra::{Matrix3x4, Point2, Point3, Vector2, Vector3};
 
-/// The outward normal of the plane through the camera's centre and the image line through `point` with image normal
-/// `normal`.
+/// The unit normal, in the world, of the plane through the camera's centre and the image line through `point` (pixels)
+/// whose normal in the image is `normal`. It points to the same side as `normal`.
 pub(crate) fn backproject_normal(
     projection: &Matrix3x4<f64>,
     point: &Point2<f64>,
@@ -17,7 +18,7 @@ pub(crate) fn backproject_normal(
     across.normalize()
 }
 
-/// The outward normals of the four planes through the camera's centre and the sides of `rect`.
+/// The outward unit normals of the four planes through the camera's centre and the sides of `rect`.
 pub(crate) fn planes(projection: &Matrix3x4<f64>, rect: &Rect) -> [Vector3<f64>; 4] {
     let upper_left = Point2::new(f64::from(rect.x0), f64::from(rect.y0));
     let lower_right = Point2::new(f64::from(rect.x1), f64::from(rect.y1));
@@ -29,14 +30,16 @@ pub(crate) fn planes(projection: &Matrix3x4<f64>, rect: &Rect) -> [Vector3<f64>;
     ]
 }
 
-/// The box of the frustum's part inside `bounds`; empty where there is none.
+/// The axis-aligned box around the part of the frustum inside `bounds`; empty where there is none.
 ///
-/// The corners of a convex body that is a box cut by planes lie on the box's faces, except where planes meet inside
-/// it: for a frustum that is the camera's centre alone.
+/// A box cut by planes is a convex polyhedron, whose corners lie on the faces of the box or where three planes meet
+/// inside it. Here the latter can only be the camera's centre, so that it suffices to clip the faces.
 pub(crate) fn clipped_box(bounds: &Aabb, camera: &Camera, planes: &[Vector3<f64>; 4]) -> Aabb {
     let centre = camera.centre();
     let near = (camera.forward() * -1.0, centre + camera.forward() * MIN_DEPTH);
     let cuts = || planes.iter().map(|&outward| (outward, centre)).chain([near]);
+
+    // Each face of the box, clipped by the frustum.
     let corners = bounds.corners();
     let (mut polygon, mut cut) = (&mut Polygon::default(), &mut Polygon::default());
     let mut aabb = Aabb::EMPTY;
@@ -48,10 +51,13 @@ pub(crate) fn clipped_box(bounds: &Aabb, camera: &Camera, planes: &[Vector3<f64>
         }
         aabb = aabb.union(&Aabb::of_points(polygon.corners()));
     }
+
     if bounds.contains(&centre) {
         aabb = aabb.union(&Aabb { min: centre, max: centre });
     }
-    // A cull must never change a verdict: more than the rounding of a clipped corner, less than any pixel.
+
+    // A cull must never change a verdict: the margin exceeds the rounding of a clipped corner, and is less than any
+    // pixel covers.
     if aabb.is_empty() {
         aabb
     } else {
@@ -59,17 +65,17 @@ pub(crate) fn clipped_box(bounds: &Aabb, camera: &Camera, planes: &[Vector3<f64>
     }
 }
 
-/// The faces of a box as rings of its corners.
+/// The faces of a box: indices of each face's corners in [`Aabb::corners`], in order around it.
 const FACES: [[usize; 4]; 6] =
     [[0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6], [0, 1, 3, 2], [4, 5, 7, 6]];
 
-/// The most corners of a quadrilateral cut by five planes: each cut adds one.
-const MOST_CORNERS: usize = 9;
+/// The largest number of corners of a quadrilateral clipped by five planes: each cut adds at most one.
+const MAX_CORNERS: usize = 9;
 
 /// A convex polygon.
 #[derive(Default)]
 struct Polygon {
-    corners: [Point3<f64>; MOST_CORNERS],
+    corners: [Point3<f64>; MAX_CORNERS],
     count: usize,
 }
 
@@ -84,21 +90,24 @@ impl Polygon {
     }
 
     fn push(&mut self, corner: Point3<f64>) {
-        // Rounding cannot add corners to a convex polygon by more than a rim: what is left out then lies on it.
+        // A corner beyond the ninth can only come from rounding; it lies on the polygon's boundary and may be left out.
         if let Some(place) = self.corners.get_mut(self.count) {
             *place = corner;
             self.count += 1;
         }
     }
 
-    /// The part behind the plane through `on` with normal `outward`, written to `kept`.
+    /// Writes to `kept` the part of the polygon behind the plane through `on` with normal `outward`
+    /// (Sutherland-Hodgman clipping).
     fn clip(&self, outward: &Vector3<f64>, on: &Point3<f64>, kept: &mut Self) {
         kept.count = 0;
         let height = |p: &Point3<f64>| outward.dot(&(p - on));
         let Some(mut here) = self.corners().last() else { return };
         let mut h0 = height(here);
+
         for next in self.corners() {
             let h1 = height(next);
+            // The edge from `here` to `next` crosses the plane.
             if (h0 < 0.0 && h1 > 0.0) || (h0 > 0.0 && h1 < 0.0) {
                 kept.push(here + (next - here) * (h0 / (h0 - h1)));
             }

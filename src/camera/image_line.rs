@@ -1,13 +1,13 @@
-//! The image of a half-line in one view.
+//! The image of a half-line in one view, and where it crosses pixel borders.
 
 use super::floor;
 use crate::math::rect::Rect;
 use nalgebra::Vector3;
 
-/// A half-line `origin + t direction` in homogeneous image coordinates, `x(t) = x0 + t x1`.
+/// A half-line `origin + t direction`, `t >= 0` in metres, in homogeneous image coordinates: `x(t) = x0 + t x1`.
 ///
-/// Its image is a line and `u(t)`, `v(t)` are monotonic, so that the `t` at which it crosses a column or row
-/// boundary has a closed form.
+/// Its image is a line on which `u(t)` and `v(t)` are monotonic, so that the `t` at which it crosses the border of a
+/// column or row has a closed form.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ImageLine {
     x0: Vector3<f64>,
@@ -16,13 +16,14 @@ pub(crate) struct ImageLine {
     downwards: bool,
 }
 
-/// Where a line leaves a rectangle of cells, and the cell it enters.
+/// Where a line leaves a rectangle of cells, and through which side.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CellExit {
     pub(crate) t: f64,
     side: CellSide,
 }
 
+/// The column or row of the cell that is entered through a side.
 #[derive(Debug, Clone, Copy)]
 enum CellSide {
     Column(i32),
@@ -43,10 +44,10 @@ impl ImageLine {
         (x.x / x.z, x.y / x.z)
     }
 
-    /// The one interval of `t >= 0` in which the line is at least `min_depth` before the camera and its image
-    /// inside `[low, high]`; `None` where there is none.
+    /// The interval of `t >= 0` in which the line lies at least `min_depth` metres in front of the camera and its image
+    /// between the positions `low` and `high`; `None` where there is none.
     pub(crate) fn interval(&self, min_depth: f64, low: (f64, f64), high: (f64, f64)) -> Option<(f64, f64)> {
-        // Each condition times the depth is linear in t: constant + slope t >= 0.
+        // Multiplied by the depth, each condition is linear in t: constant + slope t >= 0.
         let conditions = [
             (self.x0.z - min_depth, self.x1.z),
             (self.x0.x - low.0 * self.x0.z, self.x1.x - low.0 * self.x1.z),
@@ -54,6 +55,7 @@ impl ImageLine {
             (self.x0.y - low.1 * self.x0.z, self.x1.y - low.1 * self.x1.z),
             (high.1 * self.x0.z - self.x0.y, high.1 * self.x1.z - self.x1.y),
         ];
+
         let (mut first, mut last) = (0.0_f64, f64::INFINITY);
         for (constant, slope) in conditions {
             if slope > 0.0 {
@@ -67,7 +69,7 @@ impl ImageLine {
         (first < last).then_some((first, last))
     }
 
-    /// The depth at `t`.
+    /// The depth at `t`, in metres.
     pub(crate) fn depth(&self, t: f64) -> f64 {
         self.x0.z + self.x1.z * t
     }
@@ -82,7 +84,7 @@ impl ImageLine {
         (v * self.x0.z - self.x0.y) / (self.x1.y - v * self.x1.z)
     }
 
-    /// Where the image leaves `cells`, whose corners lie at whole numbers plus `shift`, not before `t`.
+    /// Where the image leaves `cells`, whose corners lie at whole numbers plus `shift`; not before `t`.
     pub(crate) fn leave(&self, cells: &Rect, shift: f64, t: f64) -> CellExit {
         let column = if self.rightwards { cells.x1 } else { cells.x0 };
         let row = if self.downwards { cells.y1 } else { cells.y0 };
@@ -97,14 +99,15 @@ impl ImageLine {
         }
     }
 
-    /// A line that nears its vanishing point never reaches some borders: there the formula gives a crossing behind
-    /// the camera, and for a coordinate that stands still none at all.
+    /// `crossing`, or infinity for a border that the line never reaches. An image that converges to its vanishing point
+    /// does not reach all borders: the formula then gives a crossing behind the camera, or no finite number where a
+    /// coordinate does not change.
     fn not_behind(&self, crossing: f64) -> f64 {
         if crossing.is_finite() && self.x0.z + crossing * self.x1.z > 0.0 { crossing } else { f64::INFINITY }
     }
 
-    /// The cell that the line enters as it leaves `cells`. The side fixes one coordinate and `cells` bounds the
-    /// other, so that rounding can neither hold a walk up nor throw it off its line.
+    /// The cell that the line enters as it leaves `cells`. The side fixes one coordinate and `cells` bounds the other, so
+    /// that rounding can neither stop a traversal nor move it off its line.
     pub(crate) fn entered(&self, leave: &CellExit, cells: &Rect, shift: f64) -> (i32, i32) {
         let (u, v) = self.at(leave.t);
         match leave.side {

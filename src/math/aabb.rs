@@ -3,10 +3,10 @@
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// The largest coordinate of a work volume, in metres: 10 000 km, as far as a simulation reaches.
+/// The largest coordinate of a work volume, in metres: 10 000 km, farther than any simulation reaches.
 const REACH: f64 = 1e7;
 
-/// An axis-aligned box, in metres. Empty where a lower corner lies above an upper one.
+/// An axis-aligned box, in metres. It is empty if `min` exceeds `max` on some axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aabb {
     /// The lower corner.
@@ -25,13 +25,13 @@ impl Aabb {
     /// A work volume between two corners.
     ///
     /// # Errors
-    /// A number that is not finite or beyond 1e7 m, an upper corner that is not above the lower one.
+    /// A coordinate that is not finite or beyond 1e7 m; an upper corner that is not above the lower one on every axis.
     pub fn new(min: Point3<f64>, max: Point3<f64>) -> Result<Self> {
         let in_reach = min.iter().chain(max.iter()).all(|x| x.abs() <= REACH);
         if !in_reach || min.x >= max.x || min.y >= max.y || min.z >= max.z {
             return Err(Error::argument(format!(
-                "bounds: expected finite corners, at most {REACH} m away, with min below max on each axis, found min {}, max {}; \
-                 swap or spread them",
+                "bounds: expected finite corners, at most {REACH} m away, with min below max on each axis, found \
+                 min {}, max {}; swap or spread them",
                 triple(&min),
                 triple(&max)
             )));
@@ -54,12 +54,12 @@ impl Aabb {
         *p >= self.min && *p <= self.max
     }
 
-    /// The points of both.
+    /// The box of the points that lie in both; empty where they do not overlap.
     pub fn intersection(&self, other: &Self) -> Self {
         Self { min: self.min.sup(&other.min), max: self.max.inf(&other.max) }
     }
 
-    /// The smallest box around both.
+    /// The smallest box that holds both.
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.inf(&other.min), max: self.max.sup(&other.max) }
     }
@@ -70,7 +70,7 @@ impl Aabb {
         Self { min: self.min - by, max: self.max + by }
     }
 
-    /// Its middle.
+    /// The middle of the box.
     pub fn centre(&self) -> Point3<f64> {
         nalgebra::center(&self.min, &self.max)
     }
@@ -83,7 +83,7 @@ impl Aabb {
         })
     }
 
-    /// The axis-aligned box around this one after a motion.
+    /// The axis-aligned box around this one after `motion`.
     pub fn transformed(&self, motion: &Isometry3<f64>) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
@@ -95,10 +95,12 @@ impl Aabb {
     /// the outward normal there.
     pub fn exit(&self, origin: &Point3<f64>, direction: &Vector3<f64>) -> (f64, Vector3<f64>) {
         let mut first = (f64::INFINITY, Vector3::zeros());
+
         for axis in 0..3 {
-            let wall = if direction[axis] > 0.0 { self.max[axis] } else { self.min[axis] };
+            let face = if direction[axis] > 0.0 { self.max[axis] } else { self.min[axis] };
+            // A line parallel to the two faces of this axis meets neither.
             if direction[axis] != 0.0 {
-                let t = ((wall - origin[axis]) / direction[axis]).max(0.0);
+                let t = ((face - origin[axis]) / direction[axis]).max(0.0);
                 if t < first.0 {
                     let mut normal = Vector3::zeros();
                     normal[axis] = direction[axis].signum();
@@ -109,18 +111,22 @@ impl Aabb {
         first
     }
 
-    /// The part `(entry, exit)` of the half-line `origin + t direction`, `t >= 0`, inside the box, and the outward
-    /// normal of the face it enters by (zero where it starts inside); `None` where it misses.
+    /// The interval `(entry, exit)` in which the half-line `origin + t direction`, `t >= 0`, lies inside the box, and the
+    /// outward normal of the face where it enters (zero if it starts inside); `None` if it misses the box.
     pub fn span(&self, origin: &Point3<f64>, direction: &Vector3<f64>) -> Option<(f64, f64, Vector3<f64>)> {
         let (mut entry, mut exit, mut normal) = (0.0_f64, f64::INFINITY, Vector3::zeros());
+
         for axis in 0..3 {
+            // A line parallel to the two faces of this axis lies between them throughout, or nowhere.
             if direction[axis] == 0.0 {
                 if origin[axis] < self.min[axis] || origin[axis] > self.max[axis] {
                     return None;
                 }
                 continue;
             }
-            let at = |wall: f64| (wall - origin[axis]) / direction[axis];
+
+            // Slab test: the latest entry and the earliest exit over the axes.
+            let at = |face: f64| (face - origin[axis]) / direction[axis];
             let (low, high) = (at(self.min[axis]), at(self.max[axis]));
             if low.min(high) > entry {
                 entry = low.min(high);

@@ -1,22 +1,24 @@
-//! What loops over lanes are made of: plain operations that the compiler turns into vector instructions.
+//! Plain operations for loops over lanes, which the compiler turns into vector instructions.
 
-/// Whole numbers are these ones' lowest bits once added to them.
+/// 2^23: a whole number below it that is added to it stands in the lowest bits of the sum, and other numbers are
+/// rounded to the nearest whole one.
 const WHOLE_F32: f32 = 8_388_608.0;
+/// 2^52: the counterpart of [`WHOLE_F32`] in double precision.
 const WHOLE_F64: f64 = 4_503_599_627_370_496.0;
 
-/// Branch-free select; both operands are evaluated.
+/// Selects `yes` or `no` without a branch; both are evaluated.
 #[inline(always)]
 pub(crate) fn select<T>(condition: bool, yes: T, no: T) -> T {
     if condition { yes } else { no }
 }
 
-/// The bits of lanes that hold zero or one.
+/// A bit mask of lanes that hold zero or one: bit k is lane k.
 #[inline(always)]
 pub(crate) fn lane_mask<const N: usize>(lanes: &[u32; N]) -> u32 {
     lanes.iter().enumerate().fold(0, |bits, (k, one)| bits | one << k)
 }
 
-/// The places of the bits set, ascending.
+/// The indices of the bits that are set, ascending.
 #[inline(always)]
 pub(crate) fn set_bits(word: impl Into<u64>) -> impl Iterator<Item = usize> {
     let mut word = word.into();
@@ -27,29 +29,29 @@ pub(crate) fn set_bits(word: impl Into<u64>) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The whole number below `x`, which is brought between one half and `most`; NaN becomes the lower bound.
+/// The whole number below `x`, with `x` clamped between one half and `max`; NaN becomes the lower bound.
 #[inline(always)]
-pub(crate) fn floor_clamped(x: f32, most: f32) -> u32 {
+pub(crate) fn floor_clamped(x: f32, max: f32) -> u32 {
     let x = select(x > 0.5, x, 0.5);
-    let x = select(x < most, x, most);
-    // Half is taken off since the sum rounds to the nearest.
+    let x = select(x < max, x, max);
+    // One half is subtracted because `round_u32` rounds to the nearest.
     round_u32(x - 0.5)
 }
 
-/// The whole number nearest to `x`, which is not negative and below 2^23.
+/// The whole number nearest to `x`, for `0 <= x < 2^23`.
 #[inline(always)]
 fn round_u32(x: f32) -> u32 {
     (x + WHOLE_F32).to_bits() & 0x007f_ffff
 }
 
-/// The whole number below `x`, which is not negative and below 2^51.
+/// The whole number below `x`, for `0 <= x < 2^51`.
 #[inline(always)]
 pub(crate) fn floor(x: f64) -> f64 {
     let nearest = (x + WHOLE_F64) - WHOLE_F64;
     select(nearest > x, nearest - 1.0, nearest)
 }
 
-/// A whole number that is not negative and below 2^32.
+/// The whole number `x` as an integer, for `0 <= x < 2^32`.
 #[inline(always)]
 pub(crate) fn index(x: f64) -> u32 {
     (x + WHOLE_F64).to_bits() as u32

@@ -1,4 +1,4 @@
-//! Boxes, rectangles, points in blocks, and what loops over many points are made of.
+//! Boxes, rectangles, points in blocks, and operations for loops over many points.
 
 pub(crate) mod aabb;
 pub(crate) mod lanes;

@@ -1,6 +1,6 @@
 //! Rectangles of whole pixels.
 
-/// The pixels `x0 <= i < x1`, `y0 <= j < y1`; empty where an upper bound does not exceed its lower one.
+/// The pixels `x0 <= i < x1`, `y0 <= j < y1`; empty unless both upper bounds exceed their lower ones.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Rect {
     /// First column.
@@ -17,7 +17,7 @@ impl Rect {
     /// A rectangle without pixels.
     pub const EMPTY: Self = Self { x0: 0, y0: 0, x1: 0, y1: 0 };
 
-    /// The whole of an image.
+    /// All pixels of an image.
     pub fn of_image(width: u32, height: u32) -> Self {
         Self { x0: 0, y0: 0, x1: width as i32, y1: height as i32 }
     }
@@ -27,12 +27,12 @@ impl Rect {
         self.x0 >= self.x1 || self.y0 >= self.y1
     }
 
-    /// Columns.
+    /// Number of columns.
     pub fn width(&self) -> usize {
         (self.x1 - self.x0).max(0) as usize
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn height(&self) -> usize {
         (self.y1 - self.y0).max(0) as usize
     }
@@ -42,12 +42,12 @@ impl Rect {
         self.x0 <= i && i < self.x1 && self.y0 <= j && j < self.y1
     }
 
-    /// Position of pixel `(i, j)` in a row-major table over the rectangle.
+    /// Index of pixel `(i, j)` in a row-major table over the rectangle.
     pub fn index(&self, i: i32, j: i32) -> usize {
         (j - self.y0) as usize * self.width() + (i - self.x0) as usize
     }
 
-    /// The rectangle with `margin` more pixels on every side; an empty one stays empty.
+    /// The rectangle grown by `margin` pixels on every side; an empty one stays empty.
     pub fn grown(&self, margin: i32) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
@@ -55,7 +55,7 @@ impl Rect {
         Self { x0: self.x0 - margin, y0: self.y0 - margin, x1: self.x1 + margin, y1: self.y1 + margin }
     }
 
-    /// The pixels of both.
+    /// The pixels that lie in both.
     pub fn intersection(&self, other: &Self) -> Self {
         Self {
             x0: self.x0.max(other.x0),
@@ -65,7 +65,7 @@ impl Rect {
         }
     }
 
-    /// The smallest rectangle that holds both. An empty one adds nothing.
+    /// The smallest rectangle that holds both; an empty one adds nothing.
     pub fn union(&self, other: &Self) -> Self {
         match (self.is_empty(), other.is_empty()) {
             (true, _) => *other,

@@ -1,12 +1,13 @@
-//! One source for all processors.
+//! Functions compiled for several instruction sets from one source.
 
-/// A function compiled several times, for plain x86-64 (or whatever the target is), AVX2 and AVX-512; which one runs
-/// is decided at run time.
+/// Compiles a function several times: for the target's baseline (plain x86-64, for example), for AVX2 and for AVX-512.
+/// The version that fits the processor is chosen at run time.
 ///
-/// All do the same arithmetic: Rust never fuses or reorders floating-point operations by itself, and `mul_add` is fused
-/// everywhere, so that the same bits come out. Where it is not inlined into such a function it is slow. The body is a
-/// function of its own, since a closure that is compiled for one processor is not inlined into the standard library's
-/// loops.
+/// All versions return the same bits: Rust never fuses or reorders floating-point operations by itself, and `mul_add`
+/// is fused everywhere. It is slow, however, outside such a function, where it may be a call.
+///
+/// The body becomes an inner function, since a closure that is compiled for one instruction set is not inlined into the
+/// standard library's loops.
 macro_rules! vectorised {
     (
         $(#[$meta:meta])*

@@ -1,6 +1,6 @@
-//! Questions about one point, one half-line or one ray, plain and in double precision.
+//! Queries of one point, one half-line or one ray, in double precision and without vectorisation.
 //!
-//! They are what the [`batch`](super::batch) is tested against, bit by bit, and what it falls back to for rare cases.
+//! The [`batch`](super::batch) has to return the same bits, as tests check, and falls back to these queries in rare cases.
 
 mod exit;
 mod interval_merge;

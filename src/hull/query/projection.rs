@@ -1,4 +1,4 @@
-//! A point as every view sees it: projected once, asked for the verdict and the nearest edge.
+//! The projections of one point into all views, from which both the inside test and the window search read.
 
 use crate::camera::{Pixel, floor_pixel};
 use crate::hull::{EdgeModel, Hull, Verdict, View};
@@ -6,42 +6,42 @@ use crate::silhouette::HALF_COVERAGE;
 use nalgebra::Point3;
 use std::cell::Cell;
 
-/// Where one view sees a point.
+/// The projection of a point into one view that sees it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ViewSample {
     /// Index of the view.
     pub(super) index: usize,
     pub(super) at: Pixel,
     pub(super) pixel: (i32, i32),
-    /// Chebyshev distance of its pixel to the background.
+    /// Chebyshev distance of the pixel to the background, in pixels.
     pub(super) distance: u16,
-    /// Metres that a pixel covers there (design: d_i of the window search).
+    /// Metres that a pixel covers at the point: d_i of the window search.
     pub(super) footprint: f64,
 }
 
-/// How the enabled views see a point.
+/// The projections of a point into the enabled views.
 #[derive(Debug, Default)]
 pub(super) struct ViewSamples {
-    pub(super) seen: Vec<ViewSample>,
-    /// How many views do not see it.
+    pub(super) visible: Vec<ViewSample>,
+    /// Number of enabled views that do not see the point.
     pub(super) unseen: usize,
 }
 
 thread_local! {
-    /// Memory for one point at a time.
+    /// Memory that this thread's queries reuse, one at a time.
     static SCRATCH: Cell<Option<ViewSamples>> = const { Cell::new(None) };
 }
 
 impl ViewSamples {
-    /// Runs `ask` on memory that is used again.
-    pub(super) fn with<R>(ask: impl FnOnce(&mut Self) -> R) -> R {
-        let mut sightings = SCRATCH.take().unwrap_or_default();
-        let answer = ask(&mut sightings);
-        SCRATCH.set(Some(sightings));
-        answer
+    /// Runs `query` with reused memory.
+    pub(super) fn with<R>(query: impl FnOnce(&mut Self) -> R) -> R {
+        let mut samples = SCRATCH.take().unwrap_or_default();
+        let result = query(&mut samples);
+        SCRATCH.set(Some(samples));
+        result
     }
 
-    /// Takes up how all views see `p`.
+    /// Projects `p` into all enabled views.
     pub(super) fn project(&mut self, hull: &Hull, p: &Point3<f64>) {
         self.clear_samples();
         for (index, view) in hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
@@ -49,35 +49,37 @@ impl ViewSamples {
         }
     }
 
-    /// The same, but only as far as all views see `p` inside: false where some view sees it outside.
+    /// Projects `p` into the enabled views until one sees it outside. Returns whether `p` is inside; only then are the
+    /// samples complete.
     pub(super) fn project_if_inside(&mut self, hull: &Hull, p: &Point3<f64>, edge: EdgeModel) -> bool {
         self.clear_samples();
         for (index, view) in hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
-            if let Some(sighting) = self.add(index, view, p)
-                && sighting.verdict(view, edge) == Verdict::Outside
+            if let Some(sample) = self.add(index, view, p)
+                && sample.verdict(view, edge) == Verdict::Outside
             {
                 return false;
             }
         }
-        hull.unseen().decides_inside(self.seen.len(), 0, self.seen.len() + self.unseen)
+        hull.unseen().decides_inside(self.visible.len(), 0, self.visible.len() + self.unseen)
     }
 
     fn clear_samples(&mut self) {
-        self.seen.clear();
+        self.visible.clear();
         self.unseen = 0;
     }
 
     fn add(&mut self, index: usize, view: &View, p: &Point3<f64>) -> Option<ViewSample> {
-        let sighting = ViewSample::of(index, view, p);
-        match sighting {
-            Some(sighting) => self.seen.push(sighting),
+        let sample = ViewSample::of(index, view, p);
+        match sample {
+            Some(sample) => self.visible.push(sample),
             None => self.unseen += 1,
         }
-        sighting
+        sample
     }
 }
 
 impl ViewSample {
+    /// `None` where the view does not see `p`.
     fn of(index: usize, view: &View, p: &Point3<f64>) -> Option<Self> {
         let at = view.project(p)?;
         let pixel = floor_pixel(at.u, at.v);
@@ -93,7 +95,7 @@ impl ViewSample {
         let inside = if edge == EdgeModel::Pixel || !silhouette.has_coverage() {
             self.distance > 0
         } else {
-            // Between four centres of subject pixels coverage cannot fall below one half.
+            // Between four centres of subject pixels bilinear coverage is at least one half.
             self.distance > 1
                 || (view.may_contain_subject(self.pixel)
                     && silhouette.coverage(self.at.u, self.at.v) >= HALF_COVERAGE)

@@ -1,76 +1,78 @@
-//! The window search (paper, section 4.2): which view's silhouette edge is nearest to a point inside.
+//! The window search (paper, section 4.2): the view whose silhouette edge is nearest to a point inside.
 
 use super::projection::{ViewSample, ViewSamples};
 use crate::camera::Pixel;
 use crate::hull::{Hull, View};
 
-/// The silhouette edge nearest to a point, by the search over growing windows.
+/// The silhouette edge nearest to a point, found by the window search.
 #[derive(Debug, Clone, Copy)]
 pub struct NearestEdge<'a> {
-    /// The view that decides.
+    /// The view that the edge belongs to.
     pub view: &'a View,
-    /// Where the point appears in it.
+    /// The projection of the point into that view.
     pub a: Pixel,
-    /// The background pixel that is the projection of the paper's `b`.
+    /// The background pixel nearest to it, to which the paper's point `b` projects.
     pub b: (i32, i32),
 }
 
 impl Hull {
-    /// The nearest edge to `p`, a point inside; `None` where no view knows of one.
+    /// The silhouette edge nearest to `p`, a point inside; `None` if no view has an edge.
     ///
-    /// View i's window at iteration k has half-width `1 + floor(k d_max / d_i)` pixels, with `d_i` the metres that a
-    /// pixel covers at p; the first k at which some window holds background decides, the first view among equals.
-    /// The distance table says without a search at which k that is.
+    /// The window of view i at iteration k has a half-width of `1 + floor(k d_max / d_i)` pixels, where `d_i` is the
+    /// metres that a pixel covers at p and `d_max` the largest `d_i`. The view whose window is the first to hold
+    /// background decides; ties go to the first view. The distance tables give this k without an iteration.
     pub fn nearest_edge(&self, p: &nalgebra::Point3<f64>) -> Option<NearestEdge<'_>> {
-        ViewSamples::with(|sightings| {
-            sightings.project(self, p);
-            self.nearest_edge_among(sightings)
+        ViewSamples::with(|samples| {
+            samples.project(self, p);
+            self.nearest_edge_among(samples)
         })
     }
 
-    /// The edge nearest to a point inside, by the window search ([`Self::nearest_edge`]), from how the views see it.
-    pub(super) fn nearest_edge_among(&self, sightings: &ViewSamples) -> Option<NearestEdge<'_>> {
-        let d_max = sightings.seen.iter().map(|sighting| sighting.footprint).fold(0.0, f64::max);
+    /// The result of [`Self::nearest_edge`] for a point whose projections are known.
+    pub(super) fn nearest_edge_among(&self, samples: &ViewSamples) -> Option<NearestEdge<'_>> {
+        let d_max = samples.visible.iter().map(|sample| sample.footprint).fold(0.0, f64::max);
+
+        // The smallest iteration over the views, and its view.
         let mut first: Option<(i64, &ViewSample)> = None;
-        for sighting in &sightings.seen {
-            let growth = d_max / sighting.footprint;
-            // Only a view that comes in sooner takes over.
-            if first.is_some_and(|(sooner, _)| !reaches(sooner - 1, growth, sighting.distance)) {
+        for sample in &samples.visible {
+            let growth = d_max / sample.footprint;
+            if first.is_some_and(|(k, _)| !reaches(k - 1, growth, sample.distance)) {
                 continue;
             }
-            if let Some(k) = first_iteration(sighting.distance, growth) {
-                first = Some((k, sighting));
+            if let Some(k) = first_iteration(sample.distance, growth) {
+                first = Some((k, sample));
             }
         }
-        let (k, found) = first?;
-        let half = window_half_width(k, d_max / found.footprint);
-        let (i, j) = found.pixel;
-        let view = &self.views()[found.index];
+
+        let (k, decisive) = first?;
+        let half = window_half_width(k, d_max / decisive.footprint);
+        let (i, j) = decisive.pixel;
+        let view = &self.views()[decisive.index];
         let b = view.silhouette().nearest_background(i, j, half)?;
-        Some(NearestEdge { view, a: found.at, b })
+        Some(NearestEdge { view, a: decisive.at, b })
     }
 }
 
-/// Half-width of the window at iteration `k`, in pixels.
+/// Half-width of the window at iteration `k`, in pixels, where `growth` is `d_max / d_i` of the view.
 pub(in crate::hull) fn window_half_width(k: i64, growth: f64) -> i32 {
-    // Rounds down: what is negative is the window at k = -1, which is not looked at.
+    // `as` rounds down for k >= 0. The result for k = -1, the point's own pixel, does not matter.
     1 + (k as f64 * growth) as i32
 }
 
-/// Whether the window at iteration `k` reaches a pixel `distance` away: its half-width less one is the whole number
-/// below `k growth`. At k = -1 it is the point's own pixel.
+/// Whether the window at iteration `k` reaches a pixel at the Chebyshev distance `distance`: whether
+/// `1 + floor(k growth) >= distance`. At k = -1 the window is the point's own pixel.
 fn reaches(k: i64, growth: f64, distance: u16) -> bool {
     if distance == 0 { k >= -1 } else { k as f64 * growth >= f64::from(distance) - 1.0 }
 }
 
-/// The smallest k whose window reaches a pixel `distance` away; -1 where the point's own pixel is background;
-/// `None` where there is no background.
+/// The smallest k whose window reaches a pixel at the Chebyshev distance `distance`: -1 if the point's own pixel is
+/// background; `None` if there is no background.
 fn first_iteration(distance: u16, growth: f64) -> Option<i64> {
     match distance {
         0 => Some(-1),
         u16::MAX => None,
         _ => {
-            // The closed form, put right where the division rounded.
+            // The closed form, corrected where the division rounded.
             let mut k = ((f64::from(distance) - 1.0) / growth) as i64;
             while !reaches(k, growth, distance) {
                 k += 1;

@@ -7,8 +7,8 @@ use crate::Result;
 use crate::math::point_cloud::Points;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// Memory for batch queries. Whoever keeps it from call to call allocates nothing once it has grown; it holds no
-/// answer beyond the next call, and may be used with any hull and any points.
+/// Reusable memory for queries of many points. A workspace that is kept between calls stops allocating once it has grown.
+/// It may be used with any hull and any points; each query overwrites the results of the one before.
 #[derive(Debug, Default)]
 pub struct Workspace {
     cull: cull::Scratch,
@@ -20,17 +20,17 @@ pub struct Workspace {
     responses: Vec<PointResponse>,
 }
 
-/// Which points of a batch are inside.
+/// Which of the queried points are inside.
 #[derive(Debug, Clone, Copy)]
 pub struct Inside<'w> {
     words: &'w [u64],
     count: usize,
 }
 
-/// The paper's response of a point of a batch, in the hull's frame.
+/// The paper's response of one of many points (section 4.2), in the hull's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointResponse {
-    /// Index of the point, as given.
+    /// Index of the point in the list that was queried.
     pub point: usize,
     /// Index of the view whose edge gave the normal.
     pub view: usize,
@@ -41,14 +41,14 @@ pub struct PointResponse {
 }
 
 impl PointResponse {
-    /// The response vector, in metres.
+    /// The response vector `w = c - a`, in metres.
     pub fn w(&self) -> Vector3<f64> {
         self.normal * self.depth
     }
 }
 
 impl<'w> Inside<'w> {
-    /// The points at `places` of the blocks of `points`, marked in `words`.
+    /// Sets in `words` the bits of the points at `places` in the blocks of `points`.
     fn mark(points: &Points, places: &[u32], words: &'w mut Vec<u64>) -> Self {
         words.clear();
         words.resize(points.len().div_ceil(64), 0);
@@ -59,12 +59,12 @@ impl<'w> Inside<'w> {
         Self { words, count: places.len() }
     }
 
-    /// How many.
+    /// Number of points inside.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Whether the point of this index, as given, is inside; false beyond the last.
+    /// Whether the point at index `point` of the list that was queried is inside; false beyond the last point.
     pub fn contains(&self, point: usize) -> bool {
         self.words.get(point / 64).is_some_and(|word| word >> (point % 64) & 1 == 1)
     }
@@ -81,17 +81,17 @@ impl<'w> Inside<'w> {
 }
 
 impl Workspace {
-    /// Empty; grows with what it is used for.
+    /// An empty workspace, which grows with use.
     pub fn new() -> Self {
         Self::default()
     }
 }
 
 impl Hull {
-    /// Which of `points` are inside, in the pose `hull_from_points`.
+    /// Which of `points`, placed by the pose `hull_from_points`, are inside.
     ///
-    /// They are asked in single precision: a point whose image lies within a few ten-thousandths of a pixel of a
-    /// pixel's border may count to its other side.
+    /// The query runs in single precision: a point whose image lies within a few ten-thousandths of a pixel of a pixel's
+    /// border may be counted to the neighbouring pixel.
     ///
     /// # Errors
     /// A pose that is not finite.
@@ -106,8 +106,8 @@ impl Hull {
         Ok(Inside::mark(points, places, inside))
     }
 
-    /// The paper's responses (section 4.2) of those of `points` that are inside, in their order, with the bits of
-    /// [`respond`](Self::respond). The points are in the hull's frame.
+    /// The paper's responses (section 4.2) of the points that are inside, in the order of `points`, which are in the
+    /// hull's frame. Each is bit by bit what [`respond`](Self::respond) returns.
     pub fn respond_many<'w>(
         &self,
         points: &[Point3<f64>],
@@ -115,6 +115,8 @@ impl Hull {
     ) -> &'w [PointResponse] {
         let Workspace { batch, places, rays, exits, responses, .. } = workspace;
         self.exit_rays(points, EdgeModel::Pixel, usize::MAX, batch, places, rays);
+
+        // The view that gave the normal is read first, as `exits_within` overwrites it.
         responses.clear();
         responses.extend(places.iter().zip(&*rays).map(|(&point, ray)| PointResponse {
             point,
@@ -122,22 +124,23 @@ impl Hull {
             normal: ray.direction,
             depth: 0.0,
         }));
+
         self.exits_within(rays, EdgeModel::Pixel, f64::INFINITY, batch, exits);
         responses.iter_mut().zip(exits).for_each(|(response, exit)| response.depth = *exit);
         responses
     }
 
-    /// Tells `take`, of each of `bodies` by its place, which points may be inside by any edge model: all but those surely
-    /// outside; none in a pose that is not finite.
+    /// Calls `visit` with the index of each of `bodies` that has points that may be inside by some edge model, and with
+    /// these points: all but those surely outside. Bodies in a pose that is not finite are skipped.
     pub(crate) fn candidates<'b>(
         &self,
         bodies: impl Iterator<Item = (&'b Points, Isometry3<f64>)>,
         workspace: &mut Workspace,
-        mut take: impl FnMut(usize, Inside),
+        mut visit: impl FnMut(usize, Inside),
     ) {
         let Workspace { cull, inside, .. } = workspace;
         cull.each_candidate(self, bodies, |body, points, places| {
-            take(body, Inside::mark(points, places, inside));
+            visit(body, Inside::mark(points, places, inside));
         });
     }
 }

@@ -1,14 +1,14 @@
-//! The visual hull of one frame: the set of points that every view sees as subject.
+//! The visual hull of one frame: the set of points that project to subject in every view.
 //!
 //! ```text
 //!   camera 1 >- - - - .###. - - -          inside: subject in every view
-//!                     #####   \            response: out along the silhouette's normal, to the nearest exit
+//!                     #####   \            response: along the silhouette's outward normal, to the nearest exit
 //!                    camera 2  v
 //! ```
 //!
-//! Nothing is reconstructed. Each question is answered in the images: a point is projected into the views, the
-//! nearest silhouette edge is found there, its normal is taken back to the world, and the line along it is walked
-//! through the masks (paper, section 4). [`mod@reference`] is the same algorithm written to be read.
+//! The hull is never reconstructed; queries work on the masks. A point is projected into the views, the nearest
+//! silhouette edge is found there, its normal is back-projected to the world, and the half-line along that normal is
+//! traversed through the masks up to the exit (paper, section 4). [`mod@reference`] is a plain version of the algorithm.
 
 mod batch;
 mod cull;
@@ -30,23 +30,23 @@ use crate::silhouette::{Border, Silhouette};
 use nalgebra::Point3;
 use std::sync::Arc;
 
-/// What a view that does not see a point says of it.
+/// The policy for views that do not see a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unseen {
     /// The point is outside, as in the paper: the image's border cuts the hull off.
     Outside,
-    /// Nothing; but at least this many views must see a point that is inside.
+    /// The view does not count, but a point is inside only if at least `min_views` views see it.
     Abstain {
-        /// At least 1; two by default, since one view alone bounds nothing in depth.
+        /// At least 1. Two is a good choice, since one view alone does not bound the hull in depth.
         min_views: usize,
     },
 }
 
 impl Unseen {
-    /// Abstain, with two views needed.
+    /// Abstention with `min_views` of two.
     pub const ABSTAIN: Self = Self::Abstain { min_views: 2 };
 
-    /// How many of `enabled` views have to see a point that is inside.
+    /// How many of `enabled` views have to see a point for it to be inside.
     fn min_views(self, enabled: usize) -> usize {
         match self {
             Self::Outside => enabled.max(1),
@@ -54,13 +54,15 @@ impl Unseen {
         }
     }
 
-    /// Whether a point is inside that `inside` of `enabled` views see as subject and `outside` as background.
+    /// Whether a point is inside the hull, where `inside` of the `enabled` views see it as subject and `outside` of them
+    /// as background.
     pub fn decides_inside(self, inside: usize, outside: usize, enabled: usize) -> bool {
         outside == 0 && inside >= self.min_views(enabled)
     }
 }
 
-/// Which bounding volumes are tested before the masks (paper, section 4.1). All of them change speed, never a verdict.
+/// Which bounding volumes are tested before the masks (paper, section 4.1). They change the speed of queries, never
+/// their results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Culls {
     /// Per view, the silhouette's bounding rectangle in the image.
@@ -69,38 +71,38 @@ pub struct Culls {
     pub frustum: bool,
     /// The intersection of the frustums' boxes.
     pub frustum_box: bool,
-    /// A whole body's box against the hull's.
+    /// A bounding sphere around a whole body against the hull's box.
     pub body_box: bool,
 }
 
 impl Culls {
-    /// All.
+    /// All bounding volumes.
     pub const ALL: Self = Self { rectangle: true, frustum: true, frustum_box: true, body_box: true };
-    /// None.
+    /// No bounding volumes.
     pub const NONE: Self = Self { rectangle: false, frustum: false, frustum_box: false, body_box: false };
-    /// The ones in use: four plane tests a view cost more than the projection they would save, so the frustums
-    /// themselves are left out.
+    /// The bounding volumes in use: all but the frustums, whose four plane tests cost more than the projection that they
+    /// would save.
     pub const DEFAULT: Self = Self { rectangle: true, frustum: false, frustum_box: true, body_box: true };
 }
 
-/// Why a hull holds no point.
+/// Why a hull contains no point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EmptyReason {
-    /// No view takes part.
+    /// There is no enabled view.
     NoViews,
-    /// This view's mask has no subject pixel.
+    /// The mask of `view` has no subject pixel.
     EmptySilhouette {
-        /// Its index.
+        /// Index of the view.
         view: usize,
     },
-    /// What this view sees of its silhouette has no point in common with the work volume and the views before it.
+    /// The frustum of this view's silhouette does not meet the work volume and the frustums of the views before it.
     NothingInCommon {
-        /// Its index.
+        /// Index of the view.
         view: usize,
     },
 }
 
-/// The visual hull of one frame. Immutable: any number of threads may ask it.
+/// The visual hull of one frame, in world coordinates and metres. It is immutable: any number of threads may query it.
 #[derive(Debug, Clone)]
 pub struct Hull {
     views: Vec<View>,
@@ -113,35 +115,35 @@ pub struct Hull {
 }
 
 impl Hull {
-    /// The hull of `views` inside the work volume `bounds`, seen at `time` seconds.
+    /// The hull of `views` inside the work volume `bounds`, as seen at `time` seconds.
     pub fn new(views: Vec<View>, bounds: Aabb, unseen: Unseen, time: f64) -> Self {
-        let (aabb, emptiness) = bounding_box(&views, &bounds, unseen);
-        Self { views, bounds, unseen, culls: Culls::DEFAULT, time, aabb, empty_reason: emptiness }
+        let (aabb, empty_reason) = bounding_box(&views, &bounds, unseen);
+        Self { views, bounds, unseen, culls: Culls::DEFAULT, time, aabb, empty_reason }
     }
 
-    /// Removes the views of a dropped frame, and returns their silhouettes; the memory of the list of views stays.
+    /// Removes the views of a dropped frame and returns their silhouettes. The list of views keeps its capacity.
     fn drain_silhouettes(&mut self) -> impl Iterator<Item = Arc<Silhouette>> {
         self.views.drain(..).map(View::into_silhouette)
     }
 
-    /// The memory of the list of views.
+    /// Takes the list of views, emptied, so that its memory can be reused.
     fn take_views(&mut self) -> Vec<View> {
         self.views.clear();
         std::mem::take(&mut self.views)
     }
 
-    /// The same hull with other culls.
+    /// This hull with other culls.
     pub fn with_culls(mut self, culls: Culls) -> Self {
         self.culls = culls;
         self
     }
 
-    /// All views, the disabled ones too.
+    /// All views, including the disabled ones.
     pub fn views(&self) -> &[View] {
         &self.views
     }
 
-    /// The work volume: points outside are outside the hull.
+    /// The work volume: a point outside it is outside the hull.
     pub fn bounds(&self) -> &Aabb {
         &self.bounds
     }
@@ -151,38 +153,40 @@ impl Hull {
         self.unseen
     }
 
-    /// When its silhouettes were seen, in seconds.
+    /// The time of the frame, in seconds.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// A box around the hull: the intersection of the frustums' boxes with the work volume. Empty for an empty hull.
+    /// A box around the hull: the intersection of the frustums' boxes with the work volume. It is empty where
+    /// [`empty_reason`](Self::empty_reason) gives a reason.
     pub fn aabb(&self) -> &Aabb {
         &self.aabb
     }
 
-    /// Why the hull is empty and which view emptied it, as far as its bounding volumes tell; `None` where they
-    /// leave room for a point.
+    /// Why the hull is empty and which view emptied it, judged by bounding volumes alone; `None` where these overlap,
+    /// although the hull may be empty even then.
     pub fn empty_reason(&self) -> Option<EmptyReason> {
         self.empty_reason
     }
 
-    /// Whether a body whose points lie within `radius` of `centre` can touch the hull at all.
+    /// Whether a body whose points lie within `radius` metres of `centre` can touch the hull at all.
     pub fn may_touch(&self, centre: &Point3<f64>, radius: f64) -> bool {
         !self.culls.body_box || self.aabb.grown(radius).contains(centre)
     }
 
-    /// Whether `p` is inside: subject in every view (paper, section 4.1), see [`Unseen`] for views that miss it.
+    /// Whether `p` is inside: subject in every view (paper, section 4.1). Views that do not see it follow [`Unseen`].
     pub fn inside(&self, p: &Point3<f64>) -> bool {
         self.inside_by(p, EdgeModel::Pixel)
     }
 
-    /// Whether `p` is inside with the silhouettes' edges taken by `edge`. Contacts begin at the coverage edge, where
-    /// their exits end.
+    /// Whether `p` is inside, by the edge model `edge`. Contacts use the coverage edge both here and for their exits.
     pub fn inside_by(&self, p: &Point3<f64>, edge: EdgeModel) -> bool {
         if !self.in_boxes(p) {
             return false;
         }
+
+        // One view that sees background decides alone.
         let (mut inside, mut enabled) = (0, 0);
         for view in self.enabled_views() {
             match self.verdict(view, p, edge) {
@@ -195,12 +199,13 @@ impl Hull {
         self.unseen.decides_inside(inside, 0, enabled)
     }
 
-    /// Whether `p` lies in the work volume, and in the hull's box where that is asked.
+    /// Whether `p` lies in the work volume, and in the hull's box if that cull is enabled.
     fn in_boxes(&self, p: &Point3<f64>) -> bool {
         self.bounds.contains(p) && (!self.culls.frustum_box || self.aabb.contains(p))
     }
 
-    /// Metres that a pixel covers at `p` in the view that sees it largest; the work volume's diagonal where none does.
+    /// Metres that a pixel covers at `p`, in the view where that is least; the work volume's diagonal if no enabled view
+    /// has `p` in front of it.
     pub fn pixel_size(&self, p: &Point3<f64>) -> f64 {
         let sizes = self
             .enabled_views()
@@ -209,14 +214,14 @@ impl Hull {
     }
 
     fn verdict(&self, view: &View, p: &Point3<f64>, edge: EdgeModel) -> Verdict {
-        // A view that may abstain has to say first whether it sees the point.
+        // Where views abstain, it has to be known first whether the view sees the point.
         if self.culls.frustum && self.unseen == Unseen::Outside && view.outside_frustum(p) {
             return Verdict::Outside;
         }
         view.verdict(p, edge, self.culls.rectangle)
     }
 
-    /// Whether what `view` does not see is outside, as the background of its mask says already.
+    /// Whether every point that `view` does not see is outside, so that it can be treated as background of its mask.
     fn is_closed(&self, view: &View) -> bool {
         self.unseen == Unseen::Outside && view.silhouette().border() == Border::Background
     }
@@ -226,28 +231,31 @@ impl Hull {
     }
 }
 
-/// The intersection of the views' frustum boxes inside `bounds`, and who emptied it.
+/// The intersection of the views' frustum boxes inside `bounds`, and why it is empty if it is.
 fn bounding_box(views: &[View], bounds: &Aabb, unseen: Unseen) -> (Aabb, Option<EmptyReason>) {
     if !views.iter().any(View::is_enabled) {
         return (Aabb::EMPTY, Some(EmptyReason::NoViews));
     }
+
     let mut aabb = *bounds;
     for (index, view) in views.iter().enumerate().filter(|(_, view)| view.is_enabled()) {
-        // A view bounds nothing where it abstains.
+        // Outside its field of view, a view that abstains does not bound the hull.
         if unseen != Unseen::Outside && !view.sees_all_of(bounds) {
             continue;
         }
+
         aabb = aabb.intersection(&view.frustum_box(bounds));
         if aabb.is_empty() {
-            let empty = view.silhouette().rect().is_empty();
-            let why = if empty {
-                EmptyReason::EmptySilhouette { view: index }
-            } else {
+            let has_subject = !view.silhouette().rect().is_empty();
+            let reason = if has_subject {
                 EmptyReason::NothingInCommon { view: index }
+            } else {
+                EmptyReason::EmptySilhouette { view: index }
             };
-            return (Aabb::EMPTY, Some(why));
+            return (Aabb::EMPTY, Some(reason));
         }
     }
+
     (aabb, None)
 }
 

@@ -1,7 +1,7 @@
-//! The paper's section 4 in the order of its sentences, slow and without tables: the judge of what is in use.
+//! The paper's section 4, sentence by sentence, slow and without tables. Tests compare the optimised queries with it.
 //!
-//! It reads masks pixel by pixel. What it shares with the code in use is the camera, the normals of an edge pixel and
-//! the policy for unseen points; the search, the distances and the walk are its own.
+//! It reads masks pixel by pixel. It shares the camera, the normals of edge pixels and the policy for unseen points with
+//! the optimised code, but has its own window search and its own exits.
 
 use super::query::window_half_width;
 use super::{Hull, Unseen, View};
@@ -14,7 +14,7 @@ use nalgebra::{Point2, Point3, Vector2, Vector3};
 pub struct ReferenceResponse {
     /// Index of the view that decides.
     pub view: usize,
-    /// The background pixel that is the projection of b.
+    /// The background pixel to which the paper's point b projects.
     pub b: (i32, i32),
     /// Unit outward normal.
     pub normal: Vector3<f64>,
@@ -22,7 +22,8 @@ pub struct ReferenceResponse {
     pub depth: f64,
 }
 
-/// Section 4.1: the point projects to a subject pixel in every view.
+/// Whether `p` is inside (paper, section 4.1): it projects to a subject pixel in every view. Views that do not see it
+/// follow the hull's [`Unseen`] policy.
 pub fn inside(hull: &Hull, p: &Point3<f64>) -> bool {
     let enabled = || hull.views().iter().filter(|view| view.is_enabled());
     let seen = enabled().filter_map(|view| view.pixel(p).map(|(i, j)| view.silhouette().is_subject(i, j)));
@@ -34,26 +35,31 @@ pub fn inside(hull: &Hull, p: &Point3<f64>) -> bool {
     hull.bounds().contains(p) && background.is_empty() && enough
 }
 
-/// Section 4.2: `w = c - a` for a point inside; `None` outside, and where no view has an edge.
+/// The response `w = c - a` of a point inside (paper, section 4.2); `None` outside, and where no view has an edge.
 pub fn respond(hull: &Hull, a: &Point3<f64>) -> Option<ReferenceResponse> {
     if !inside(hull, a) {
         return None;
     }
     let (view, b) = window_search(hull, a)?;
+
+    // The 5x5 normal in the image; where there is none, the direction from a's pixel to b.
     let deciding = &hull.views()[view];
     let silhouette = deciding.silhouette();
-    let tangent = silhouette.paper_normal(b.0, b.1).unwrap_or_else(|| {
+    let image_normal = silhouette.paper_normal(b.0, b.1).unwrap_or_else(|| {
         let (i, j) = deciding.pixel(a).unwrap_or(b);
         Vector2::new(f64::from(b.0 - i), f64::from(b.1 - j)).normalize()
     });
+
     let centre = Point2::new(f64::from(b.0) + 0.5, f64::from(b.1) + 0.5);
-    let normal = deciding.backproject_normal(&centre, &tangent);
+    let normal = deciding.backproject_normal(&centre, &image_normal);
     Some(ReferenceResponse { view, b, normal, depth: exit(hull, a, &normal) })
 }
 
-/// "For every iteration of the search algorithm, a square window around the projection of a is considered for every
-/// input image": the first view with background in its window, and the background pixel nearest to a's.
+/// The first view with background in its window, and the background pixel in it that is nearest to a's pixel. "For every
+/// iteration of the search algorithm, a square window around the projection of a is considered for every input image"
+/// (paper, section 4.2).
 fn window_search(hull: &Hull, a: &Point3<f64>) -> Option<(usize, (i32, i32))> {
+    // d_i: metres that a pixel covers at a, in each view that sees it.
     let pixel_size = |view: &View| -> Option<f64> {
         view.pixel(a)?;
         let (camera, at) = (view.camera(), view.project(a)?);
@@ -65,9 +71,11 @@ fn window_search(hull: &Hull, a: &Point3<f64>) -> Option<(usize, (i32, i32))> {
     let sizes: Vec<_> =
         enabled().filter_map(|(index, view)| Some((index, view, pixel_size(view)?))).collect();
     let d_max = sizes.iter().map(|&(.., d)| d).fold(0.0, f64::max);
-    let largest =
+
+    // Windows grow until they hold a whole image.
+    let last =
         hull.views().iter().map(|view| view.silhouette().image()).map(|r| r.width() + r.height()).max()?;
-    for k in 0..largest as i64 {
+    for k in 0..last as i64 {
         for &(index, view, d) in &sizes {
             let (i, j) = view.pixel(a)?;
             let window = Rect::window(i, j, window_half_width(k, d_max / d));
@@ -82,23 +90,26 @@ fn window_search(hull: &Hull, a: &Point3<f64>) -> Option<(usize, (i32, i32))> {
     None
 }
 
-/// Metres along `direction` to the first point that is not inside: every pixel border that the ray crosses in any
-/// view is a candidate, and between two neighbouring candidates nothing can change.
+/// Metres from `a` along the unit `direction` to the first point that is not inside. Every pixel border that the
+/// half-line crosses in any view is a candidate, since no verdict changes between two neighbouring ones.
 pub fn exit(hull: &Hull, a: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
-    let (wall, _) = hull.bounds().exit(a, direction);
-    let mut candidates = vec![0.0, wall];
+    let (bounds_exit, _) = hull.bounds().exit(a, direction);
+    let mut candidates = vec![0.0, bounds_exit];
     for view in hull.views().iter().filter(|view| view.is_enabled()) {
-        candidates.extend(pixel_borders(view, a, direction).filter(|&t| t > 0.0 && t < wall));
+        candidates.extend(pixel_borders(view, a, direction).filter(|&t| t > 0.0 && t < bounds_exit));
     }
     candidates.sort_by(f64::total_cmp);
+
+    // The first interval between two candidates whose middle is outside.
     let outside_between = |pair: &[f64]| {
         let middle = a + direction * (0.5 * (pair[0] + pair[1]));
         pair[1] > pair[0] && !inside(hull, &middle)
     };
-    candidates.windows(2).find(|pair| outside_between(pair)).map_or(wall, |pair| pair[0])
+    candidates.windows(2).find(|pair| outside_between(pair)).map_or(bounds_exit, |pair| pair[0])
 }
 
-/// The t at which the ray crosses a column or row border of the view's image, or the camera's plane.
+/// The `t`, in metres, at which the ray crosses a border between columns or rows of the view's image, or the plane of
+/// least depth in front of the camera.
 fn pixel_borders(view: &View, a: &Point3<f64>, direction: &Vector3<f64>) -> impl Iterator<Item = f64> {
     let (x0, x1) = (view.homogeneous(a), view.homogeneous_direction(direction));
     let image = view.silhouette().image();

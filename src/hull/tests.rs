@@ -1,5 +1,5 @@
-//! The hull in use against the reference and against invariants of the paper, on masks drawn here: a ball and a slab
-//! with a hole, seen by cameras at odd places.
+//! The optimised queries against the reference and against invariants of the paper. The masks show a ball and a slab
+//! with a hole, rendered here for five cameras without any symmetry.
 
 use super::*;
 use crate::camera::{Camera, Ray};
@@ -40,8 +40,11 @@ pub(super) fn bounds() -> Aabb {
 }
 
 pub(super) fn cameras() -> Vec<Camera> {
+    // In metres.
     let eyes = [[2.0, 0.2, 0.5], [0.1, 2.2, 1.4], [-1.8, -1.1, 0.3], [0.3, -0.2, 2.9], [1.2, -1.6, 1.0]];
+    // Horizontal, in radians.
     let fov = [0.9, 0.8, 1.0, 0.7, 0.95];
+
     let look = |k: usize| {
         let eye = Point3::from(eyes[k]);
         Camera::look_at(
@@ -53,10 +56,11 @@ pub(super) fn cameras() -> Vec<Camera> {
             vector![0.02, 0.1, 1.0],
         )
     };
+
     (0..5).map(|k| look(k).unwrap()).collect()
 }
 
-/// Whether the ray of an image position meets the subject: a ball of 0.3 m, and in the third view also a slab.
+/// Whether a ray meets the subject: a ball with a radius of 0.3 m, and a slab with a hole if `with_slab`.
 fn sees_subject(ray: &Ray, with_slab: bool) -> bool {
     let to_centre = point![0.05, 0.0, 0.35] - ray.origin;
     let nearest = ray.origin + ray.direction * to_centre.dot(&ray.direction);
@@ -65,12 +69,12 @@ fn sees_subject(ray: &Ray, with_slab: bool) -> bool {
     (nearest - point![0.05, 0.0, 0.35]).norm() < 0.3 || (with_slab && on_slab)
 }
 
-/// What the cameras see of the subject, by `samples` times `samples` rays a pixel, at most 8 times 8. Drawn once for all
-/// tests, since it takes longer than most of them.
+/// The masks of the subject, from `samples` times `samples` rays a pixel, at most 8 times 8. They are rendered once for
+/// all tests, since that takes longer than most of them.
 fn masks(samples: u32) -> &'static [GrayImage] {
     static MASKS: [OnceLock<Vec<GrayImage>>; 9] = [const { OnceLock::new() }; 9];
-    let draw = || cameras().iter().map(|camera| mask(camera, samples)).collect();
-    MASKS[samples as usize].get_or_init(draw)
+    let render = || cameras().iter().map(|camera| mask(camera, samples)).collect();
+    MASKS[samples as usize].get_or_init(render)
 }
 
 /// What a camera sees of the subject, by `samples` times `samples` rays a pixel.
@@ -102,6 +106,7 @@ fn inside_agrees_with_the_reference_whatever_the_culls() {
     for unseen in POLICIES {
         let with_all = hull(unseen, 1).with_culls(Culls::ALL);
         let with_none = with_all.clone().with_culls(Culls::NONE);
+
         let mut random = Random(1);
         for _ in 0..20_000 {
             let p = random.point(&bounds().grown(0.05));
@@ -131,20 +136,22 @@ fn responses_agree_with_the_reference() {
     for unseen in POLICIES {
         let hull = hull(unseen, 1);
         let mut random = Random(3);
-        let mut asked = 0;
-        while asked < 400 {
+        let mut compared = 0;
+
+        while compared < 400 {
             let p = random.point(hull.aabb());
             let (found, expected) = (hull.respond(&p), reference::respond(&hull, &p));
             let Some(expected) = expected else {
                 assert!(found.is_none());
                 continue;
             };
+
             let found = found.unwrap();
             assert_eq!(found.nearest.view.name(), hull.views()[expected.view].name(), "{p}");
             assert_eq!(found.nearest.b, expected.b, "{p}");
             // Both find the same pixel border in closed form.
             assert!((found.depth - expected.depth).abs() < 1e-9, "{p}: {} {}", found.depth, expected.depth);
-            asked += 1;
+            compared += 1;
         }
     }
 }
@@ -154,14 +161,16 @@ fn exits_in_any_direction_agree_with_the_reference() {
     for unseen in POLICIES {
         let hull = hull(unseen, 1);
         let mut random = Random(4);
-        let mut asked = 0;
-        while asked < 400 {
+        let mut compared = 0;
+
+        while compared < 400 {
             let (p, direction) = (random.point(hull.aabb()), random.direction());
             if hull.inside(&p) {
                 let found = hull.exit(&p, &direction, EdgeModel::Pixel);
                 let expected = reference::exit(&hull, &p, &direction);
+                // Both compute the crossing of a pixel border in closed form.
                 assert!((found - expected).abs() < 1e-9, "{p} {direction}: {found} {expected}");
-                asked += 1;
+                compared += 1;
             }
         }
     }
@@ -171,23 +180,26 @@ fn exits_in_any_direction_agree_with_the_reference() {
 fn coverage_exits_are_where_bilinear_coverage_falls_below_one_half() {
     let hull = hull(Unseen::Outside, 8);
     let mut random = Random(5);
-    let mut asked = 0;
-    while asked < 300 {
+    let mut compared = 0;
+
+    while compared < 300 {
         let (p, direction) = (random.point(hull.aabb()), random.direction());
         if hull.inside_by(&p, EdgeModel::Coverage) {
             let t = hull.exit(&p, &direction, EdgeModel::Coverage);
-            let at = |t: f64| hull.inside_by(&(p + direction * t), EdgeModel::Coverage);
-            assert!(!at(t + 1e-9), "{p}");
-            // Nothing was jumped over: inside all the way, by steps of a hundredth of a pixel.
+            let inside_at = |t: f64| hull.inside_by(&(p + direction * t), EdgeModel::Coverage);
+            assert!(!inside_at(t + 1e-9), "{p}");
+
+            // No earlier exit was skipped: inside all the way, by steps of about a hundredth of a pixel.
             let steps = (t / 1e-4) as usize;
-            assert!((0..steps).all(|k| at(t * (k as f64 + 0.5) / (steps as f64 + 0.5))), "{p} {direction}");
-            asked += 1;
+            let before_exit = |k: usize| t * (k as f64 + 0.5) / (steps as f64 + 0.5);
+            assert!((0..steps).all(|k| inside_at(before_exit(k))), "{p} {direction}");
+            compared += 1;
         }
     }
 }
 
 #[test]
-fn a_point_moved_by_its_response_has_left() {
+fn a_point_moved_by_its_response_is_outside() {
     let hull = hull(Unseen::Outside, 1);
     let mut random = Random(6);
     for _ in 0..4000 {
@@ -208,30 +220,36 @@ fn a_ray_from_outside_enters_and_leaves_where_the_verdict_changes() {
             let origin = random.point(&bounds().grown(0.5));
             let ray = Ray { origin, direction: (random.point(hull.aabb()) - origin).normalize() };
             let inside = |t: f64| hull.inside(&ray.at(t));
+
+            // A ray that misses is outside all the way, by steps of a millimetre.
             let Some((entry, exit)) = hull.ray_cast(&ray) else {
                 assert!((0..4000).all(|k| !inside(f64::from(k) * 1e-3)));
                 continue;
             };
+
+            // The verdict changes within a nanometre of the entry and of the exit.
             let start = entry.map_or(0.0, |hit| hit.t);
             assert_eq!(entry.is_none(), inside(0.0));
             assert!(inside(0.5 * (start + start.min(exit.t) + 1e-9)) || exit.t - start < 2e-9);
             assert!(!inside(exit.t + 1e-9));
             assert!(entry.is_none_or(|hit| !inside(hit.t - 1e-9)));
+
             hits += 1;
             facing += usize::from(entry.is_none_or(|hit| hit.normal.dot(&ray.direction) < 0.0));
         }
         assert!(hits > 300);
-        // Where a ray grazes, the normal of a stair of pixels may point either way.
+        // Where a ray grazes the surface, the normal of a staircase of pixels may point either way.
         assert!(facing > hits * 95 / 100, "{facing} of {hits}");
     }
 }
 
 #[test]
 fn a_point_on_a_background_pixel_is_nearest_to_that_pixel() {
-    // By the coverage edge a point may be inside on a background pixel: the search ends there before it begins.
+    // By the coverage edge a point may be inside although its own pixel is background, which is then the nearest one.
     let hull = hull(Unseen::Outside, 4);
     let mut random = Random(9);
-    let mut asked = 0;
+    let mut compared = 0;
+
     for _ in 0..60_000 {
         let p = random.point(hull.aabb());
         let distance = |view: &View| view.pixel(&p).map(|(i, j)| view.silhouette().distance(i, j));
@@ -239,14 +257,16 @@ fn a_point_on_a_background_pixel_is_nearest_to_that_pixel() {
         if let Some(view) = on_background.filter(|_| hull.inside_by(&p, EdgeModel::Coverage)) {
             let nearest = hull.nearest_edge(&p).unwrap();
             assert_eq!((nearest.view.name(), Some(nearest.b)), (view.name(), view.pixel(&p)));
-            asked += 1;
+            compared += 1;
         }
     }
-    assert!(asked > 30, "{asked}");
+
+    assert!(compared > 30, "{compared}");
 }
 
 #[test]
-fn a_view_that_does_not_see_the_point_decides_by_the_policy() {
+fn a_view_that_does_not_see_the_point_counts_by_the_policy() {
+    // Five views that see the middle of the ball, and one that looks away from it.
     let mut views: Vec<View> = hull(Unseen::ABSTAIN, 1).views().to_vec();
     let away =
         Camera::look_at("away", (64, 48), 0.2, point![3.0, 0.0, 0.3], point![3.0, 3.0, 0.3], Vector3::z());
@@ -259,7 +279,8 @@ fn a_view_that_does_not_see_the_point_decides_by_the_policy() {
 }
 
 #[test]
-fn an_empty_hull_tells_which_view_emptied_it() {
+fn an_empty_hull_names_the_view_that_emptied_it() {
+    // One view with an empty mask.
     let mut views: Vec<View> = hull(Unseen::Outside, 1).views().to_vec();
     let camera = cameras().swap_remove(3);
     let blank = Silhouette::new(&GrayImage::new(160, 120), Border::Background);
@@ -267,6 +288,8 @@ fn an_empty_hull_tells_which_view_emptied_it() {
     let emptied = Hull::new(views.clone(), bounds(), Unseen::Outside, 0.0);
     assert_eq!(emptied.empty_reason(), Some(EmptyReason::EmptySilhouette { view: 3 }));
     assert!(emptied.aabb().is_empty());
+
+    // That view is disabled, or there are no views at all.
     views[3] = views[3].clone().with_enabled(false);
     assert_eq!(Hull::new(views.clone(), bounds(), Unseen::Outside, 0.0).empty_reason(), None);
     assert_eq!(

@@ -1,4 +1,4 @@
-//! The views, masks and frames of one subject: what cameras write and simulations read.
+//! The views, masks and frames of one subject, shared between the cameras' threads and simulations.
 
 use super::view_state::ViewState;
 use crate::camera::Camera;
@@ -8,12 +8,12 @@ use crate::silhouette::{Border, IncomingMask, MaskView, PackedMask};
 use crate::{Error, Result};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-/// The views of a subject and their latest masks. Shared by cloning an `Arc`; all methods may be called from any
-/// thread.
+/// The views of a subject and their latest masks. All methods may be called from any thread; put it in an `Arc` to share
+/// it.
 ///
-/// A mask is prepared by [`set_mask`](Self::set_mask), on the thread that calls it, and takes effect with the next
-/// [`update`](Self::update), which publishes all masks as one frame. A view that got no new mask keeps its last one.
-/// Nothing else is rebuilt.
+/// [`set_mask`](Self::set_mask) prepares a mask on the thread that calls it. The mask takes effect with the next
+/// [`update`](Self::update), which publishes the latest masks of all views as one frame. A view without a new mask keeps
+/// its last one, which is not prepared again.
 #[derive(Debug, Default)]
 pub struct HullData {
     state: Mutex<State>,
@@ -25,7 +25,7 @@ struct State {
     bounds: Option<Aabb>,
     unseen: Unseen,
     latest: Option<Arc<Hull>>,
-    /// Past frames: their memory is for the next ones, once they have no other owner.
+    /// Past frames, whose memory is reused for the next ones once they have no other owner.
     retired: Vec<Arc<Hull>>,
     published: u64,
 }
@@ -49,7 +49,7 @@ impl HullData {
         Self::default()
     }
 
-    /// Adds a view and returns its index.
+    /// Adds a view of `camera` and returns its index.
     ///
     /// # Errors
     /// A name that another view has; a lens whose undistorted image would have too many pixels.
@@ -57,23 +57,25 @@ impl HullData {
         self.add_views(&[camera])
     }
 
-    /// Adds views, all or none, and returns the index of the first.
+    /// Adds a view for each of `cameras`, all or none, and returns the index of the first.
     ///
     /// # Errors
     /// As [`add_view`](Self::add_view).
     pub fn add_views(&self, cameras: &[Camera]) -> Result<usize> {
-        let slots = cameras.iter().cloned().map(ViewState::new).collect::<Result<Vec<ViewState>>>()?;
+        let added = cameras.iter().cloned().map(ViewState::new).collect::<Result<Vec<ViewState>>>()?;
+
         let mut state = self.lock();
         let first = state.views.len();
-        for slot in slots {
-            if state.views.iter().any(|other| other.name() == slot.name()) {
+        for view in added {
+            if state.views.iter().any(|other| other.name() == view.name()) {
                 let problem = "expected a name of its own, found another view with the same name; rename one";
-                let taken = Error::view(slot.name(), problem);
+                let error = Error::view(view.name(), problem);
                 state.views.truncate(first);
-                return Err(taken);
+                return Err(error);
             }
-            state.views.push(slot);
+            state.views.push(view);
         }
+
         Ok(first)
     }
 
@@ -82,15 +84,15 @@ impl HullData {
         self.lock().views.len()
     }
 
-    /// The calibrated camera of a view, lens included.
+    /// The calibrated camera of a view, including its lens.
     ///
     /// # Errors
-    /// An index out of range.
+    /// A view index out of range.
     pub fn camera(&self, view: usize) -> Result<Arc<Camera>> {
         Ok(self.lock().view(view)?.camera().clone())
     }
 
-    /// Sets the work volume: points outside are outside the hull.
+    /// Sets the work volume, in world coordinates and metres: a point outside it is outside the hull.
     ///
     /// # Errors
     /// Inverted or non-finite bounds.
@@ -99,7 +101,7 @@ impl HullData {
         Ok(())
     }
 
-    /// Sets the policy for views that do not see a point. It holds from the next [`update`](Self::update) on.
+    /// Sets the policy for views that do not see a point, from the next [`update`](Self::update) on.
     ///
     /// # Errors
     /// `min_views` of zero.
@@ -109,34 +111,37 @@ impl HullData {
                 "min_views: expected at least 1, found 0; one view alone bounds no depth",
             ));
         }
+
         let mut state = self.lock();
         if border_of(state.unseen) != border_of(unseen) {
-            state.views.iter_mut().for_each(|slot| slot.change_border(border_of(unseen)));
+            state.views.iter_mut().for_each(|view| view.change_border(border_of(unseen)));
         }
         state.unseen = unseen;
         Ok(())
     }
 
-    /// Takes a view out, so that it abstains whatever the policy, or puts it back; from the next update on.
+    /// Enables or disables a view, from the next [`update`](Self::update) on. A disabled view abstains under either policy.
     ///
     /// # Errors
-    /// An index out of range.
+    /// A view index out of range.
     pub fn set_view_enabled(&self, view: usize, enabled: bool) -> Result<()> {
         self.lock().view_mut(view)?.enabled = enabled;
         Ok(())
     }
 
-    /// Gives a view its next mask, 0 background .. 255 subject, and prepares it.
+    /// Prepares `mask` (0 background .. 255 subject) as the next mask of a view.
+    ///
+    /// An empty mask is valid, since the subject may have left the image.
     ///
     /// # Errors
-    /// An index out of range; a mask of another size than the camera's image; a full mask, which says that the
-    /// segmentation failed. The last good mask then stays. An empty mask is no error: the subject may have left.
+    /// A view index out of range; a mask whose size differs from the camera's image; a mask without background, which
+    /// indicates that the segmentation failed. The view then keeps its last mask.
     pub fn set_mask<'a>(&self, view: usize, mask: impl Into<MaskView<'a>>) -> Result<()> {
         self.set(view, IncomingMask::Bytes(mask.into()), None)
     }
 
-    /// Gives a view its next mask, which was taken at `time` seconds. One without a time of its own counts as taken at
-    /// the time of the first frame that it is in.
+    /// Prepares `mask` as the next mask of a view, taken at `time` seconds. A mask without a time counts as taken at the
+    /// time of the first frame that contains it.
     ///
     /// # Errors
     /// A time that is not finite or lies before that of the view's last mask; otherwise as
@@ -145,7 +150,7 @@ impl HullData {
         self.set(view, IncomingMask::Bytes(mask.into()), Some(time))
     }
 
-    /// Gives a view its next mask, packed, and prepares it.
+    /// Prepares a packed mask as the next mask of a view.
     ///
     /// # Errors
     /// As [`set_mask`](Self::set_mask).
@@ -153,7 +158,7 @@ impl HullData {
         self.set(view, IncomingMask::Packed(mask), None)
     }
 
-    /// Gives a view its next mask, packed, which was taken at `time` seconds.
+    /// Prepares a packed mask as the next mask of a view, taken at `time` seconds.
     ///
     /// # Errors
     /// As [`set_mask_at`](Self::set_mask_at).
@@ -165,12 +170,15 @@ impl HullData {
         let (mut preparation, border) = {
             let mut state = self.lock();
             let border = border_of(state.unseen);
-            let slot = state.view_mut(view)?;
-            slot.check_time(time)?;
-            (slot.take_buffers(), border)
+            let view = state.view_mut(view)?;
+            view.check_time(time)?;
+            (view.take_buffers(), border)
         };
-        // Prepared outside the lock, so that cameras on several threads do not wait for one another.
+
+        // The mask is prepared outside the lock, so that cameras on several threads do not wait for one another.
         preparation.prepare(mask, border)?;
+
+        // The policy may have changed meanwhile.
         let mut state = self.lock();
         if border != border_of(state.unseen) {
             preparation.prepare(mask, border_of(state.unseen))?;
@@ -178,10 +186,10 @@ impl HullData {
         state.view_mut(view)?.commit(preparation, time)
     }
 
-    /// Publishes the masks as the frame of `time` seconds, and returns it.
+    /// Publishes the latest masks as the frame at `time` seconds, and returns it.
     ///
     /// # Errors
-    /// No views; no work volume; a view that never got a mask, or that sees nothing of the work volume; a time that
+    /// No views; no work volume; an enabled view without a mask, or one that sees nothing of the work volume; a time that
     /// is not finite or lies before the last frame's. The last frame then stays in force.
     pub fn update(&self, time: f64) -> Result<Arc<Hull>> {
         let mut state = self.lock();
@@ -191,8 +199,10 @@ impl HullData {
                  clock"
             )));
         }
+
         let hull = state.frame(time, ViewState::next_view)?;
-        state.views.iter_mut().for_each(|slot| slot.publish(time));
+        state.views.iter_mut().for_each(|view| view.publish(time));
+
         let past = state.latest.replace(hull.clone());
         state.retired.extend(past);
         state.recycle();
@@ -200,16 +210,17 @@ impl HullData {
         Ok(hull)
     }
 
-    /// The latest frame and its serial number; `None` before the first.
+    /// The latest frame and its serial number, counted from 1; `None` before the first frame.
     pub fn latest(&self) -> Option<(u64, Arc<Hull>)> {
         let state = self.lock();
         Some((state.published, state.latest.clone()?))
     }
 
-    /// What the views saw at `time` seconds: of each view the latest mask that was not taken after it, as far as masks are
-    /// kept, which are those of the view's last tenth of a second and one more; else the earliest that is kept.
+    /// The hull as the views saw it at `time` seconds, from the masks that are kept. Each view shows its latest mask that
+    /// was not taken after `time`, or its earliest if all were. A view keeps the masks of its last tenth of a second, and
+    /// one more.
     ///
-    /// The first query of a past mask may derive its tables again, about 0.03 ms a VGA view.
+    /// The first query of a past mask may have to compute its tables again, in about 0.03 ms for a VGA view.
     ///
     /// # Errors
     /// A time that is not finite; otherwise as [`update`](Self::update).
@@ -233,11 +244,11 @@ impl State {
         self.views.get_mut(view).ok_or_else(|| no_such_view(view, count))
     }
 
-    /// A frame of the views that `view` makes for the bounds and `time`.
+    /// A frame at `time`, whose views `view_at` returns for the work volume and that time.
     fn frame(
         &mut self,
         time: f64,
-        view: fn(&mut ViewState, &Aabb, f64) -> Result<View>,
+        view_at: fn(&mut ViewState, &Aabb, f64) -> Result<View>,
     ) -> Result<Arc<Hull>> {
         if self.views.is_empty() {
             return Err(Error::argument(
@@ -254,38 +265,41 @@ impl State {
                 "expected a finite frame time in seconds, found {time}; pass a clock's reading"
             )));
         }
+
+        // The frame and its list of views are built in the memory of a past frame, if there is one.
         let mut hull = self.take_recycled_frame();
         let mut views = Arc::get_mut(&mut hull).map(Hull::take_views).unwrap_or_default();
-        for slot in &mut self.views {
-            views.push(view(slot, &bounds, time)?);
+        for view in &mut self.views {
+            views.push(view_at(view, &bounds, time)?);
         }
+
         let frame = Hull::new(views, bounds, self.unseen, time);
         match Arc::get_mut(&mut hull) {
-            Some(place) => *place = frame,
+            Some(recycled) => *recycled = frame,
             None => hull = Arc::new(frame),
         }
         Ok(hull)
     }
 
-    /// A recycled frame, or a new one.
+    /// A past frame without views, whose memory can be reused, or a new one.
     fn take_recycled_frame(&mut self) -> Arc<Hull> {
         let recycled = self.retired.iter().position(|frame| frame.views().is_empty());
         let recycled = recycled.map(|k| self.retired.swap_remove(k));
         recycled.unwrap_or_else(|| Arc::new(Hull::new(Vec::new(), Aabb::EMPTY, self.unseen, 0.0)))
     }
 
-    /// Recycles the memory of past frames with no other owner, and of the masks that they alone held.
+    /// Recycles the memory of past frames without another owner, and of the masks that they alone held.
     fn recycle(&mut self) {
         for frame in self.retired.iter_mut().filter_map(Arc::get_mut) {
-            for (silhouette, slot) in frame.drain_silhouettes().zip(&mut self.views) {
-                slot.recycle(silhouette);
+            for (silhouette, view) in frame.drain_silhouettes().zip(&mut self.views) {
+                view.recycle(silhouette);
             }
         }
         self.views.iter_mut().for_each(ViewState::recycle_past_tables);
     }
 }
 
-/// Where views abstain the image's border is no silhouette edge.
+/// The border of silhouettes under a policy: where views abstain, the image's border is no silhouette edge.
 fn border_of(unseen: Unseen) -> Border {
     match unseen {
         Unseen::Outside => Border::Background,

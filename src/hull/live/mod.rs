@@ -1,4 +1,4 @@
-//! What cameras write and simulations read: masks come in view by view, frames go out as immutable hulls.
+//! Live data: cameras write masks, view by view; simulations read frames, which are immutable hulls.
 
 mod hull_data;
 mod view_state;

@@ -1,4 +1,4 @@
-//! One view of a data object: its camera, its latest silhouettes, and memory recycled from past ones.
+//! One view of a [`HullData`](crate::hull::HullData): its camera, its latest silhouettes, and recycled memory.
 
 use crate::camera::Camera;
 use crate::hull::{Aabb, View};
@@ -8,42 +8,47 @@ use crate::silhouette::{
 use crate::{Error, Result};
 use std::sync::Arc;
 
-/// As many silhouettes, and as many sets of tables, are kept for the next masks of a view.
+/// The largest number of silhouettes, and of sets of tables, whose memory a view keeps for its next masks.
 const MAX_RECYCLED: usize = 3;
 
-/// A view's camera and latest silhouettes.
+/// A view's camera, its latest silhouettes, and recycled memory.
 #[derive(Debug)]
 pub(super) struct ViewState {
     calibration: Arc<ViewCalibration>,
     masks: MaskRing,
     pub(super) enabled: bool,
-    /// Whether the camera sees some of the work volume given beside.
+    /// The last work volume, and whether the camera sees some of it.
     sees_volume: Option<(Aabb, bool)>,
-    /// Silhouettes without another owner and without tables: memory for the bits of the next masks.
+    /// Silhouettes without another owner and without tables, whose memory is reused for the bits of the next masks.
     recycled_silhouettes: Vec<Arc<Silhouette>>,
-    /// Tables of past silhouettes: memory for those of the next masks, nine tenths of all.
+    /// Tables of past silhouettes, whose memory is reused for the next masks. They take nine tenths of the memory.
     recycled_tables: Vec<Tables>,
     scratch: MaskScratch,
 }
 
-/// What never changes of a view.
+/// The immutable part of a view: its camera, and how its lens is undistorted.
 #[derive(Debug)]
 pub(super) struct ViewCalibration {
+    /// The camera that was added, with its lens.
     camera: Arc<Camera>,
+    /// The camera of the undistorted image, in which the hull works; `camera` itself if it has no distortion.
     pinhole: Arc<Camera>,
     undistortion: Option<Undistortion>,
+    /// The part of the undistorted image that the lens sees; `None` if that is all of it.
     field_of_view: Option<Arc<Silhouette>>,
 }
 
-/// A mask's preparation, which needs no lock.
+/// A mask that is being prepared, without holding a lock.
 #[derive(Debug)]
 pub(super) struct Preparation {
-    lens: Arc<ViewCalibration>,
+    calibration: Arc<ViewCalibration>,
     silhouette: Arc<Silhouette>,
     scratch: MaskScratch,
 }
 
 impl ViewState {
+    /// # Errors
+    /// A lens that cannot be undistorted within the largest image.
     pub(super) fn new(camera: Camera) -> Result<Self> {
         let undistortion = Undistortion::new(&camera);
         if undistortion.is_none() && !camera.lens().is_none() {
@@ -55,15 +60,16 @@ impl ViewState {
             );
             return Err(Error::view(camera.name(), problem));
         }
-        let seen =
+
+        let field_of_view =
             undistortion.as_ref().map(|lens| Silhouette::new(lens.field_of_view(), Border::Background));
+        let field_of_view = field_of_view.map(Arc::new);
         let camera = Arc::new(camera);
         let pinhole =
             undistortion.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
-        let lens =
-            Arc::new(ViewCalibration { camera, pinhole, undistortion, field_of_view: seen.map(Arc::new) });
+
         Ok(Self {
-            calibration: lens,
+            calibration: Arc::new(ViewCalibration { camera, pinhole, undistortion, field_of_view }),
             masks: MaskRing::default(),
             enabled: true,
             sees_volume: None,
@@ -81,7 +87,7 @@ impl ViewState {
         &self.calibration.camera
     }
 
-    /// What the next mask's preparation needs, in recycled memory where there is any.
+    /// Takes the buffers in which the next mask is prepared: recycled ones if there are any.
     pub(super) fn take_buffers(&mut self) -> Preparation {
         let blank = || Arc::new(Silhouette::blank(Border::Background));
         let mut silhouette = self.recycled_silhouettes.pop().unwrap_or_else(blank);
@@ -90,10 +96,11 @@ impl ViewState {
         {
             unshared.recycle_tables(tables);
         }
-        Preparation { lens: self.calibration.clone(), silhouette, scratch: std::mem::take(&mut self.scratch) }
+        let scratch = std::mem::take(&mut self.scratch);
+        Preparation { calibration: self.calibration.clone(), silhouette, scratch }
     }
 
-    /// Refuses the time of a mask that cannot be the next one.
+    /// Refuses a time at which the next mask cannot have been taken.
     ///
     /// # Errors
     /// A time that is not finite or lies before the last mask's.
@@ -101,17 +108,20 @@ impl ViewState {
         self.masks.check_time(time).map_err(|e| Error::view(self.name(), e))
     }
 
-    /// Takes a prepared silhouette of `time` into force, from the next frame on.
+    /// Makes a prepared silhouette, taken at `time`, the view's latest one. The next frame shows it.
     ///
     /// # Errors
     /// As [`Self::check_time`].
     pub(super) fn commit(&mut self, preparation: Preparation, time: Option<f64>) -> Result<()> {
         let Preparation { silhouette, scratch, .. } = preparation;
         self.scratch = scratch;
+
+        // Another thread may have committed a later mask meanwhile.
         if let Err(e) = self.check_time(time) {
             self.recycle(silhouette);
             return Err(e);
         }
+
         if let Some(replaced) = self.masks.push(TimedMask { silhouette, time }) {
             self.recycle(replaced);
         }
@@ -119,13 +129,13 @@ impl ViewState {
         Ok(())
     }
 
-    /// Takes note that the latest mask is in the frame of `time`.
+    /// Records that the latest mask is part of the frame at `time`.
     pub(super) fn publish(&mut self, time: f64) {
         self.masks.publish(time);
         self.recycle_old();
     }
 
-    /// Recycles the masks that are too old.
+    /// Recycles the masks that are too old to be kept.
     fn recycle_old(&mut self) {
         while let Some(old) = self.masks.pop_old() {
             self.recycle(old);
@@ -134,13 +144,13 @@ impl ViewState {
 
     /// Recycles the tables of past masks that no frame needs any more.
     pub(super) fn recycle_past_tables(&mut self) {
-        // Of the last masks, which are still in the caches. Those that were held for longer stay.
+        // Only those of the last two masks, whose memory is still in the processor's caches; older ones are not worth it.
         for silhouette in self.masks.past().take(2).filter_map(Arc::get_mut) {
             keep_tables(&mut self.recycled_tables, silhouette.take_tables());
         }
     }
 
-    /// Keeps the memory of a silhouette that is no longer needed here, unless it has another owner.
+    /// Recycles the memory of a silhouette that is no longer needed here, unless it has another owner.
     pub(super) fn recycle(&mut self, mut silhouette: Arc<Silhouette>) {
         let Some(unshared) = Arc::get_mut(&mut silhouette) else { return };
         keep_tables(&mut self.recycled_tables, unshared.take_tables());
@@ -149,36 +159,42 @@ impl ViewState {
         }
     }
 
-    /// Prepares all silhouettes anew for another border: what the view does not see is then something else.
+    /// Prepares all silhouettes again for another border, which changes what the unseen parts of their masks are.
     pub(super) fn change_border(&mut self, border: Border) {
         for silhouette in self.masks.all() {
             let mut mask = silhouette.to_mask();
             if let Some(lens) = &self.calibration.undistortion {
                 let unseen = unseen_value(border);
                 let pixels = mask.iter_mut().zip(lens.field_of_view().iter());
-                pixels.filter(|(_, seen)| **seen < SUBJECT).for_each(|(pixel, _)| *pixel = unseen);
+                pixels.filter(|(_, visible)| **visible < SUBJECT).for_each(|(pixel, _)| *pixel = unseen);
             }
             *silhouette = Arc::new(Silhouette::new(&mask, border));
         }
     }
 
-    /// The view of the next frame, of `time`.
+    /// The view with its latest mask, for the frame at `time`.
+    ///
+    /// # Errors
+    /// No mask, or a camera that sees nothing of `bounds`, unless the view is disabled.
     pub(super) fn next_view(&mut self, bounds: &Aabb, time: f64) -> Result<View> {
         let latest = self.masks.latest().map(|mask| mask.silhouette.clone());
         self.view(latest.zip(self.masks.time_in_frame(time)), bounds)
     }
 
-    /// The view of what was to be seen at `time`.
+    /// The view with the mask that it showed at `time`.
+    ///
+    /// # Errors
+    /// As [`Self::next_view`].
     pub(super) fn view_at(&mut self, bounds: &Aabb, time: f64) -> Result<View> {
         let mask = self.masks.at(time).map(|mask| (mask.silhouette.clone(), mask.time.unwrap_or(time)));
         self.view(mask, bounds)
     }
 
-    /// The view of a silhouette and its time.
+    /// The view with a silhouette that was taken at a time.
     fn view(&mut self, mask: Option<(Arc<Silhouette>, f64)>, bounds: &Aabb) -> Result<View> {
         let (silhouette, time) = match mask {
             Some((silhouette, time)) => (silhouette, Some(time)),
-            // A disabled view is never asked.
+            // A disabled view takes no part in queries.
             None if !self.enabled => (Arc::new(Silhouette::blank(Border::Unknown)), None),
             None => {
                 let problem =
@@ -186,9 +202,11 @@ impl ViewState {
                 return Err(Error::view(self.name(), problem));
             }
         };
-        let ViewCalibration { pinhole, field_of_view: seen, .. } = &*self.calibration;
-        let view = View::new(pinhole.clone(), silhouette, seen.clone());
+
+        let ViewCalibration { pinhole, field_of_view, .. } = &*self.calibration;
+        let view = View::new(pinhole.clone(), silhouette, field_of_view.clone());
         let view = view.with_enabled(self.enabled).with_time(time);
+
         if self.enabled && !self.sees_some_of(&view, bounds) {
             let (centre, forward) = (self.camera().centre(), self.camera().forward());
             return Err(Error::view(
@@ -204,7 +222,7 @@ impl ViewState {
         Ok(view)
     }
 
-    /// Asked once a work volume.
+    /// Whether the camera sees some of the work volume, computed once for each.
     fn sees_some_of(&mut self, view: &View, bounds: &Aabb) -> bool {
         let (_, sees) = match self.sees_volume {
             Some(known) if known.0 == *bounds => known,
@@ -214,7 +232,7 @@ impl ViewState {
     }
 }
 
-/// Keeps the memory of tables, unless there is enough.
+/// Adds tables to the recycled ones, unless there are enough.
 fn keep_tables(recycled: &mut Vec<Tables>, tables: Option<Tables>) {
     if recycled.len() < MAX_RECYCLED {
         recycled.extend(tables);
@@ -222,14 +240,15 @@ fn keep_tables(recycled: &mut Vec<Tables>, tables: Option<Tables>) {
 }
 
 impl Preparation {
-    /// Prepares `mask`; what the view does not see is subject where it abstains, so that it has no edge.
+    /// Prepares `mask`. Pixels that the lens does not see become subject if the border is [`Border::Unknown`], so that
+    /// they make no edge.
     ///
     /// # Errors
     /// As [`HullData::set_mask`](crate::hull::HullData::set_mask).
     pub(super) fn prepare(&mut self, mask: IncomingMask, border: Border) -> Result<()> {
-        self.lens.check_size(mask.size())?;
+        self.calibration.check_size(mask.size())?;
 
-        // A silhouette that has another owner too stays as it is.
+        // A silhouette with another owner stays as it is.
         if Arc::get_mut(&mut self.silhouette).is_none() {
             self.silhouette = Arc::new(Silhouette::blank(border));
         }
@@ -238,7 +257,7 @@ impl Preparation {
         };
 
         let MaskScratch { packed, bytes, tiles } = &mut self.scratch;
-        let is_full = match &self.lens.undistortion {
+        let is_full = match &self.calibration.undistortion {
             Some(lens) => !silhouette.refill_undistorted(&mask.bytes(bytes), lens, border, tiles)?,
             None => {
                 let packed = mask.packed(packed);
@@ -249,11 +268,12 @@ impl Preparation {
                 is_full
             }
         };
-        if is_full { Err(self.lens.full_mask()) } else { Ok(()) }
+        if is_full { Err(self.calibration.full_mask()) } else { Ok(()) }
     }
 }
 
 impl ViewCalibration {
+    /// Refuses a mask whose size differs from the camera's image.
     fn check_size(&self, found: (u32, u32)) -> Result<()> {
         let (width, height) = self.camera.size();
         if found != (width, height) {
@@ -267,6 +287,7 @@ impl ViewCalibration {
         Ok(())
     }
 
+    /// The error for a mask without background.
     fn full_mask(&self) -> Error {
         let problem = "mask: expected some background, found every pixel subject; \
                        it is inverted or the segmentation failed; the last good mask stays";
@@ -274,7 +295,7 @@ impl ViewCalibration {
     }
 }
 
-/// The mask's value where a lens did not see.
+/// The mask's value at pixels that a lens does not see.
 fn unseen_value(border: Border) -> u8 {
     if border == Border::Unknown { 255 } else { 0 }
 }

@@ -1,18 +1,20 @@
-//! Many points at once: the directions in which they leave the hull, and how far that is.
+//! Exit directions and exits of many points at once.
 //!
 //! ```text
 //!   points ─► projection ─► nearest edge ─► normal ─► exit
 //!             all views     the view that decides     all views
 //! ```
 //!
-//! Two questions are answered. By [`EdgeModel::Coverage`] it is that of contacts: the contact normal, and exits at the
-//! coverage edge. By [`EdgeModel::Pixel`] it is the paper's: binary masks, 5x5 normals, exits at pixels' borders.
+//! The [`EdgeModel`] selects the result. With [`EdgeModel::Coverage`] it is what contacts use: the contact normal, and the
+//! exit at the coverage edge. With [`EdgeModel::Pixel`] it is the paper's response: binary masks, 5x5 normals, and the
+//! exit at a pixel's border.
 //!
-//! The arithmetic is that of [`Hull::push`], [`Hull::respond`] and [`Hull::exit_within`] in the same order, so that
-//! the same bits come out; many points go through each step side by side. What is rare goes the single query's way:
-//! walks along the rim of a silhouette's rectangle, and exits before which a view may lose sight of the point.
+//! Each step processes a block of points side by side. It does the arithmetic of [`Hull::exit_vector`],
+//! [`Hull::respond`] and [`Hull::exit_within`] in the same order, and so returns the same bits. Rare cases are left to the
+//! single queries: traversals along the rim of a silhouette's rectangle, and exits before which a view may lose sight of
+//! the point.
 
-// Loops over the lanes of several arrays say what happens to lane k: it is what the compiler turns into vectors.
+// Loops over lanes index several arrays by k: this is the form that the compiler vectorises.
 #![allow(clippy::needless_range_loop)]
 
 mod exits;
@@ -34,20 +36,21 @@ use nalgebra::{Point3, Vector3};
 use nearest_edge::EdgeQueries;
 use projection::{PointBlock, ViewKernel};
 
-/// One number of each point of a block.
+/// One number for each point of a block.
 type Wide = [f64; LANES];
 
-/// A point inside, and the direction in which it is to leave.
+/// A point inside, and the direction in which it leaves the hull.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ExitRay {
     pub(crate) point: Point3<f64>,
     /// Unit length.
     pub(crate) direction: Vector3<f64>,
-    /// Index of the view that is likely to decide how far that is: the one that gave the direction.
+    /// Index of the view that gave the direction, which is likely to give the exit too; once the exit has been computed,
+    /// of the view that gave it.
     pub(crate) view: usize,
 }
 
-/// Memory that batches use again and again; it holds no answer.
+/// Memory that batches reuse. It holds no results.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     kernels: Vec<ViewKernel<'static>>,
@@ -57,22 +60,23 @@ pub(crate) struct Scratch {
 }
 
 impl Hull {
-    /// Finds the directions in which those of `points` leave that are inside by `edge`: writes their places to `places`
-    /// and their rays to `rays`, in their order; those of the first `most` at least.
+    /// Finds the points that are inside by `edge`, and their exit directions. Writes their indices in `points` to `places`
+    /// and their rays to `rays`, in order. It may stop after `min_count` of them.
     pub(crate) fn exit_rays(
         &self,
         points: &[Point3<f64>],
         edge: EdgeModel,
-        most: usize,
+        min_count: usize,
         scratch: &mut Scratch,
         places: &mut Vec<usize>,
         rays: &mut Vec<ExitRay>,
     ) {
         places.clear();
         rays.clear();
+
         scratch.with_kernels(self, edge, |batch| {
             for (chunk, first) in points.chunks(LANES).zip((0..).step_by(LANES)) {
-                if rays.len() >= most {
+                if rays.len() >= min_count {
                     break;
                 }
                 let inside = find_inside(batch, chunk, rays);
@@ -84,8 +88,8 @@ impl Hull {
         });
     }
 
-    /// Writes to `exits` [`Self::exit_within`] of each of `rays`, whose points are inside by `edge`; and to the rays
-    /// the views that decided.
+    /// Writes to `exits` what [`Self::exit_within`] returns for each of `rays`, whose points are inside by `edge`, and to
+    /// each ray the view that gave its exit.
     pub(crate) fn exits_within(
         &self,
         rays: &mut [ExitRay],
@@ -103,8 +107,8 @@ impl Hull {
         });
     }
 
-    /// Adds the places of those of `rays` to `kept` whose exits do not provably lie before their `t` metres:
-    /// [`Self::provably_exits_before`] for many, which may leave a few more in doubt.
+    /// Adds to `kept` the indices of the `rays` whose exits do not provably lie before their `t`, in metres. It proves a few
+    /// exits less than [`Self::provably_exits_before`].
     pub(crate) fn keep_unless_proven(
         &self,
         rays: &[ExitRay],
@@ -122,8 +126,8 @@ impl Hull {
         });
     }
 
-    /// Whether the exit of `ray` provably lies before `t` metres, since some view sees background there. The view that
-    /// is likely to decide is asked first. This costs a look-up in each view, where an exit costs a walk.
+    /// Whether the exit of `ray` provably lies before `t` metres, because some view sees background there. The view that
+    /// is likely to give the exit is tested first. This takes one look-up a view, where an exit takes a traversal.
     pub(crate) fn provably_exits_before(&self, ray: &ExitRay, edge: EdgeModel, t: f64) -> bool {
         let end = ray.point + ray.direction * t;
         let others = self.views().iter().enumerate().filter(|(k, view)| *k != ray.view && view.is_enabled());
@@ -132,19 +136,21 @@ impl Hull {
     }
 }
 
-/// Whether a view sees background at `p`, however its place is rounded.
+/// Whether a view sees background at `p`, regardless of rounding in the projection.
 fn provably_outside(view: &View, p: &Point3<f64>, edge: EdgeModel) -> bool {
     /// Far more than rounding, in pixels.
     const ROUNDING_PX: f64 = 1e-6;
+
     let silhouette = view.silhouette();
     let Some(at) = view.project(p) else { return false };
     let (i, j) = floor_pixel(at.u, at.v);
     let (x, y) = (at.u - f64::from(i), at.v - f64::from(j));
-    let within = |x: f64| x > ROUNDING_PX && x < 1.0 - ROUNDING_PX;
-    if !view.sees(i, j) || !within(x) || !within(y) {
+    let off_border = |x: f64| x > ROUNDING_PX && x < 1.0 - ROUNDING_PX;
+
+    if !view.sees(i, j) || !off_border(x) || !off_border(y) {
         false
     } else if edge == EdgeModel::Coverage && silhouette.has_coverage() {
-        // Between subject pixels alone coverage is one half at least.
+        // Between subject pixels alone coverage is at least one half.
         silhouette.distance(i, j) <= 1
             && silhouette.coverage(at.u, at.v) < HALF_COVERAGE - 255.0 * ROUNDING_PX
     } else {
@@ -153,8 +159,8 @@ fn provably_outside(view: &View, p: &Point3<f64>, edge: EdgeModel) -> bool {
 }
 
 vectorised! {
-    /// Adds those of a block of points that are inside to `rays`, and to the queries of the view that decides; which
-    /// these are.
+    /// Adds the points of a block that are inside to `rays`, and to the queries of the views that decide. Returns a bit
+    /// mask of these points.
     fn find_inside(batch: &mut Batch, points: &[Point3<f64>], rays: &mut Vec<ExitRay>) -> u32 {
         let Batch { hull, kernels, block, queries, .. } = batch;
         block.place(points.len(), |k| points[k]);
@@ -165,7 +171,7 @@ vectorised! {
     }
 }
 
-/// A hull that is asked, and what the answers are worked out in.
+/// A hull whose views are ready for a batch, and the memory of the batch.
 struct Batch<'a> {
     hull: &'a Hull,
     kernels: &'a [ViewKernel<'a>],
@@ -175,13 +181,13 @@ struct Batch<'a> {
 }
 
 impl Scratch {
-    /// Runs `ask` on what of the hull's views every point needs.
-    fn with_kernels(&mut self, hull: &Hull, edge: EdgeModel, ask: impl FnOnce(&mut Batch)) {
+    /// Runs `query` with the kernels of the hull's enabled views.
+    fn with_kernels(&mut self, hull: &Hull, edge: EdgeModel, query: impl FnOnce(&mut Batch)) {
         let mut kernels: Vec<ViewKernel> = std::mem::take(&mut self.kernels);
         let enabled = hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled());
         kernels.extend(enabled.map(|(index, view)| ViewKernel::new(hull, index, view, edge)));
         let Self { block, queries, exits, .. } = self;
-        ask(&mut Batch { hull, kernels: &kernels, block, queries, exits });
+        query(&mut Batch { hull, kernels: &kernels, block, queries, exits });
         self.kernels = recycle(kernels);
     }
 }

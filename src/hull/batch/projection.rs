@@ -1,4 +1,4 @@
-//! Where the views see many points.
+//! The projections of a block of points into the views, and the inside test.
 
 use super::super::{Aabb, EdgeModel, Hull, Unseen, View};
 use super::Wide;
@@ -8,59 +8,64 @@ use crate::math::point_cloud::LANES;
 use crate::silhouette::{Distances, HALF_COVERAGE, NO_EDGE};
 use nalgebra::Point3;
 
-/// The distance of a pixel without any background, and of a point that the view does not see: it decides no search.
+/// The distance in an image without background, and of a point that the view does not see: the view has no edge then.
 const NOWHERE: f64 = NO_EDGE as f64;
 
-/// What of a view every point needs.
+/// A view in the form that loops over points read: plain numbers and slices of tables.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ViewKernel<'a> {
     pub(super) view: &'a View,
+    /// Index of the view in the hull.
     pub(super) index: usize,
+    /// The projection matrix, by rows.
     pub(super) p: [[f64; 4]; 3],
-    /// Width and height of the image.
+    /// Width and height of the image, in pixels.
     pub(super) size: [f64; 2],
-    /// The columns and rows of the silhouette's rectangle: the first, and the one behind the last.
+    /// First column and row of the silhouette's rectangle.
     pub(super) low: [f64; 2],
+    /// One past the last column and row of the silhouette's rectangle.
     pub(super) high: [f64; 2],
-    /// Column and row of the first pixel of the silhouette's region.
+    /// Column and row of the first pixel of the silhouette's crop.
     pub(super) corner: (i32, i32),
-    /// Chebyshev distances, a row's pixels, and the place that pixel (0, 0) would have.
+    /// Chebyshev distances of the crop's pixels to the background.
     distances: Distances<'a>,
-    /// Distances of cells.
+    /// Chebyshev distances of cells.
     cell_distances: Distances<'a>,
+    /// Number of entries in a row of the tables.
     pub(super) stride: f64,
+    /// The index in the tables that pixel (0, 0) would have.
     pub(super) origin: f64,
-    /// The mask's bytes at the places of the table, where there is coverage.
+    /// The mask's bytes at the indices of the tables; empty without coverage.
     coverage_bytes: &'a [u8],
-    /// Whether its edge is taken inside pixels.
+    /// Whether the edge is where coverage crosses one half, not at pixels' borders.
     pub(super) by_coverage: bool,
     /// Cells are pixels (0), or the squares between four pixel centres (one half).
     pub(super) shift: f64,
     pub(super) edge: EdgeModel,
     pub(super) footprint: Footprint,
-    /// Whether what the view does not see is outside, as its mask's background says.
+    /// Whether every point that the view does not see is outside, so that it can be treated as background.
     pub(super) is_closed: bool,
-    /// Whether a line may leave what the view sees before it comes to background.
+    /// Whether a line from inside the silhouette may leave the field of view before it reaches background.
     pub(super) may_lose_sight: bool,
 }
 
-/// A block of points, and where each view sees them.
+/// A block of points, and their projections into each view.
 #[derive(Debug, Default)]
 pub(super) struct PointBlock {
     pub(super) point: [Wide; 3],
     pub(super) samples: Vec<ProjectedBlock>,
 }
 
-/// Where one view sees a block of points.
+/// The projections of a block of points into one view.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ProjectedBlock {
     /// Homogeneous image coordinates; depth 0 where the view does not see a point and abstains.
     pub(super) at: [Wide; 3],
     pub(super) column: Wide,
     pub(super) row: Wide,
-    /// Chebyshev distance to the background.
+    /// Chebyshev distance to the background, in pixels.
     pub(super) distance: Wide,
-    /// Metres that a pixel covers there, once that is asked.
+    /// Metres that a pixel covers at the point; written when the view that decides is selected.
     pub(super) footprint: Wide,
 }
 
@@ -70,8 +75,10 @@ impl<'a> ViewKernel<'a> {
         let (tables, image, rect) = (silhouette.tables(), silhouette.image(), silhouette.rect());
         let p = view.projection();
         let stride = tables.width as f64;
+
         let by_coverage = edge == EdgeModel::Coverage && silhouette.has_coverage();
         let is_closed = hull.is_closed(view);
+
         Self {
             view,
             index,
@@ -98,22 +105,22 @@ impl<'a> ViewKernel<'a> {
         }
     }
 
-    /// The half-widths and a half of the largest squares around cells on which the view sees subject alone; 0 where
-    /// there is none. Cells are pixels, or the squares between the centres of four.
+    /// Writes the Chebyshev distances of cells: a cell at distance `d > 0` is the middle of a square of half-width `d - 1/2`
+    /// that holds subject only; 0 means that there is none. Cells are pixels, or the squares between four pixel centres.
     #[inline(always)]
     pub(super) fn find_cell_distances(&self, column: &Wide, row: &Wide, distances: &mut Wide) {
         let places = self.places(column, row, 0.0);
         look_up(&self.cell_distances, &places, distances, |place| self.long_cell_distance(place));
     }
 
-    /// The half-width and a half of the largest square of subject around the cell at a place of the table.
+    /// The Chebyshev distance of the cell at index `place` of the table.
     #[inline(always)]
     pub(super) fn cell_distance_at(&self, place: u32) -> f64 {
-        let narrow = self.cell_distances.at_place(place);
-        if narrow < u32::from(u8::MAX) { f64::from(narrow) } else { self.long_cell_distance(place) }
+        let byte = self.cell_distances.at_place(place);
+        if byte < u32::from(u8::MAX) { f64::from(byte) } else { self.long_cell_distance(place) }
     }
 
-    /// A distance of 255 or more, which a byte does not hold.
+    /// The Chebyshev distance of a cell where it is 255 or more, and the table of bytes holds 255.
     #[cold]
     fn long_cell_distance(&self, place: u32) -> f64 {
         let silhouette = self.view.silhouette();
@@ -124,7 +131,7 @@ impl<'a> ViewKernel<'a> {
         })
     }
 
-    /// The bytes at the corners of a cell that is not on the rim: upper left, upper right, lower left, lower right.
+    /// The mask's bytes at the corners of a cell that is not on the rim: upper left, upper right, lower left, lower right.
     #[inline(always)]
     pub(super) fn cell_corners(&self, column: f64, row: f64) -> [f64; 4] {
         let (place, stride) =
@@ -140,13 +147,14 @@ impl<'a> ViewKernel<'a> {
         column < self.low[0] || column >= self.high[0] - 1.0 || row < self.low[1] || row >= self.high[1] - 1.0
     }
 
-    /// The distances to the background of the pixels so many places behind these; of what lies beyond the region, some.
+    /// Writes the distances to the background of the pixels `offset` entries of the table after these. The distance of a
+    /// pixel beyond the crop is arbitrary.
     #[inline(always)]
-    pub(super) fn find_distances(&self, column: &Wide, row: &Wide, behind: f64, distances: &mut Wide) {
-        self.look_up_pixels(&self.places(column, row, behind), distances);
+    pub(super) fn find_distances(&self, column: &Wide, row: &Wide, offset: f64, distances: &mut Wide) {
+        self.look_up_pixels(&self.places(column, row, offset), distances);
     }
 
-    /// The distances of pixels at places of the table.
+    /// Writes the distances of pixels, given by their indices in the table.
     #[inline(always)]
     fn look_up_pixels(&self, places: &[u32; LANES], distances: &mut Wide) {
         look_up(&self.distances, places, distances, |place| {
@@ -154,67 +162,71 @@ impl<'a> ViewKernel<'a> {
         });
     }
 
-    /// The places in the table so far behind those of pixels.
+    /// The indices of pixels in the table, plus `offset`.
     #[inline(always)]
-    fn places(&self, column: &Wide, row: &Wide, behind: f64) -> [u32; LANES] {
-        let (origin, mut places) = (self.origin + behind, [0; LANES]);
+    fn places(&self, column: &Wide, row: &Wide, offset: f64) -> [u32; LANES] {
+        let (origin, mut places) = (self.origin + offset, [0; LANES]);
         for k in 0..LANES {
             places[k] = index(row[k] * self.stride + column[k] + origin);
         }
         places
     }
 
-    /// Where the view sees points. A bit for each that it sees, and for each that it sees inside, of those `asked`.
+    /// Projects points. Returns bit masks of the points that the view sees, and of those that it sees inside. Both are
+    /// exact only for the points in the bit mask `active`.
     #[inline(always)]
-    fn project(&self, [x, y, z]: &[Wide; 3], asked: u32, sample: &mut ProjectedBlock) -> (u32, u32) {
+    fn project(&self, [x, y, z]: &[Wide; 3], active: u32, sample: &mut ProjectedBlock) -> (u32, u32) {
         for (row, at) in self.p.iter().zip(&mut sample.at) {
             for k in 0..LANES {
                 at[k] = row[0] * x[k] + row[1] * y[k] + row[2] * z[k] + row[3];
             }
         }
+
+        // The pixel of each point, and its index in the table; index 0 where it lies outside the silhouette's rectangle.
         let (mut places, mut visible, mut in_rect) = ([0; LANES], [0; LANES], [0; LANES]);
         for k in 0..LANES {
             let (u, v) = (sample.at[0][k] / sample.at[2][k], sample.at[1][k] / sample.at[2][k]);
-            let within = (u >= 0.0) & (u < self.size[0]) & (v >= 0.0) & (v < self.size[1]);
-            let seen = within & (sample.at[2][k] > MIN_DEPTH);
-            let (i, j) = (floor(select(seen, u, 0.0)), floor(select(seen, v, 0.0)));
+            let in_image = (u >= 0.0) & (u < self.size[0]) & (v >= 0.0) & (v < self.size[1]);
+            let is_visible = in_image & (sample.at[2][k] > MIN_DEPTH);
+            let (i, j) = (floor(select(is_visible, u, 0.0)), floor(select(is_visible, v, 0.0)));
             let in_columns = (i >= self.low[0]) & (i < self.high[0]);
             let in_rows = (j >= self.low[1]) & (j < self.high[1]);
             places[k] = index(select(in_columns & in_rows, j * self.stride + i + self.origin, 0.0));
             (sample.column[k], sample.row[k]) = (i, j);
-            (visible[k], in_rect[k]) = (u32::from(seen), u32::from(in_columns & in_rows));
+            (visible[k], in_rect[k]) = (u32::from(is_visible), u32::from(in_columns & in_rows));
         }
+
         self.look_up_pixels(&places, &mut sample.distance);
         if !self.is_closed {
-            // The table's first place is background only where it does not lie beyond an open border.
+            // Entry 0 of the table may lie beyond an open border, where it is not background.
             for k in 0..LANES {
                 sample.distance[k] = select(in_rect[k] != 0, sample.distance[k], 0.0);
             }
         }
 
-        // Between four centres of subject pixels coverage cannot fall below one half.
-        let least = if self.by_coverage { 1.0 } else { 0.0 };
+        // Between four centres of subject pixels bilinear coverage is at least one half.
+        let surely_inside_above = if self.by_coverage { 1.0 } else { 0.0 };
         let mut deeper = [0; LANES];
         for k in 0..LANES {
-            deeper[k] = u32::from(sample.distance[k] > least);
+            deeper[k] = u32::from(sample.distance[k] > surely_inside_above);
         }
         let (mut visible, deeper) = (lane_mask(&visible), lane_mask(&deeper));
         let mut inside = visible & deeper;
         if self.by_coverage {
-            inside |= self.covered(sample, visible & !deeper & asked);
+            inside |= self.covered(sample, visible & !deeper & active);
         }
         if !self.is_closed {
-            visible &= !self.in_blind_spots(sample, inside & asked);
+            visible &= !self.in_blind_spots(sample, inside & active);
             sample.forget_unseen(visible);
         }
         (visible, inside & visible)
     }
 
-    /// Which of `doubtful` points beside the edge, or beyond, are inside by coverage.
+    /// Which of the points in the bit mask `unresolved` are inside by coverage.
     #[inline(always)]
-    fn covered(&self, sample: &ProjectedBlock, doubtful: u32) -> u32 {
+    fn covered(&self, sample: &ProjectedBlock, unresolved: u32) -> u32 {
         let mut inside = 0;
-        for k in set_bits(doubtful) {
+        for k in set_bits(unresolved) {
             let pixel = (sample.column[k] as i32, sample.row[k] as i32);
             let (u, v) = (sample.at[0][k] / sample.at[2][k], sample.at[1][k] / sample.at[2][k]);
             if self.view.may_contain_subject(pixel) && self.coverage(u, v) >= HALF_COVERAGE {
@@ -224,7 +236,7 @@ impl<'a> ViewKernel<'a> {
         inside
     }
 
-    /// [`Silhouette::coverage`] at an image position.
+    /// [`Silhouette::coverage`](crate::silhouette::Silhouette::coverage) at an image position.
     #[inline(always)]
     pub(super) fn coverage(&self, u: f64, v: f64) -> f64 {
         let (column, row) = (floor(u - 0.5), floor(v - 0.5));
@@ -236,33 +248,33 @@ impl<'a> ViewKernel<'a> {
         (c00 * (1.0 - x) + c10 * x) * (1.0 - y) + (c01 * (1.0 - x) + c11 * x) * y
     }
 
-    /// Which of the points `asked` lie in pixels that the lens did not see. Its mask shows subject there.
-    fn in_blind_spots(&self, sample: &ProjectedBlock, asked: u32) -> u32 {
+    /// Which of the points in the bit mask `active` lie in pixels that the lens did not see. The mask shows subject there.
+    fn in_blind_spots(&self, sample: &ProjectedBlock, active: u32) -> u32 {
         let Some(field_of_view) = self.view.blind_spots() else { return 0 };
         let is_unseen = |k: usize| !field_of_view.is_subject(sample.column[k] as i32, sample.row[k] as i32);
-        set_bits(asked).filter(|&k| is_unseen(k)).fold(0, |unseen, k| unseen | 1 << k)
+        set_bits(active).filter(|&k| is_unseen(k)).fold(0, |unseen, k| unseen | 1 << k)
     }
 }
 
-/// The distances at places of a table; `exact` gives those of 255 and more, which a byte does not hold.
+/// Writes the distances at indices of a table of bytes; `long` returns those of 255 or more, for which it holds 255.
 #[inline(always)]
-fn look_up(table: &Distances, places: &[u32; LANES], distances: &mut Wide, exact: impl Fn(u32) -> f64) {
-    let mut narrow = [0; LANES];
+fn look_up(table: &Distances, places: &[u32; LANES], distances: &mut Wide, long: impl Fn(u32) -> f64) {
+    let mut bytes = [0; LANES];
     for k in 0..LANES {
-        narrow[k] = table.at_place(places[k]);
+        bytes[k] = table.at_place(places[k]);
     }
     for k in 0..LANES {
-        distances[k] = f64::from(narrow[k]);
+        distances[k] = f64::from(bytes[k]);
     }
-    if narrow.iter().any(|&narrow| narrow == u32::from(u8::MAX)) {
-        for k in (0..LANES).filter(|&k| narrow[k] == u32::from(u8::MAX)) {
-            distances[k] = exact(places[k]);
+    if bytes.iter().any(|&byte| byte == u32::from(u8::MAX)) {
+        for k in (0..LANES).filter(|&k| bytes[k] == u32::from(u8::MAX)) {
+            distances[k] = long(places[k]);
         }
     }
 }
 
 impl ProjectedBlock {
-    /// Lets the view decide nothing for points that it does not see.
+    /// Makes the view irrelevant for points that it does not see: depth 0, and no edge.
     #[inline(always)]
     fn forget_unseen(&mut self, visible: u32) {
         for k in 0..LANES {
@@ -272,7 +284,7 @@ impl ProjectedBlock {
         }
     }
 
-    /// Whether a search in this view ends for point k.
+    /// Whether the view has a silhouette edge for point k.
     #[inline(always)]
     pub(super) fn has_edge(&self, k: usize) -> bool {
         self.distance[k] < NOWHERE
@@ -280,7 +292,7 @@ impl ProjectedBlock {
 }
 
 impl PointBlock {
-    /// Takes up to `LANES` points, the last one again and again where there are fewer.
+    /// Sets the points to `count` of them, at most `LANES`, padded with the last one.
     #[inline(always)]
     pub(super) fn place(&mut self, count: usize, point: impl Fn(usize) -> Point3<f64>) {
         for k in 0..LANES {
@@ -289,9 +301,9 @@ impl PointBlock {
         }
     }
 
-    /// Which of the points `asked` lie in a box, faces included.
+    /// Which of the points in the bit mask `active` lie in a box, faces included.
     #[inline(always)]
-    pub(super) fn within(&self, aabb: &Aabb, asked: u32) -> u32 {
+    pub(super) fn within(&self, aabb: &Aabb, active: u32) -> u32 {
         let mut within = [1; LANES];
         for axis in 0..3 {
             let (min, max, at) = (aabb.min[axis], aabb.max[axis], &self.point[axis]);
@@ -299,16 +311,17 @@ impl PointBlock {
                 within[k] &= u32::from((at[k] >= min) & (at[k] <= max));
             }
         }
-        lane_mask(&within) & asked
+        lane_mask(&within) & active
     }
 
-    /// Projects the points into the views, as long as any of those `asked` may be inside; which of them are, by the
-    /// policy for views that do not see a point.
+    /// Projects the points into the views until none of those in the bit mask `active` may be inside. Returns which of
+    /// them are inside.
     #[inline(always)]
-    pub(super) fn project_if_inside(&mut self, kernels: &[ViewKernel], unseen: Unseen, asked: u32) -> u32 {
+    pub(super) fn project_if_inside(&mut self, kernels: &[ViewKernel], unseen: Unseen, active: u32) -> u32 {
         self.samples.resize(kernels.len(), ProjectedBlock::default());
-        let (mut inside, mut seen_by) = (asked, [0; LANES]);
+        let (mut inside, mut seen_by) = (active, [0; LANES]);
         let may_abstain = if unseen == Unseen::Outside { 0 } else { u32::MAX };
+
         for (kernel, sample) in kernels.iter().zip(&mut self.samples) {
             let (visible, in_subject) = kernel.project(&self.point, inside, sample);
             inside &= in_subject | (!visible & may_abstain);
@@ -325,9 +338,9 @@ impl PointBlock {
             return if kernels.is_empty() { 0 } else { inside };
         }
 
-        let (mut enough, least) = ([0; LANES], unseen.min_views(kernels.len()) as u32);
+        let (mut enough, min_views) = ([0; LANES], unseen.min_views(kernels.len()) as u32);
         for k in 0..LANES {
-            enough[k] = u32::from(seen_by[k] >= least);
+            enough[k] = u32::from(seen_by[k] >= min_views);
         }
         inside & lane_mask(&enough)
     }

@@ -1,36 +1,38 @@
-//! Where many points inside leave the hull: the nearest exit over the views and the work volume.
+//! Where many rays leave the hull: the nearest exit over the views and the work volume.
 //!
 //! ```text
-//!   bounds ─► view by view, the points it is likely to decide: walk
-//!          ─► view by view, all others: those surely subject up to the exit so far stay, the rest walk
-//!          ─► points before whose exit a view may lose sight of them, or gain it: all views in step
+//!   work volume ─► each view, the rays it is likely to decide: traverse
+//!               ─► each view, the other rays: traverse, unless surely subject up to the exit so far
+//!               ─► rays of which a view may lose or gain sight before the exit: traverse all views in step
 //! ```
 
-use super::super::{EdgeModel, Hull};
 use super::ExitRay;
 use super::image_lines::{ImageLines, RayBlock};
 use super::line_walk::{NearestExits, RayQueue};
 use super::projection::ViewKernel;
+use crate::hull::{EdgeModel, Hull};
 use crate::math::lanes::{lane_mask, select};
 use crate::math::point_cloud::LANES;
 use crate::math::vectorised;
 
-/// Points on their way, in blocks; the last block is filled up with its last point.
+/// The rays of a batch and the state of their traversals.
 #[derive(Debug, Default)]
 pub(super) struct ExitFinder {
+    /// The rays in blocks. The last block is padded with its last ray.
     blocks: Vec<RayBlock>,
-    /// By the view that is likely to decide: the places of the points.
+    /// For each kernel the indices of the rays that its view is likely to decide.
     first: Vec<Vec<u32>>,
-    /// Up to where the views that see a point surely go on to see it, and the others not to.
+    /// For each ray, in metres, up to where the views that see its point surely keep sight of it, and the others do not gain
+    /// it.
     sight_ends: Vec<f64>,
-    /// The places of the views that give the exits so far.
+    /// For each ray the index of the kernel of the view that gives its exit so far.
     deciders: Vec<u32>,
     lines: ImageLines,
     queue: RayQueue,
 }
 
 impl ExitFinder {
-    /// Writes to `exits` the exits of `rays`, at most `t_max`, and to the rays the views that decided them.
+    /// Writes to `exits` the exits of `rays`, in metres and at most `t_max`, and to each ray the view that gave its exit.
     pub(super) fn find(
         &mut self,
         hull: &Hull,
@@ -40,8 +42,9 @@ impl ExitFinder {
         exits: &mut Vec<f64>,
     ) {
         self.fill_blocks(kernels, rays);
+
+        // One exit for each lane of the blocks, first from the work volume.
         exits.clear();
-        // Filled up as the blocks are.
         exits.resize(self.blocks.len() * LANES, t_max);
         self.sight_ends.clear();
         self.sight_ends.resize(exits.len(), f64::INFINITY);
@@ -49,6 +52,7 @@ impl ExitFinder {
             lower_to_bounds(hull, block, exits);
         }
 
+        // Likely views first, so that most of the others can be skipped.
         self.queue.restart();
         let mut deciders = std::mem::take(&mut self.deciders);
         deciders.clear();
@@ -73,11 +77,13 @@ impl ExitFinder {
         }
     }
 
+    /// Puts the rays into blocks, and their indices into the lists of the views that are likely to decide.
     fn fill_blocks(&mut self, kernels: &[ViewKernel], rays: &[ExitRay]) {
         let Self { blocks, first, .. } = self;
         first.resize_with(first.len().max(kernels.len()), Vec::new);
         first.iter_mut().for_each(Vec::clear);
         blocks.clear();
+
         for (chunk, base) in rays.chunks(LANES).zip((0..).step_by(LANES)) {
             let mut block = RayBlock::empty(chunk.len());
             for k in 0..LANES {
@@ -95,8 +101,8 @@ impl ExitFinder {
         }
     }
 
-    /// Asks all views in step for the exits that lie beyond what the views are known to see: there the policy for views
-    /// that do not see a point decides.
+    /// Computes again, by the single query, the exits that lie beyond the end of sight. There the policy for views that do
+    /// not see a point decides.
     fn retrace_beyond_sight(
         &self,
         hull: &Hull,
@@ -114,10 +120,11 @@ impl ExitFinder {
 }
 
 vectorised! {
-    /// Walks the points through the view at `place` that is likely to decide them.
-    fn trace_likely_view(kernels: &[ViewKernel], place: usize, memory: &mut ExitFinder, nearest: &mut NearestExits) {
-        let ExitFinder { blocks, first, lines, queue, sight_ends, .. } = memory;
+    /// Traverses the view of the kernel at `place` along the rays that it is likely to decide.
+    fn trace_likely_view(kernels: &[ViewKernel], place: usize, finder: &mut ExitFinder, nearest: &mut NearestExits) {
+        let ExitFinder { blocks, first, lines, queue, sight_ends, .. } = finder;
         for points in first[place].chunks(LANES) {
+            // The rays are gathered into a block of their own.
             let mut block = RayBlock::empty(points.len());
             for k in 0..LANES {
                 let point = points[k.min(points.len() - 1)] as usize;
@@ -128,21 +135,24 @@ vectorised! {
                 }
                 (lines.point[k], lines.t_max[k]) = (point as u32, nearest.exits[point]);
             }
-            let which = lines.project(&kernels[place], &block, sight_ends) & (u32::MAX >> (LANES - points.len()));
-            queue.push(kernels, place, lines, which, nearest);
+
+            let visible = lines.project(&kernels[place], &block, sight_ends);
+            queue.push(kernels, place, lines, visible & (u32::MAX >> (LANES - points.len())), nearest);
         }
     }
 }
 
 vectorised! {
-    /// Walks all other points through it, unless it surely sees them inside up to their exits so far.
-    fn trace_other_views(kernels: &[ViewKernel], place: usize, memory: &mut ExitFinder, nearest: &mut NearestExits) {
-        let ExitFinder { blocks, lines, queue, sight_ends, .. } = memory;
+    /// Traverses the view of the kernel at `place` along the rays that it is not likely to decide, except for those that it
+    /// surely sees inside up to their exits so far.
+    fn trace_other_views(kernels: &[ViewKernel], place: usize, finder: &mut ExitFinder, nearest: &mut NearestExits) {
+        let ExitFinder { blocks, lines, queue, sight_ends, .. } = finder;
         for (k, block) in blocks.iter().enumerate() {
             let base = k * LANES;
             for lane in 0..LANES {
                 (lines.point[lane], lines.t_max[lane]) = ((base + lane) as u32, nearest.exits[base + lane]);
             }
+
             let kernel = &kernels[place];
             let visible = lines.project(kernel, block, sight_ends);
             let mut others = [0; LANES];
@@ -150,6 +160,8 @@ vectorised! {
                 others[lane] = u32::from(block.first[lane] != place as u32);
             }
             let others = lane_mask(&others) & (u32::MAX >> (LANES - block.count)) & visible;
+
+            // The cheaper test first.
             let mut unresolved = others & !lines.stay_inside(kernel);
             if unresolved != 0 {
                 unresolved &= !lines.end_inside(kernel);
@@ -160,15 +172,15 @@ vectorised! {
 }
 
 vectorised! {
-    /// Lowers exits to the side of the work volume.
+    /// Lowers the exits of a block's rays to where they leave the work volume.
     fn lower_to_bounds(hull: &Hull, block: &RayBlock, exits: &mut [f64]) {
         let bounds = hull.bounds();
         for axis in 0..3 {
             let (min, max) = (bounds.min[axis], bounds.max[axis]);
             for k in 0..LANES {
-                let (at, ahead) = (block.point[axis][k], block.direction[axis][k]);
-                let t = (select(ahead > 0.0, max, min) - at) / ahead;
-                exits[k] = select((ahead != 0.0) & (t < exits[k]), t, exits[k]);
+                let (at, direction) = (block.point[axis][k], block.direction[axis][k]);
+                let t = (select(direction > 0.0, max, min) - at) / direction;
+                exits[k] = select((direction != 0.0) & (t < exits[k]), t, exits[k]);
             }
         }
     }

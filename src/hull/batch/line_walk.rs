@@ -1,62 +1,67 @@
-//! Walks of many points side by side, each along its own line through one view's silhouette.
+//! The traversal of many lines side by side, each through the silhouette of one view.
 //!
-//! A step is that of [`March`]: from the cell entered to the side of the largest square of subject cells around it. A
-//! walk ends in background, where an edge crosses its cell, or at its limit; where something rare comes up, [`March`]
-//! goes on with it. Most have ended after two steps; others take their lanes.
+//! A step is that of [`MaskTraversal`]: from the entered cell to the side of the largest square of subject cells around
+//! it. A line ends in background, at an edge that crosses its cell, or at `t_max`; in rare cases [`MaskTraversal`]
+//! finishes it. Most lines end after two steps, and new ones take their lanes.
 
-use super::super::query::MaskTraversal;
 use super::Wide;
 use super::image_lines::ImageLines;
 use super::projection::ViewKernel;
 use crate::camera::{ImageLine, MIN_DEPTH};
+use crate::hull::query::MaskTraversal;
 use crate::math::lanes::{floor, index, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
 use crate::math::vectorised;
 use crate::silhouette::HALF_COVERAGE;
 use nalgebra::Vector3;
 
-/// So few rays are sooner walked one by one.
+/// At this number of lines or fewer, finishing them one by one is faster than further steps of all lanes.
 const SCALAR_BELOW: usize = 4;
 
-/// The first crossing of one half in a cell that an edge crosses.
+/// Where a line first crosses one half in a cell that an edge crosses.
 enum Crossing {
-    /// There, in metres: as the line enters, if that is outside already.
+    /// At this `t`, in metres: where the line enters the cell, if it is outside there.
     At(f64),
-    /// The line stays inside.
+    /// Nowhere: the line stays inside.
     None,
-    /// Not known here: the cell is on the rim, or the line leaves it near the camera, or never.
+    /// Not computed here: the cell is on the rim, or the line leaves it near the camera, or never.
     Unknown,
 }
 
-/// Rays on their way, each in one view.
+/// Lines that are being traversed, one a lane, each in one view.
 #[derive(Debug, Default)]
 pub(super) struct RayQueue {
     lines: ImageLines,
-    /// The places of their views among the kernels, and what of these every step needs.
+    /// Index of the kernel of each line's view.
     place: [u32; LANES],
+    /// The kernel's `shift`, copied for the steps.
     shift: Wide,
+    /// The kernel's `stride`, copied for the steps.
     stride: Wide,
+    /// The kernel's `origin`, copied for the steps.
     origin: Wide,
-    /// The lanes that hold a ray.
+    /// Bit mask of the lanes that hold a line.
     used: u32,
 }
 
-/// The nearest exits so far, in metres, and the places of the views that gave them among the kernels.
+/// The nearest exit of each ray so far.
 #[derive(Debug)]
 pub(super) struct NearestExits<'a> {
+    /// In metres.
     pub(super) exits: &'a mut [f64],
+    /// Index of the kernel of the view that gave each exit.
     pub(super) deciders: &'a mut [u32],
 }
 
 impl RayQueue {
-    /// Begins with kernels of their own; no ray is left of those before.
+    /// Prepares the queue, which is empty, for other kernels.
     pub(super) fn restart(&mut self) {
-        // Lanes without a ray take part in every step, too.
+        // Lanes without a line take part in every step, and so need a valid index.
         self.place = [0; LANES];
     }
 
-    /// Adds the lines `which` in the view at `place`, and walks once all lanes are taken; `nearest` come down to where
-    /// rays leave.
+    /// Adds the `lines` in the bit mask `which`, in the view of the kernel at `place`, and traverses whenever all lanes
+    /// are taken. Lowers the exits of rays that leave.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
@@ -74,7 +79,7 @@ impl RayQueue {
         }
     }
 
-    /// Walks all that are left to their ends.
+    /// Traverses all remaining lines to their ends.
     pub(super) fn drain(&mut self, kernels: &[ViewKernel], nearest: &mut NearestExits) {
         trace_until(self, kernels, SCALAR_BELOW, nearest);
         for k in set_bits(self.used) {
@@ -86,9 +91,9 @@ impl RayQueue {
 }
 
 vectorised! {
-    /// Walks until at most so many rays are left.
-    fn trace_until(queue: &mut RayQueue, kernels: &[ViewKernel], most: usize, nearest: &mut NearestExits) {
-        while queue.used.count_ones() > most as u32 {
+    /// Traverses until at most `remaining` lines are left.
+    fn trace_until(queue: &mut RayQueue, kernels: &[ViewKernel], remaining: usize, nearest: &mut NearestExits) {
+        while queue.used.count_ones() > remaining as u32 {
             let mut ended = queue.step(kernels) & queue.used;
             ended &= !queue.cross_edges(ended, kernels);
             queue.write_exits(ended, kernels, nearest);
@@ -98,15 +103,16 @@ vectorised! {
 }
 
 impl RayQueue {
-    /// Lane k is line j of some lines, which begin in the view at `place`.
+    /// Sets lane k to line j of `lines`, in the view of the kernel at `place`.
     #[inline(always)]
     fn set(&mut self, k: usize, kernel: &ViewKernel, place: usize, lines: &ImageLines, j: usize) {
         self.lines.copy_lane(k, lines, j);
         self.place[k] = place as u32;
         (self.shift[k], self.stride[k], self.origin[k]) = (kernel.shift, kernel.stride, kernel.origin);
         self.used |= 1 << k;
+
         if kernel.by_coverage {
-            // The cell begins at a pixel's centre: at that of the point's pixel, or of the one before.
+            // The cell begins at the centre of the start's pixel, or of the pixel before.
             let cell = |x: f64, pixel: f64| select(x - kernel.shift < pixel, pixel - 1.0, pixel);
             let (u, v) = lines.position(j);
             let (column, row) = (cell(u, lines.column[j]), cell(v, lines.row[j]));
@@ -116,8 +122,7 @@ impl RayQueue {
         }
     }
 
-    /// The half-widths and a half of the largest squares around cells on which the views see subject alone; 0 where
-    /// there is none.
+    /// Updates the distances of the lines' cells to the background.
     #[inline(always)]
     fn find_distances(&mut self, kernels: &[ViewKernel]) {
         let (ImageLines { column, row, distance, .. }, mut places) = (&mut self.lines, [0; LANES]);
@@ -129,53 +134,57 @@ impl RayQueue {
         }
     }
 
-    /// A step of all lines. Which lines have ended: in background or in a cell that an edge crosses, at their limits, or
-    /// where they cannot step, since the camera is near.
+    /// Steps all lines. Returns a bit mask of the lines that have ended: in background or in a cell that an edge crosses,
+    /// at `t_max`, or where they cannot step because the camera is near.
     ///
-    /// No bounds test: the margin around the silhouette's rectangle is background, where a line ends.
+    /// No bounds test is needed: the margin around the silhouette's rectangle is background, where a line ends.
     #[inline(always)]
     fn step(&mut self, kernels: &[ViewKernel]) -> u32 {
-        let mut goes = [0; LANES];
+        let mut continues = [0; LANES];
         for k in 0..LANES {
-            goes[k] = u32::from(self.lines.advance(k, self.shift[k]));
+            continues[k] = u32::from(self.lines.advance(k, self.shift[k]));
         }
         self.find_distances(kernels);
         let ImageLines { distance, t, t_max, .. } = &self.lines;
         for k in 0..LANES {
-            goes[k] &= u32::from((distance[k] > 0.0) & (t[k] < t_max[k]));
+            continues[k] &= u32::from((distance[k] > 0.0) & (t[k] < t_max[k]));
         }
-        !lane_mask(&goes)
+        !lane_mask(&continues)
     }
 
-    /// Looks for crossings of one half in the cells of the lines `ended` that an edge crosses: to where there is one the
-    /// line comes. Lines whose cells have none go on; these are returned.
+    /// Searches the cells of the lines in the bit mask `ended` for a crossing of one half, where an edge crosses the cell,
+    /// and moves the line there. Returns a bit mask of the lines whose cells have none, which continue.
     #[inline(always)]
     fn cross_edges(&mut self, ended: u32, kernels: &[ViewKernel]) -> u32 {
-        let (lines, mut go_on) = (&mut self.lines, 0);
+        let (lines, mut continuing) = (&mut self.lines, 0);
         for k in set_bits(ended) {
+            // Only a line that has ended in a cell by coverage, before its limit.
             let kernel = &kernels[self.place[k] as usize];
             if !kernel.by_coverage || lines.distance[k] > 0.0 || lines.t[k] >= lines.t_max[k] {
                 continue;
             }
+
             let crossing = if kernel.is_on_rim(lines.column[k], lines.row[k]) {
                 Crossing::Unknown
             } else {
                 lines.crossing(k, &kernel.cell_corners(lines.column[k], lines.row[k]), kernel.shift)
             };
+
             match crossing {
                 Crossing::At(t) => lines.t[k] = t,
-                // A line that is in subject as it ends goes on alone.
+                // A positive distance makes `write_exits` finish the line on its own.
                 Crossing::Unknown => lines.distance[k] = 1.0,
                 Crossing::None => {
                     lines.distance[k] = 1.0;
-                    go_on |= 1 << k;
+                    continuing |= 1 << k;
                 }
             }
         }
-        go_on
+
+        continuing
     }
 
-    /// Lowers the exits of the points whose lines have ended before their limits.
+    /// Lowers the exits of the rays whose lines, in the bit mask `ended`, have ended before `t_max`.
     #[inline(always)]
     fn write_exits(&self, ended: u32, kernels: &[ViewKernel], nearest: &mut NearestExits) {
         let lines = &self.lines;
@@ -193,7 +202,7 @@ impl RayQueue {
 }
 
 impl NearestExits<'_> {
-    /// Lowers the exit of a point to that in the view at `place`.
+    /// Lowers the exit of a ray to `exit`, which the view of the kernel at `place` gives, if that is nearer.
     #[inline(always)]
     fn lower(&mut self, point: usize, exit: f64, place: u32) {
         if exit < self.exits[point] {
@@ -203,11 +212,13 @@ impl NearestExits<'_> {
 }
 
 impl ImageLines {
-    /// Brings line k to the side of the square of subject cells around it, into the next cell; whether it could.
+    /// Moves line k to the side of the square of subject cells around it, into the next cell. Returns whether it could.
     #[inline(always)]
     fn advance(&mut self, k: usize, shift: f64) -> bool {
         let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
         let [x1, y1, z1] = [self.direction[0][k], self.direction[1][k], self.direction[2][k]];
+
+        // The nearer of the crossings with the two sides ahead.
         let half = self.distance[k] - 1.0;
         let (left, above) = (self.column[k] - half, self.row[k] - half);
         let (right, below) = (self.column[k] + half + 1.0, self.row[k] + half + 1.0);
@@ -220,21 +231,24 @@ impl ImageLines {
         let t = select(first, by_column, by_row);
         let t = select(t > self.t[k], t, self.t[k]);
 
-        // Up to its limit a line lies in the work volume, so that it comes near the camera only there.
+        // The test for a camera that is near uses the part of the line up to `t_max`, which lies in the work volume.
         let z = z0 + z1 * select(t < self.t_max[k], t, self.t_max[k]);
         let is_going = (self.distance[k] > 0.0) & (self.t[k] < self.t_max[k]) & (z > 2.0 * MIN_DEPTH);
-        // The side fixes one coordinate; the other is where the line is.
+
+        // The side fixes one coordinate of the next cell; the position of the line gives the other.
         let beside = select(first, y0 + y1 * t, x0 + x1 * t) / z - shift;
         let cell = within(beside, select(first, above, left), select(first, below, right));
         let i = select(first, select(rightwards, column, column - 1.0), cell);
         let j = select(first, cell, select(downwards, row, row - 1.0));
+
         self.column[k] = select(is_going, i, self.column[k]);
         self.row[k] = select(is_going, j, self.row[k]);
         self.t[k] = select(is_going, t, self.t[k]);
         is_going
     }
 
-    /// Where line k first crosses one half in its bilinear cell with the values `corners`: [`March`]'s quadratics.
+    /// Where line k first crosses one half in its bilinear cell with the values `corners`, with the arithmetic of
+    /// [`MaskTraversal`].
     #[inline(always)]
     fn crossing(&self, k: usize, corners: &[f64; 4], shift: f64) -> Crossing {
         let [x0, y0, z0] = [self.start[0][k], self.start[1][k], self.start[2][k]];
@@ -268,7 +282,7 @@ impl ImageLines {
         let (r1, r2) = (root(q / a), root(c / q));
         let s = select(r1 < r2, r1, r2);
 
-        // The sign before the crossing is taken where it is largest: halfway there.
+        // The sign before the crossing, evaluated halfway to it: away from the roots.
         let halfway = 0.5 * select(s < 1.0, s, 1.0);
         if c + halfway * (b + halfway * a) < 0.0 {
             return Crossing::At(t0);
@@ -276,17 +290,19 @@ impl ImageLines {
         if s >= 1.0 {
             return Crossing::None;
         }
+
+        // From s to t, by the coordinate that changes faster.
         let (u, v) = (i + shift + xa + s * dx, j + shift + ya + s * dy);
         let t = if dx.abs() > dy.abs() { by_column(u) } else { by_row(v) };
         Crossing::At(select(t < t0, t0, select(t > t1, t1, t)))
     }
 
-    /// Where line k leaves, walked on alone from where it stands; infinite if not before its limit.
+    /// The exit of line k, by the single query's traversal from its current cell; infinite if not before `t_max`.
     fn finish_scalar(&self, k: usize, kernel: &ViewKernel) -> f64 {
         let (t, t_max) = (self.t[k], self.t_max[k]);
         let cell = (self.column[k] as i32, self.row[k] as i32);
-        let mut march = MaskTraversal::from_cell(kernel.view, self.line(k), cell, t, kernel.edge);
-        let exit = march.advance_until_exit(t, t_max);
+        let mut traversal = MaskTraversal::from_cell(kernel.view, self.line(k), cell, t, kernel.edge);
+        let exit = traversal.advance_until_exit(t, t_max);
         if exit < t_max { exit } else { f64::INFINITY }
     }
 
@@ -296,14 +312,14 @@ impl ImageLines {
     }
 }
 
-/// A crossing behind the camera, or one that there is none of, is never reached.
+/// `crossing`, or infinity where it is not finite or lies behind the camera, and so is never reached.
 #[inline(always)]
 fn ahead(crossing: f64, z0: f64, z1: f64) -> f64 {
     let is_ahead = (crossing.abs() < f64::INFINITY) & (z0 + crossing * z1 > 0.0);
     select(is_ahead, crossing, f64::INFINITY)
 }
 
-/// The cell of position `x` among those from `first` to before `end`.
+/// The cell of position `x`, clamped to the cells from `first` to one before `end`.
 #[inline(always)]
 fn within(x: f64, first: f64, end: f64) -> f64 {
     let x = select(x > first, x, first);

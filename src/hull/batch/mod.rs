@@ -17,6 +17,7 @@
 // Loops over lanes index several arrays by k: this is the form that the compiler vectorises.
 #![allow(clippy::needless_range_loop)]
 
+mod directions;
 mod exits;
 mod image_lines;
 mod line_walk;

@@ -1,8 +1,8 @@
 //! The projections of a block of points into the views, and the inside test.
 
-use super::super::{Aabb, EdgeModel, Hull, Unseen, View};
 use super::Wide;
 use crate::camera::{Footprint, MIN_DEPTH};
+use crate::hull::{Aabb, EdgeModel, Hull, Unseen, View};
 use crate::math::lanes::{floor, index, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
 use crate::silhouette::{Distances, HALF_COVERAGE, NO_EDGE};
@@ -21,9 +21,8 @@ pub(super) struct ViewKernel<'a> {
     pub(super) p: [[f64; 4]; 3],
     /// Width and height of the image, in pixels.
     pub(super) size: [f64; 2],
-    /// First column and row of the silhouette's rectangle.
+    /// The silhouette's rectangle: its first column and row, and one past its last ones.
     pub(super) low: [f64; 2],
-    /// One past the last column and row of the silhouette's rectangle.
     pub(super) high: [f64; 2],
     /// Column and row of the first pixel of the silhouette's crop.
     pub(super) corner: (i32, i32),
@@ -105,8 +104,8 @@ impl<'a> ViewKernel<'a> {
         }
     }
 
-    /// Writes the Chebyshev distances of cells: a cell at distance `d > 0` is the middle of a square of half-width `d - 1/2`
-    /// that holds subject only; 0 means that there is none. Cells are pixels, or the squares between four pixel centres.
+    /// Writes the Chebyshev distances of cells, which are pixels or squares between four pixel centres. A cell at distance
+    /// `d > 0` is the middle of a square of half-width `d - 1/2` that holds subject only; at 0 there is none.
     #[inline(always)]
     pub(super) fn find_cell_distances(&self, column: &Wide, row: &Wide, distances: &mut Wide) {
         let places = self.places(column, row, 0.0);

@@ -9,7 +9,7 @@
 //! double precision and only then rounded, so that world and body may lie anywhere: with points about their middle
 //! the error stays below a thousandth of a pixel.
 
-use super::super::{Hull, View};
+use crate::hull::{Hull, View};
 use crate::math::lanes::{floor_clamped, lane_mask, select};
 use crate::math::point_cloud::{Block, LANES, Points};
 use crate::silhouette::{Bits, Distances, OccupancyLookup, TableSlices};

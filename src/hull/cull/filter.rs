@@ -1,7 +1,7 @@
 //! Which of many points are inside, as many at a time as a vector register holds.
 
-use super::super::Unseen;
 use super::body_view::{BodyPlacement, BodyView, MaskDilation, NEAREST, Volume};
+use crate::hull::Unseen;
 use crate::math::lanes::{floor_clamped, lane_mask, select, set_bits};
 use crate::math::point_cloud::{BLOCKS_PER_GROUP, Block, BoundingSpheres, LANES, Points};
 use crate::math::vectorised;

@@ -1,9 +1,9 @@
 //! A hull as bodies see it: its enabled views and its work volume, and which points of a body are inside.
 
-use super::super::Hull;
 use super::body_view::{BodyPlacement, BodyView, MaskDilation, Volume};
 use super::filter::{self, Filter, Found};
 use crate::Result;
+use crate::hull::Hull;
 use crate::math::point_cloud::Points;
 use nalgebra::Isometry3;
 

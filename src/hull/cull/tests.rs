@@ -1,7 +1,7 @@
 //! The filter against the single queries.
 
-use super::super::tests::{POLICIES, Random, bounds, cameras, hull};
-use super::super::*;
+use crate::hull::tests::{POLICIES, Random, bounds, cameras, hull};
+use crate::hull::*;
 use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
 use nalgebra::{Isometry3, UnitQuaternion, point, vector};

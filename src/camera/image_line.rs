@@ -106,8 +106,8 @@ impl ImageLine {
         if crossing.is_finite() && self.x0.z + crossing * self.x1.z > 0.0 { crossing } else { f64::INFINITY }
     }
 
-    /// The cell that the line enters as it leaves `cells`. The side fixes one coordinate and `cells` bounds the other, so
-    /// that rounding can neither stop a traversal nor move it off its line.
+    /// The cell that the line enters as it leaves `cells`. The side fixes one coordinate and `cells` bounds the other,
+    /// so that rounding can neither stop a traversal nor move it off its line.
     pub(crate) fn entered(&self, leave: &CellExit, cells: &Rect, shift: f64) -> (i32, i32) {
         let (u, v) = self.at(leave.t);
         match leave.side {

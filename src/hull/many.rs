@@ -7,8 +7,8 @@ use crate::Result;
 use crate::math::point_cloud::Points;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// Reusable memory for queries of many points. A workspace that is kept between calls stops allocating once it has grown.
-/// It may be used with any hull and any points; each query overwrites the results of the one before.
+/// Reusable memory for queries of many points. A workspace that is kept between calls stops allocating once it has
+/// grown. It may be used with any hull and any points; each query overwrites the results of the one before.
 #[derive(Debug, Default)]
 pub struct Workspace {
     cull: cull::Scratch,
@@ -90,8 +90,8 @@ impl Workspace {
 impl Hull {
     /// Which of `points`, placed by the pose `hull_from_points`, are inside.
     ///
-    /// The query runs in single precision: a point whose image lies within a few ten-thousandths of a pixel of a pixel's
-    /// border may be counted to the neighbouring pixel.
+    /// The query runs in single precision: a point whose image lies within a few ten-thousandths of a pixel of a
+    /// pixel's border may be counted to the neighbouring pixel.
     ///
     /// # Errors
     /// A pose that is not finite.

@@ -8,7 +8,8 @@
 //!
 //! The hull is never reconstructed; queries work on the masks. A point is projected into the views, the nearest
 //! silhouette edge is found there, its normal is back-projected to the world, and the half-line along that normal is
-//! traversed through the masks up to the exit (paper, section 4). [`mod@reference`] is a plain version of the algorithm.
+//! traversed through the masks up to the exit (paper, section 4). [`mod@reference`] is a plain version of the
+//! algorithm.
 
 mod batch;
 mod cull;
@@ -54,8 +55,8 @@ impl Unseen {
         }
     }
 
-    /// Whether a point is inside the hull, where `inside` of the `enabled` views see it as subject and `outside` of them
-    /// as background.
+    /// Whether a point is inside the hull, where `inside` of the `enabled` views see it as subject and `outside` of
+    /// them as background.
     pub fn decides_inside(self, inside: usize, outside: usize, enabled: usize) -> bool {
         outside == 0 && inside >= self.min_views(enabled)
     }
@@ -80,8 +81,8 @@ impl Culls {
     pub const ALL: Self = Self { rectangle: true, frustum: true, frustum_box: true, body_box: true };
     /// No bounding volumes.
     pub const NONE: Self = Self { rectangle: false, frustum: false, frustum_box: false, body_box: false };
-    /// The bounding volumes in use: all but the frustums, whose four plane tests cost more than the projection that they
-    /// would save.
+    /// The bounding volumes in use: all but the frustums, whose four plane tests cost more than the projection that
+    /// they would save.
     pub const DEFAULT: Self = Self { rectangle: true, frustum: false, frustum_box: true, body_box: true };
 }
 
@@ -204,8 +205,8 @@ impl Hull {
         self.bounds.contains(p) && (!self.culls.frustum_box || self.aabb.contains(p))
     }
 
-    /// Metres that a pixel covers at `p`, in the view where that is least; the work volume's diagonal if no enabled view
-    /// has `p` in front of it.
+    /// Metres that a pixel covers at `p`, in the view where that is least; the work volume's diagonal if no enabled
+    /// view has `p` in front of it.
     pub fn pixel_size(&self, p: &Point3<f64>) -> f64 {
         let sizes = self
             .enabled_views()

@@ -1,7 +1,7 @@
 //! The paper's section 4, sentence by sentence, slow and without tables. Tests compare the optimised queries with it.
 //!
-//! It reads masks pixel by pixel. It shares the camera, the normals of edge pixels and the policy for unseen points with
-//! the optimised code, but has its own window search and its own exits.
+//! It reads masks pixel by pixel. It shares the camera, the normals of edge pixels and the policy for unseen points
+//! with the optimised code, but has its own window search and its own exits.
 
 use super::query::window_half_width;
 use super::{Hull, Unseen, View};
@@ -26,8 +26,9 @@ pub struct ReferenceResponse {
 /// follow the hull's [`Unseen`] policy.
 pub fn inside(hull: &Hull, p: &Point3<f64>) -> bool {
     let enabled = || hull.views().iter().filter(|view| view.is_enabled());
-    let seen = enabled().filter_map(|view| view.pixel(p).map(|(i, j)| view.silhouette().is_subject(i, j)));
-    let (subject, background): (Vec<bool>, Vec<bool>) = seen.partition(|&is_subject| is_subject);
+    let verdicts =
+        enabled().filter_map(|view| view.pixel(p).map(|(i, j)| view.silhouette().is_subject(i, j)));
+    let (subject, background): (Vec<bool>, Vec<bool>) = verdicts.partition(|&is_subject| is_subject);
     let enough = match hull.unseen() {
         Unseen::Outside => subject.len() == enabled().count() && !subject.is_empty(),
         Unseen::Abstain { min_views } => subject.len() >= min_views.max(1),
@@ -55,9 +56,9 @@ pub fn respond(hull: &Hull, a: &Point3<f64>) -> Option<ReferenceResponse> {
     Some(ReferenceResponse { view, b, normal, depth: exit(hull, a, &normal) })
 }
 
-/// The first view with background in its window, and the background pixel in it that is nearest to a's pixel. "For every
-/// iteration of the search algorithm, a square window around the projection of a is considered for every input image"
-/// (paper, section 4.2).
+/// The first view with background in its window, and the background pixel in it that is nearest to a's pixel. "For
+/// every iteration of the search algorithm, a square window around the projection of a is considered for every input
+/// image" (paper, section 4.2).
 fn window_search(hull: &Hull, a: &Point3<f64>) -> Option<(usize, (i32, i32))> {
     // d_i: metres that a pixel covers at a, in each view that sees it.
     let pixel_size = |view: &View| -> Option<f64> {

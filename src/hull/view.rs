@@ -173,8 +173,8 @@ impl View {
         self.rect.contains(i, j)
     }
 
-    /// The view's verdict on `p`, by the edge model `edge`. `rectangle_first` tests the silhouette's rectangle before its
-    /// pixels, which changes the speed but not the result.
+    /// The view's verdict on `p`, by the edge model `edge`. `rectangle_first` tests the silhouette's rectangle before
+    /// its pixels, which changes the speed but not the result.
     pub(super) fn verdict(&self, p: &Point3<f64>, edge: EdgeModel, rectangle_first: bool) -> Verdict {
         let Some(pixel) = self.project(p) else { return Verdict::Unseen };
         let (i, j) = floor_pixel(pixel.u, pixel.v);
@@ -219,8 +219,8 @@ impl View {
         frustum::clipped_box(bounds, &self.camera, &self.planes)
     }
 
-    /// The outward unit normal, in the world, of the plane through the camera's centre and the image line through `point`
-    /// (pixels) with image normal `normal` (paper, section 4.2: "backprojecting the 2D silhouette normal").
+    /// The outward unit normal, in the world, of the plane through the camera's centre and the image line through
+    /// `point` (pixels) with image normal `normal` (paper, section 4.2: "backprojecting the 2D silhouette normal").
     pub fn backproject_normal(&self, point: &Point2<f64>, normal: &Vector2<f64>) -> Vector3<f64> {
         frustum::backproject_normal(&self.projection, point, normal)
     }

@@ -111,8 +111,8 @@ impl Aabb {
         first
     }
 
-    /// The interval `(entry, exit)` in which the half-line `origin + t direction`, `t >= 0`, lies inside the box, and the
-    /// outward normal of the face where it enters (zero if it starts inside); `None` if it misses the box.
+    /// The interval `(entry, exit)` in which the half-line `origin + t direction`, `t >= 0`, lies inside the box, and
+    /// the outward normal of the face where it enters (zero if it starts inside); `None` if it misses the box.
     pub fn span(&self, origin: &Point3<f64>, direction: &Vector3<f64>) -> Option<(f64, f64, Vector3<f64>)> {
         let (mut entry, mut exit, mut normal) = (0.0_f64, f64::INFINITY, Vector3::zeros());
 

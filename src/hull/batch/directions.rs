@@ -64,7 +64,8 @@ vectorised! {
 }
 
 impl EdgeQuery {
-    /// The replacement of an edge without a normal: a line through pixel `(i, j)` across the offset from the point's pixel.
+    /// The replacement of an edge without a normal: a line through pixel `(i, j)` across the offset from the point's
+    /// pixel.
     #[inline(always)]
     fn edge_towards(&self, (i, j): (i32, i32)) -> Edge {
         Edge {
@@ -91,8 +92,8 @@ impl EdgeLines {
 
 impl ViewKernel<'_> {
     /// Lines through the centres of background pixels with the paper's 5x5 normals: the mean offset to the background
-    /// pixels of the window, as in [`Silhouette::paper_normal`](crate::silhouette::Silhouette::paper_normal). Also returns a bit mask of the pixels for which the mean is
-    /// too short.
+    /// pixels of the window, as in [`Silhouette::paper_normal`](crate::silhouette::Silhouette::paper_normal). Also
+    /// returns a bit mask of the pixels for which the mean is too short.
     #[inline(always)]
     fn paper_lines(&self, pixels: &[(i32, i32)]) -> (EdgeLines, u32) {
         let tables = self.view.silhouette().tables();
@@ -104,8 +105,8 @@ impl ViewKernel<'_> {
 
         let (mut lines, mut short) = (EdgeLines::default(), [0; LANES]);
         for k in 0..LANES {
-            // The sum of the offsets to background pixels, row by row. Rows are an array because a loop over a range would
-            // not be unrolled.
+            // The sum of the offsets to background pixels, row by row. Rows are an array because a loop over a range
+            // would not be unrolled.
             let (mut x, mut y, mut count) = (0, 0, 0);
             for dy in [-2, -1, 0, 1, 2] {
                 let bits = !bits.from(column[k] - self.corner.0 - 2, row[k] - self.corner.1 + dy);

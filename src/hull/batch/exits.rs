@@ -22,8 +22,8 @@ pub(super) struct ExitFinder {
     blocks: Vec<RayBlock>,
     /// For each kernel the indices of the rays that its view is likely to decide.
     first: Vec<Vec<u32>>,
-    /// For each ray, in metres, up to where the views that see its point surely keep sight of it, and the others do not gain
-    /// it.
+    /// For each ray, in metres, up to where the views that see its point surely keep sight of it, and the others do not
+    /// gain it.
     sight_ends: Vec<f64>,
     /// For each ray the index of the kernel of the view that gives its exit so far.
     deciders: Vec<u32>,
@@ -32,7 +32,8 @@ pub(super) struct ExitFinder {
 }
 
 impl ExitFinder {
-    /// Writes to `exits` the exits of `rays`, in metres and at most `t_max`, and to each ray the view that gave its exit.
+    /// Writes to `exits` the exits of `rays`, in metres and at most `t_max`, and to each ray the view that gave its
+    /// exit.
     pub(super) fn find(
         &mut self,
         hull: &Hull,
@@ -101,8 +102,8 @@ impl ExitFinder {
         }
     }
 
-    /// Computes again, by the single query, the exits that lie beyond the end of sight. There the policy for views that do
-    /// not see a point decides.
+    /// Computes again, by the single query, the exits that lie beyond the end of sight. There the policy for views that
+    /// do not see a point decides.
     fn retrace_beyond_sight(
         &self,
         hull: &Hull,
@@ -143,8 +144,8 @@ vectorised! {
 }
 
 vectorised! {
-    /// Traverses the view of the kernel at `place` along the rays that it is not likely to decide, except for those that it
-    /// surely sees inside up to their exits so far.
+    /// Traverses the view of the kernel at `place` along the rays that it is not likely to decide, except for those
+    /// that it surely sees inside up to their exits so far.
     fn trace_other_views(kernels: &[ViewKernel], place: usize, finder: &mut ExitFinder, nearest: &mut NearestExits) {
         let ExitFinder { blocks, lines, queue, sight_ends, .. } = finder;
         for (k, block) in blocks.iter().enumerate() {

@@ -66,8 +66,8 @@ impl Default for ImageLines {
 }
 
 impl ImageLines {
-    /// Sets the lines to the images of `block`, whose points are inside, each in the pixel of its start. Returns a bit mask
-    /// of the points that the view sees, and lowers `sight_ends` to where that may change.
+    /// Sets the lines to the images of `block`, whose points are inside, each in the pixel of its start. Returns a bit
+    /// mask of the points that the view sees, and lowers `sight_ends` to where that may change.
     #[inline(always)]
     pub(super) fn project(&mut self, kernel: &ViewKernel, block: &RayBlock, sight_ends: &mut [f64]) -> u32 {
         let ([x, y, z], [dx, dy, dz]) = (&block.point, &block.direction);
@@ -89,8 +89,8 @@ impl ImageLines {
         visible
     }
 
-    /// Ends lines where the view may lose sight of them. Returns a bit mask of the lines whose starts it sees, and lowers
-    /// `sight_ends` to where it may lose sight of these, or gain sight of the others.
+    /// Ends lines where the view may lose sight of them. Returns a bit mask of the lines whose starts it sees, and
+    /// lowers `sight_ends` to where it may lose sight of these, or gain sight of the others.
     #[inline(always)]
     fn limit_to_sight(&mut self, kernel: &ViewKernel, sight_ends: &mut [f64]) -> u32 {
         let (visible, low, high) = self.visible_rects(kernel);
@@ -100,8 +100,8 @@ impl ImageLines {
             let [x1, y1, z1] = [self.direction[0][k], self.direction[1][k], self.direction[2][k]];
             let ([u0, v0], [u1, v1]) = ([low[0][k], low[1][k]], [high[0][k], high[1][k]]);
 
-            // Multiplied by the depth, each side of the rectangle is linear in t: the view sees the line as long as every
-            // `constant + slope t` is at least 0.
+            // Multiplied by the depth, each side of the rectangle is linear in t: the view sees the line as long as
+            // every `constant + slope t` is at least 0.
             let sides = [
                 (z0 - MIN_DEPTH, z1),
                 (x0 - u0 * z0, x1 - u0 * z1),
@@ -129,8 +129,8 @@ impl ImageLines {
         visible
     }
 
-    /// A bit mask of the lines whose starts the view sees, and for each line a rectangle around its start, in pixels from
-    /// `low` to `high`, in which the view sees everything.
+    /// A bit mask of the lines whose starts the view sees, and for each line a rectangle around its start, in pixels
+    /// from `low` to `high`, in which the view sees everything.
     #[inline(always)]
     fn visible_rects(&self, kernel: &ViewKernel) -> (u32, [Wide; 2], [Wide; 2]) {
         let [width, height] = kernel.size;
@@ -179,8 +179,8 @@ impl ImageLines {
         lane_mask(&stays)
     }
 
-    /// Which lines the view surely sees inside up to `t_max`, because the squares of subject pixels around their starts and
-    /// ends overlap along them: a straight image leaves the one only after it has entered the other.
+    /// Which lines the view surely sees inside up to `t_max`, because the squares of subject pixels around their starts
+    /// and ends overlap along them: a straight image leaves the one only after it has entered the other.
     #[inline(always)]
     pub(super) fn end_inside(&self, kernel: &ViewKernel) -> u32 {
         let rim = kernel.rim();
@@ -242,10 +242,12 @@ impl ImageLines {
 }
 
 impl ViewKernel<'_> {
-    /// The difference between a pixel's distance to the background and the half-width of the square of subject around it.
+    /// The difference between a pixel's distance to the background and the half-width of the square of subject around
+    /// it.
     #[inline(always)]
     fn rim(&self) -> f64 {
-        // By coverage an edge may lie half a pixel within the subject's pixels. The last term is far more than rounding.
+        // By coverage an edge may lie half a pixel within the subject's pixels. The last term is far more than
+        // rounding.
         0.5 + self.shift + 1e-6
     }
 }

@@ -134,8 +134,8 @@ impl RayQueue {
         }
     }
 
-    /// Steps all lines. Returns a bit mask of the lines that have ended: in background or in a cell that an edge crosses,
-    /// at `t_max`, or where they cannot step because the camera is near.
+    /// Steps all lines. Returns a bit mask of the lines that have ended: in background or in a cell that an edge
+    /// crosses, at `t_max`, or where they cannot step because the camera is near.
     ///
     /// No bounds test is needed: the margin around the silhouette's rectangle is background, where a line ends.
     #[inline(always)]
@@ -152,8 +152,8 @@ impl RayQueue {
         !lane_mask(&continues)
     }
 
-    /// Searches the cells of the lines in the bit mask `ended` for a crossing of one half, where an edge crosses the cell,
-    /// and moves the line there. Returns a bit mask of the lines whose cells have none, which continue.
+    /// Searches the cells of the lines in the bit mask `ended` for a crossing of one half, where an edge crosses the
+    /// cell, and moves the line there. Returns a bit mask of the lines whose cells have none, which continue.
     #[inline(always)]
     fn cross_edges(&mut self, ended: u32, kernels: &[ViewKernel]) -> u32 {
         let (lines, mut continuing) = (&mut self.lines, 0);

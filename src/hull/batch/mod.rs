@@ -5,14 +5,14 @@
 //!             all views     the view that decides     all views
 //! ```
 //!
-//! The [`EdgeModel`] selects the result. With [`EdgeModel::Coverage`] it is what contacts use: the contact normal, and the
-//! exit at the coverage edge. With [`EdgeModel::Pixel`] it is the paper's response: binary masks, 5x5 normals, and the
-//! exit at a pixel's border.
+//! The [`EdgeModel`] selects the result. With [`EdgeModel::Coverage`] it is what contacts use: the contact normal, and
+//! the exit at the coverage edge. With [`EdgeModel::Pixel`] it is the paper's response: binary masks, 5x5 normals, and
+//! the exit at a pixel's border.
 //!
 //! Each step processes a block of points side by side. It does the arithmetic of [`Hull::exit_vector`],
-//! [`Hull::respond`] and [`Hull::exit_within`] in the same order, and so returns the same bits. Rare cases are left to the
-//! single queries: traversals along the rim of a silhouette's rectangle, and exits before which a view may lose sight of
-//! the point.
+//! [`Hull::respond`] and [`Hull::exit_within`] in the same order, and so returns the same bits. Rare cases are left to
+//! the single queries: traversals along the rim of a silhouette's rectangle, and exits before which a view may lose
+//! sight of the point.
 
 // Loops over lanes index several arrays by k: this is the form that the compiler vectorises.
 #![allow(clippy::needless_range_loop)]
@@ -46,8 +46,8 @@ pub(crate) struct ExitRay {
     pub(crate) point: Point3<f64>,
     /// Unit length.
     pub(crate) direction: Vector3<f64>,
-    /// Index of the view that gave the direction, which is likely to give the exit too; once the exit has been computed,
-    /// of the view that gave it.
+    /// Index of the view that gave the direction, which is likely to give the exit too; once the exit has been
+    /// computed, of the view that gave it.
     pub(crate) view: usize,
 }
 
@@ -61,8 +61,8 @@ pub(crate) struct Scratch {
 }
 
 impl Hull {
-    /// Finds the points that are inside by `edge`, and their exit directions. Writes their indices in `points` to `places`
-    /// and their rays to `rays`, in order. It may stop after `min_count` of them.
+    /// Finds the points that are inside by `edge`, and their exit directions. Writes their indices in `points` to
+    /// `places` and their rays to `rays`, in order. It may stop after `min_count` of them.
     pub(crate) fn exit_rays(
         &self,
         points: &[Point3<f64>],
@@ -89,8 +89,8 @@ impl Hull {
         });
     }
 
-    /// Writes to `exits` what [`Self::exit_within`] returns for each of `rays`, whose points are inside by `edge`, and to
-    /// each ray the view that gave its exit.
+    /// Writes to `exits` what [`Self::exit_within`] returns for each of `rays`, whose points are inside by `edge`, and
+    /// to each ray the view that gave its exit.
     pub(crate) fn exits_within(
         &self,
         rays: &mut [ExitRay],
@@ -108,8 +108,8 @@ impl Hull {
         });
     }
 
-    /// Adds to `kept` the indices of the `rays` whose exits do not provably lie before their `t`, in metres. It proves a few
-    /// exits less than [`Self::provably_exits_before`].
+    /// Adds to `kept` the indices of the `rays` whose exits do not provably lie before their `t`, in metres. It proves
+    /// a few exits less than [`Self::provably_exits_before`].
     pub(crate) fn keep_unless_proven(
         &self,
         rays: &[ExitRay],
@@ -127,8 +127,8 @@ impl Hull {
         });
     }
 
-    /// Whether the exit of `ray` provably lies before `t` metres, because some view sees background there. The view that
-    /// is likely to give the exit is tested first. This takes one look-up a view, where an exit takes a traversal.
+    /// Whether the exit of `ray` provably lies before `t` metres, because some view sees background there. The view
+    /// that is likely to give the exit is tested first. This takes one look-up a view, where an exit takes a traversal.
     pub(crate) fn provably_exits_before(&self, ray: &ExitRay, edge: EdgeModel, t: f64) -> bool {
         let end = ray.point + ray.direction * t;
         let others = self.views().iter().enumerate().filter(|(k, view)| *k != ray.view && view.is_enabled());

@@ -58,8 +58,8 @@ struct Decision {
 }
 
 impl EdgeQueries {
-    /// Adds queries for the points of a block in the bit mask `inside` for which some view has an edge, and their rays to
-    /// `rays`; [`Self::find_directions`] computes the directions. Returns a bit mask of these points.
+    /// Adds queries for the points of a block in the bit mask `inside` for which some view has an edge, and their rays
+    /// to `rays`; [`Self::find_directions`] computes the directions. Returns a bit mask of these points.
     #[inline(always)]
     pub(super) fn add(
         &mut self,
@@ -119,7 +119,8 @@ impl EdgeQueries {
                 }
             }
 
-            // New edges are computed side by side, each once in the life of a silhouette. Contact normals need them all.
+            // New edges are computed side by side, each once in the life of a silhouette. Contact normals need them
+            // all.
             silhouette::compute_edges(silhouette, new_edges);
             for (queries, nearest) in lists.iter_mut().zip(nearest.iter()) {
                 find_contact_directions(kernel, queries, nearest, rays);
@@ -192,8 +193,9 @@ vectorised! {
     }
 }
 
-/// Decides the window search for each point of a block, as [`Hull::nearest_edge`](super::super::Hull::nearest_edge) does:
-/// the view whose window, `1 + floor(k d_max / d_i)`, is the first to reach its distance; ties go to the first view.
+/// Decides the window search for each point of a block, as [`Hull::nearest_edge`](super::super::Hull::nearest_edge)
+/// does: the view whose window, `1 + floor(k d_max / d_i)`, is the first to reach its distance; ties go to the first
+/// view.
 #[inline(always)]
 fn select_view(kernels: &[ViewKernel], block: &mut PointBlock) -> Decision {
     let mut d_max = [0.0; LANES];

@@ -104,8 +104,8 @@ impl<'a> ViewKernel<'a> {
         }
     }
 
-    /// Writes the Chebyshev distances of cells, which are pixels or squares between four pixel centres. A cell at distance
-    /// `d > 0` is the middle of a square of half-width `d - 1/2` that holds subject only; at 0 there is none.
+    /// Writes the Chebyshev distances of cells, which are pixels or squares between four pixel centres. A cell at
+    /// distance `d > 0` is the middle of a square of half-width `d - 1/2` that holds subject only; at 0 there is none.
     #[inline(always)]
     pub(super) fn find_cell_distances(&self, column: &Wide, row: &Wide, distances: &mut Wide) {
         let places = self.places(column, row, 0.0);
@@ -130,7 +130,7 @@ impl<'a> ViewKernel<'a> {
         })
     }
 
-    /// The mask's bytes at the corners of a cell that is not on the rim: upper left, upper right, lower left, lower right.
+    /// The mask's bytes at the corners of a cell off the rim: upper left, upper right, lower left, lower right.
     #[inline(always)]
     pub(super) fn cell_corners(&self, column: f64, row: f64) -> [f64; 4] {
         let (place, stride) =
@@ -146,8 +146,7 @@ impl<'a> ViewKernel<'a> {
         column < self.low[0] || column >= self.high[0] - 1.0 || row < self.low[1] || row >= self.high[1] - 1.0
     }
 
-    /// Writes the distances to the background of the pixels `offset` entries of the table after these. The distance of a
-    /// pixel beyond the crop is arbitrary.
+    /// Writes the distances of the pixels `offset` table entries after these; arbitrary for pixels beyond the crop.
     #[inline(always)]
     pub(super) fn find_distances(&self, column: &Wide, row: &Wide, offset: f64, distances: &mut Wide) {
         self.look_up_pixels(&self.places(column, row, offset), distances);
@@ -181,7 +180,8 @@ impl<'a> ViewKernel<'a> {
             }
         }
 
-        // The pixel of each point, and its index in the table; index 0 where it lies outside the silhouette's rectangle.
+        // The pixel of each point, and its index in the table; index 0 where it lies outside the silhouette's
+        // rectangle.
         let (mut places, mut visible, mut in_rect) = ([0; LANES], [0; LANES], [0; LANES]);
         for k in 0..LANES {
             let (u, v) = (sample.at[0][k] / sample.at[2][k], sample.at[1][k] / sample.at[2][k]);
@@ -221,7 +221,7 @@ impl<'a> ViewKernel<'a> {
         (visible, inside & visible)
     }
 
-    /// Which of the points in the bit mask `unresolved` are inside by coverage.
+    /// Which of the `unresolved` points are inside by coverage.
     #[inline(always)]
     fn covered(&self, sample: &ProjectedBlock, unresolved: u32) -> u32 {
         let mut inside = 0;
@@ -247,7 +247,7 @@ impl<'a> ViewKernel<'a> {
         (c00 * (1.0 - x) + c10 * x) * (1.0 - y) + (c01 * (1.0 - x) + c11 * x) * y
     }
 
-    /// Which of the points in the bit mask `active` lie in pixels that the lens did not see. The mask shows subject there.
+    /// Which of the `active` points lie in pixels that the lens did not see. The mask shows subject there.
     fn in_blind_spots(&self, sample: &ProjectedBlock, active: u32) -> u32 {
         let Some(field_of_view) = self.view.blind_spots() else { return 0 };
         let is_unseen = |k: usize| !field_of_view.is_subject(sample.column[k] as i32, sample.row[k] as i32);
@@ -300,7 +300,7 @@ impl PointBlock {
         }
     }
 
-    /// Which of the points in the bit mask `active` lie in a box, faces included.
+    /// Which of the `active` points lie in a box, faces included.
     #[inline(always)]
     pub(super) fn within(&self, aabb: &Aabb, active: u32) -> u32 {
         let mut within = [1; LANES];
@@ -313,8 +313,7 @@ impl PointBlock {
         lane_mask(&within) & active
     }
 
-    /// Projects the points into the views until none of those in the bit mask `active` may be inside. Returns which of
-    /// them are inside.
+    /// Projects the points into the views until none of the `active` ones may be inside. Returns which of them are.
     #[inline(always)]
     pub(super) fn project_if_inside(&mut self, kernels: &[ViewKernel], unseen: Unseen, active: u32) -> u32 {
         self.samples.resize(kernels.len(), ProjectedBlock::default());

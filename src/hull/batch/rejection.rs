@@ -1,4 +1,5 @@
-//! Which of many rays provably leave the hull before a given distance: some view sees background at that point of the ray.
+//! Which of many rays provably leave the hull before a given distance: some view sees background at that point of the
+//! ray.
 
 use super::projection::ViewKernel;
 use super::{ExitRay, Wide};
@@ -12,9 +13,9 @@ use crate::silhouette::HALF_COVERAGE;
 const ROUNDING_PX: f64 = 1e-6;
 
 vectorised! {
-    /// Adds to `kept` the indices of the `rays` that are not provably outside at their `t`, in metres; the first of them has
-    /// index `base`. Views are tested in turn from `first` on, which becomes the view that rejected the last ray: it is
-    /// likely to reject the next ones too.
+    /// Adds to `kept` the indices of the `rays` that are not provably outside at their `t`, in metres; the first of
+    /// them has index `base`. Views are tested in turn from `first` on, which becomes the view that rejected the last
+    /// ray: it is likely to reject the next ones too.
     pub(super) fn keep(
         kernels: &[ViewKernel],
         rays: &[ExitRay],
@@ -53,8 +54,8 @@ impl ViewKernel<'_> {
         let (mut column, mut row, mut is_sure) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
         let (mut in_reach, mut at) = ([0; LANES], [[0.0; LANES]; 2]);
 
-        // The cell of each point, whether rounding could place the point in another, and whether the cell is in reach of
-        // the silhouette's rectangle.
+        // The cell of each point, whether rounding could place the point in another, and whether the cell is in reach
+        // of the silhouette's rectangle.
         for k in 0..LANES {
             let [pu, pv, pd] = &self.p;
             let pu = pu[0] * x[k] + pu[1] * y[k] + pu[2] * z[k] + pu[3];
@@ -96,8 +97,8 @@ impl ViewKernel<'_> {
         outside
     }
 
-    /// Which cells have no subject pixel at any corner, and which have some but not all, as bit masks. Cells are pixels,
-    /// which count as one corner, or squares between four pixel centres.
+    /// Which cells have no subject pixel at any corner, and which have some but not all, as bit masks. Cells are
+    /// pixels, which count as one corner, or squares between four pixel centres.
     #[inline(always)]
     fn classify(&self, column: &Wide, row: &Wide) -> (u32, u32) {
         // The least distance to the background over the corners, and the largest.

@@ -1,13 +1,14 @@
-//! The views of a hull as the points of a body see them: from the points' own frame straight to a silhouette's tables.
+//! The views of a hull as seen from a body's frame: one matrix maps the body's points to indices of a silhouette's
+//! tables.
 //!
 //! ```text
-//!   pixel of the region  <-  P  -  volume  <-  pose  -  points about their middle
-//!                            once a call       once a body
+//!   pixel of the crop  <-  P  -  volume  <-  pose  -  points relative to their middle
+//!                          once a call       once a body
 //! ```
 //!
-//! The volume's frame has the world's axes and its origin in the middle of the work volume. Products are formed in
-//! double precision and only then rounded, so that world and body may lie anywhere: with points about their middle
-//! the error stays below a thousandth of a pixel.
+//! The volume's frame has the world's axes, and its origin in the middle of the work volume. Matrices are multiplied in
+//! double precision and only then rounded. World and body may therefore lie anywhere: since points are relative to
+//! their middle, the error stays below a thousandth of a pixel.
 
 use crate::hull::{Hull, View};
 use crate::math::lanes::{floor_clamped, lane_mask, select};
@@ -16,66 +17,67 @@ use crate::silhouette::{Bits, Distances, OccupancyLookup, TableSlices};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Point3, Translation3, Vector3};
 
-/// What counts as subject.
+/// Which pixels count as subject.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum MaskDilation {
-    /// A subject pixel.
+    /// The subject pixels of the mask.
     None,
-    /// A subject pixel or one beside it: nothing that any edge model calls inside is missed.
+    /// The subject pixels and those beside them, which hold every point that is inside by either edge model.
     OnePixel,
 }
 
 impl MaskDilation {
-    /// By how many pixels.
+    /// The radius of the dilation, in pixels.
     pub(super) fn pixels(self) -> f32 {
         f32::from(u8::from(self == Self::OnePixel))
     }
 }
 
-/// Depths below this, in metres, count as behind the camera.
+/// A point at a lower depth, in metres, counts as behind the camera.
 pub(super) const NEAREST: f32 = 1e-6;
 
-/// More than rounding moves a position in an image, in pixels.
+/// More than rounding changes a position in an image, in pixels.
 const ROUNDING_PX: f32 = 0.02;
 
-/// A view as points of some frame see it.
+/// A view as seen from the frame of some points: the volume's frame, or that of a body's points.
 #[derive(Debug, Clone)]
 pub(super) struct BodyView<'a> {
-    /// Points to `(u depth, v depth, depth)`, with (u, v) from the corner of the silhouette's region.
+    /// Maps points to `(u depth, v depth, depth)`, with (u, v) in pixels from the corner of the silhouette's crop.
     pub(super) p: [[f32; 4]; 3],
     projection: Matrix3x4<f64>,
-    /// By how much the depth changes at most, per metre.
+    /// The largest change of depth per metre.
     depth_slope: f32,
-    /// By how many pixels columns and rows of the region change at most, per metre at a depth of one metre: the
-    /// length of `row - u depth row`, which is largest at one end of the region.
+    /// The largest change of column and row per metre, in pixels, at a depth of one metre: the length of the matrix row
+    /// minus u times the depth's row, which is largest at one end of the crop.
     slope: [f32; 2],
     pub(super) tables: TableSlices<'a>,
-    /// `None` where what the view does not see is outside, as its mask's background says.
+    /// `None` if every point that the view does not see is outside, so that it can be treated as background.
     pub(super) field_of_view: Option<FieldOfView<'a>>,
 }
 
-/// What a view sees, where a point that it does not see may be inside or lies beyond no silhouette edge.
+/// The image of a view that may abstain, or whose silhouette has an open border.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FieldOfView<'a> {
-    /// The image from the region's corner: first column and row, and those behind the last ones.
+    /// First column and row of the image, in pixels from the crop's corner.
     low: [f32; 2],
+    /// One past the last column and row of the image, in pixels from the crop's corner.
     high: [f32; 2],
     view: &'a View,
 }
 
-/// The work volume, about its middle.
+/// The work volume: its middle, and half its extent along each axis, in metres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Volume {
     centre: Point3<f64>,
     half: [f32; 3],
 }
 
-/// Points about their middle to the volume's frame.
+/// The transform of a body's points, relative to their middle, to the volume's frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BodyPlacement {
     rows: [[f32; 4]; 3],
     exact: Matrix4<f64>,
-    /// The radius of the sphere around the points.
+    /// The radius of the sphere around the points, in metres.
     pub(super) radius: f32,
 }
 
@@ -85,19 +87,19 @@ impl Volume {
         Self { centre: bounds.centre(), half: ((bounds.max - bounds.min) * 0.5).cast::<f32>().into() }
     }
 
-    /// A place of the volume's frame in the world.
+    /// A point of the volume's frame, in the world.
     pub(super) fn in_world(&self, at: [f32; 3]) -> Point3<f64> {
         self.centre + Vector3::from(at).cast::<f64>()
     }
 
-    /// Whether it surely holds all points of a body.
+    /// Whether the volume surely holds all points of a body.
     pub(super) fn holds(&self, placement: &BodyPlacement) -> bool {
-        // A millimetre is more than rounding, and less than any margin that a work volume needs.
+        // A millimetre is far more than rounding.
         let middle = placement.middle();
         middle.iter().zip(self.half).all(|(at, half)| at.abs() <= half - placement.radius - 1e-3)
     }
 
-    /// Which points lie in it, a bit each.
+    /// A bit mask of the points that lie in the volume.
     #[inline(always)]
     pub(super) fn contains(&self, placement: &BodyPlacement, points: &Block) -> u32 {
         let mut inside = u32::MAX;
@@ -126,31 +128,35 @@ impl BodyPlacement {
             ));
         }
         let rows = std::array::from_fn(|r| std::array::from_fn(|c| exact[(r, c)] as f32));
-        // A little more for what rounding moves.
+        // The radius is rounded up, since rounding moves the points.
         Ok(Self { rows, exact, radius: radius as f32 * (1.0 + 1e-6) })
     }
 
-    /// The points' middle in the volume's frame.
+    /// The middle of the points, in the volume's frame.
     pub(super) fn middle(&self) -> [f32; 3] {
         self.rows.map(|row| row[3])
     }
 }
 
 impl<'a> BodyView<'a> {
-    /// The view as points of the volume's frame see it.
+    /// The view as seen from the volume's frame.
     pub(super) fn new(hull: &Hull, view: &'a View, volume: &Volume) -> Self {
         let tables = view.silhouette().tables();
         let world_from_volume = Translation3::from(volume.centre.coords).to_homogeneous();
         let mut p: Matrix3x4<f64> = view.projection() * world_from_volume;
+
+        // Columns and rows count from the corner of the crop.
         let depth = p.row(2).clone_owned();
         for (row, corner) in [(0, tables.corner.0), (1, tables.corner.1)] {
             let shifted = p.row(row) - depth * f64::from(corner);
             p.set_row(row, &shifted);
         }
+
         let slope = |row: usize, end: usize| {
             let at = |u: f64| (p.fixed_view::<1, 3>(row, 0) - p.fixed_view::<1, 3>(2, 0) * u).norm();
             at(0.0).max(at(end as f64)) as f32
         };
+
         Self {
             p: rounded(&p),
             projection: p,
@@ -161,14 +167,14 @@ impl<'a> BodyView<'a> {
         }
     }
 
-    /// The view as points in a pose see it; slopes are the same however they are turned.
+    /// The view as seen from the frame of a body's points. Slopes do not depend on the body's pose.
     pub(super) fn seen_from(&self, placement: &BodyPlacement) -> Self {
         let exact = self.projection * placement.exact;
         Self { p: rounded(&exact), projection: exact, ..self.clone() }
     }
 
-    /// Where point k of a block appears, from the corner of the region, and its depth; at the corner where it is behind
-    /// the camera.
+    /// The image position of point k of a block, in pixels from the corner of the crop, and its depth. A point behind
+    /// the camera is placed at the corner.
     #[inline(always)]
     pub(super) fn project(&self, points: &Block, k: usize) -> [f32; 3] {
         let [u, v, depth] = &self.p;
@@ -177,61 +183,65 @@ impl<'a> BodyView<'a> {
         [u * per_depth, v * per_depth, depth]
     }
 
-    /// The middle of the region's last pixel: where positions in the region end.
+    /// The middle of the crop's last pixel, to which positions are clamped.
     #[inline(always)]
     pub(super) fn last_pixel(&self) -> [f32; 2] {
         [self.tables.width as f32 - 0.5, self.tables.height as f32 - 0.5]
     }
 
-    /// The bits of the silhouette, dilated.
+    /// The bits of the silhouette, dilated as requested.
     #[inline(always)]
     pub(super) fn mask_bits(&self, dilation: MaskDilation) -> Bits<'a> {
         let words = if dilation == MaskDilation::None { self.tables.subject } else { self.tables.dilated };
         Bits::new(words, self.tables.words)
     }
 
-    /// The table of distances.
+    /// The table of Chebyshev distances to the background.
     #[inline(always)]
     pub(super) fn distances(&self) -> Distances<'a> {
         Distances::new(self.tables.distance_words, self.tables.width)
     }
 
-    /// Whether anything that lies within `radius` of a point may appear in the silhouette, dilated by so many pixels, and
-    /// whether all of it surely does.
+    /// Whether any part of a sphere may project into the silhouette, dilated by `dilation_px`, and whether all of it
+    /// surely does.
     #[inline(always)]
     pub(super) fn sphere(
         &self,
-        (tiles, distances): (&OccupancyLookup, &Distances),
+        (occupancy, distances): (&OccupancyLookup, &Distances),
         [x, y, z]: [f32; 3],
         radius: f32,
         dilation_px: f32,
     ) -> (bool, bool) {
+        // The image of the centre, and the least depth of the sphere.
         let at = |row: &[f32; 4]| row[0].mul_add(x, row[1].mul_add(y, row[2].mul_add(z, row[3])));
         let depth = at(&self.p[2]);
         let nearest = depth - radius * self.depth_slope;
-        let (per_depth, most) = (1.0 / depth, radius * 1.001 / nearest);
+        let (per_depth, per_nearest) = (1.0 / depth, radius * 1.001 / nearest);
         let (u, v) = (at(&self.p[0]) * per_depth, at(&self.p[1]) * per_depth);
-        // A hundredth of a pixel and some for rounding.
-        let reach = |axis: usize| self.slope[axis] * most + dilation_px + ROUNDING_PX;
+
+        // A rectangle of pixels that holds the sphere's image.
+        let reach = |axis: usize| self.slope[axis] * per_nearest + dilation_px + ROUNDING_PX;
         let [right, below] = self.last_pixel();
         let from = [floor_clamped(u - reach(0), right), floor_clamped(v - reach(1), below)];
         let to = [floor_clamped(u + reach(0), right) + 1, floor_clamped(v + reach(1), below) + 1];
         let is_ahead = nearest > NEAREST;
-        let touches = !is_ahead | tiles.any_occupied(from, to);
-        // Background lies as many pixels away as the distance says, or farther.
+        let touches = !is_ahead | occupancy.any_occupied(from, to);
+
+        // All pixels nearer to the centre's pixel than its distance are subject.
         let clear = distances.at(floor_clamped(u, right), floor_clamped(v, below)) as f32 - 1.0;
         (touches, is_ahead & (reach(0) <= clear) & (reach(1) <= clear))
     }
 
-    /// Whether the image surely holds all that lies within `radius` of a point, by a view that may not see it.
+    /// Whether the whole of a sphere surely projects into the image `field_of_view` of this view.
     #[inline(always)]
-    pub(super) fn sees_sphere(&self, sight: &FieldOfView, [x, y, z]: [f32; 3], radius: f32) -> bool {
+    pub(super) fn sees_sphere(&self, field_of_view: &FieldOfView, [x, y, z]: [f32; 3], radius: f32) -> bool {
         let at = |row: &[f32; 4]| row[0].mul_add(x, row[1].mul_add(y, row[2].mul_add(z, row[3])));
         let depth = at(&self.p[2]);
         let nearest = depth - radius * self.depth_slope;
-        let (per_depth, most) = (1.0 / depth, radius * 1.001 / nearest);
-        let reach = [self.slope[0] * most + ROUNDING_PX, self.slope[1] * most + ROUNDING_PX];
-        (nearest > NEAREST) & sight.holds([at(&self.p[0]) * per_depth, at(&self.p[1]) * per_depth], reach)
+        let (per_depth, per_nearest) = (1.0 / depth, radius * 1.001 / nearest);
+        let reach = [self.slope[0] * per_nearest + ROUNDING_PX, self.slope[1] * per_nearest + ROUNDING_PX];
+        let centre = [at(&self.p[0]) * per_depth, at(&self.p[1]) * per_depth];
+        (nearest > NEAREST) & field_of_view.holds(centre, reach)
     }
 }
 
@@ -245,7 +255,7 @@ impl<'a> FieldOfView<'a> {
         }
     }
 
-    /// Whether the image holds all that lies within `reach` pixels of a position.
+    /// Whether the image holds every position within `reach` pixels of `at`.
     #[inline(always)]
     fn holds(&self, at: [f32; 2], reach: [f32; 2]) -> bool {
         let along = |axis: usize| {
@@ -254,9 +264,8 @@ impl<'a> FieldOfView<'a> {
         along(0) & along(1)
     }
 
-    /// Which points of a block the view surely sees, and which it may see, from positions and depths.
-    ///
-    /// Without dilation both are the same: what single precision makes of them.
+    /// Bit masks of the points of a block that the view surely sees, and of those that it may see, from image positions
+    /// and depths. Without dilation no allowance is made for rounding, and both are equal.
     #[inline(always)]
     pub(super) fn visible(&self, at: &[[f32; 3]; LANES], dilation: MaskDilation) -> (u32, u32) {
         let slack = if dilation == MaskDilation::None { 0.0 } else { ROUNDING_PX };
@@ -273,19 +282,21 @@ impl<'a> FieldOfView<'a> {
         self.view.blind_spots().is_some()
     }
 
-    /// Whether the lens saw the pixel at a position from the region's corner.
+    /// Whether the lens saw the pixel at a position, in pixels from the crop's corner.
     pub(super) fn lens_sees(&self, [u, v, _]: [f32; 3]) -> bool {
         let pixel = |at: f32, low: f32| (at - low).floor() as i32;
         self.view
             .blind_spots()
-            .is_none_or(|seen| seen.is_subject(pixel(u, self.low[0]), pixel(v, self.low[1])))
+            .is_none_or(|visible| visible.is_subject(pixel(u, self.low[0]), pixel(v, self.low[1])))
     }
 }
 
+/// The matrix in single precision.
 fn rounded(p: &Matrix3x4<f64>) -> [[f32; 4]; 3] {
     std::array::from_fn(|r| std::array::from_fn(|c| p[(r, c)] as f32))
 }
 
+/// One row of an affine map, applied to point k of a block.
 #[inline(always)]
 fn affine(row: &[f32; 4], points: &Block, k: usize) -> f32 {
     row[0].mul_add(points.x[k], row[1].mul_add(points.y[k], row[2].mul_add(points.z[k], row[3])))

@@ -1,4 +1,4 @@
-//! A hull as bodies see it: its enabled views and its work volume, and which points of a body are inside.
+//! A hull as seen from a body's frame: its enabled views and its work volume, and which points of a body are inside.
 
 use super::body_view::{BodyPlacement, BodyView, MaskDilation, Volume};
 use super::filter::{self, Filter, Found};
@@ -7,19 +7,19 @@ use crate::hull::Hull;
 use crate::math::point_cloud::Points;
 use nalgebra::Isometry3;
 
-/// A hull as points of the volume's frame see it.
+/// A hull, with its views as seen from the volume's frame and from a body's frame.
 #[derive(Debug)]
 pub(super) struct HullInBody<'a> {
     hull: &'a Hull,
     volume: Volume,
-    /// Filled once a body comes near.
+    /// The views as seen from the volume's frame; filled when the first body comes near.
     views: Vec<BodyView<'a>>,
-    /// The views as the body asked last sees them.
+    /// The views as seen from the frame of the last body that was queried.
     placed: Vec<BodyView<'a>>,
 }
 
 impl<'a> HullInBody<'a> {
-    /// `hull` in the memory of two lists.
+    /// Prepares `hull`, in the memory of two lists.
     pub(super) fn new(hull: &'a Hull, [views, placed]: [Vec<BodyView<'a>>; 2]) -> Self {
         Self { hull, volume: Volume::of(hull), views, placed }
     }
@@ -28,7 +28,8 @@ impl<'a> HullInBody<'a> {
         [self.views, self.placed]
     }
 
-    /// Finds the points inside, or, with [`MaskDilation::OnePixel`], all but those surely outside by any edge model.
+    /// Adds to `found` the points of a body that are inside, or, with [`MaskDilation::OnePixel`], all but those surely
+    /// outside by either edge model.
     ///
     /// # Errors
     /// A pose that is not finite.
@@ -39,20 +40,25 @@ impl<'a> HullInBody<'a> {
         dilation: MaskDilation,
         found: &mut Found,
     ) -> Result<()> {
+        // A body far from the hull's box. The micrometre covers the rounding of its middle.
         let placement = BodyPlacement::new(points, world_from_points, &self.volume)?;
         let middle = self.volume.in_world(placement.middle());
         let is_near = self.hull.may_touch(&middle, f64::from(placement.radius) + 1e-6);
         if points.is_empty() || self.hull.aabb().is_empty() || !is_near {
             return Ok(());
         }
+
         if self.views.is_empty() {
             let enabled = self.hull.views().iter().filter(|view| view.is_enabled());
             self.views.extend(enabled.map(|view| BodyView::new(self.hull, view, &self.volume)));
         }
 
-        let cut = dilation == MaskDilation::None && !self.volume.holds(&placement);
-        let cut = cut.then_some((&self.volume, &placement));
+        // Candidates are not cut off at the work volume: a point beyond it is rejected later, in double precision.
+        let is_cut = dilation == MaskDilation::None && !self.volume.holds(&placement);
+        let cut = is_cut.then_some((&self.volume, &placement));
         let filter = Filter { dilation, unseen: self.hull.unseen(), cut };
+
+        // The sphere around the body first, then its blocks and points.
         if filter::may_be_inside(&self.views, &placement, &filter) {
             self.placed.clear();
             self.placed.extend(self.views.iter().map(|view| view.seen_from(&placement)));

@@ -1,15 +1,16 @@
-//! Which of many points may be inside: a filter in single precision.
+//! A filter in single precision that finds which of many points may be inside.
 //!
 //! ```text
 //!   body ─► sphere around it ─► spheres around blocks of its points ─► points
-//!           and each view's tiles, distances, bits
+//!           tested against each view's occupancy, distances and bits
 //! ```
 //!
-//! The same answers as [`Hull::inside`](super::Hull::inside), but from the points' frame straight to the images in
-//! single precision: a point whose image lies within a few ten-thousandths of a pixel of a pixel's border may count to
-//! the other side. Contacts do not rest on that: they use it to leave out what is surely outside by any edge model.
+//! It gives the results of [`Hull::inside`](super::Hull::inside), but projects points from their own frame straight
+//! into the images, in single precision: a point whose image lies within a few ten-thousandths of a pixel of a pixel's
+//! border may be counted to the neighbouring pixel. Contacts do not depend on that, since they use the filter only to
+//! discard points that are surely outside by either edge model.
 
-// Loops over the lanes of several arrays say what happens to lane k: it is what the compiler turns into vectors.
+// Loops over lanes index several arrays by k: this is the form that the compiler vectorises.
 #![allow(clippy::needless_range_loop)]
 
 mod body_view;
@@ -26,7 +27,7 @@ use filter::Found;
 use hull_in_body::HullInBody;
 use nalgebra::Isometry3;
 
-/// Memory that is used again and again; it holds what was found last.
+/// Memory that queries reuse. It holds the points found last.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     lists: [Vec<BodyView<'static>>; 2],
@@ -34,7 +35,7 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    /// The places in their blocks of the points that are inside, ascending.
+    /// The places, in the blocks, of the points that are inside, ascending.
     ///
     /// # Errors
     /// A pose that is not finite.
@@ -51,32 +52,33 @@ impl Scratch {
         Ok(&self.found.places)
     }
 
-    /// Tells `take`, of each of `bodies` by its place, the places in their blocks of the points that may be inside by any
-    /// edge model. It is told nothing of bodies that have none, and of those in a pose that is not finite.
+    /// Calls `visit` for each of `bodies` that has points that may be inside by some edge model: with the body's index,
+    /// its points, and the places of those points in the blocks. Bodies in a pose that is not finite are skipped.
     pub(super) fn each_candidate<'b>(
         &mut self,
         hull: &Hull,
         bodies: impl Iterator<Item = (&'b Points, Isometry3<f64>)>,
-        mut take: impl FnMut(usize, &'b Points, &[u32]),
+        mut visit: impl FnMut(usize, &'b Points, &[u32]),
     ) {
         self.with_hull(hull, |hull, found| {
             for (body, (points, world_from_points)) in bodies.enumerate() {
                 found.places.clear();
+
                 let is_finite = hull.find(points, &world_from_points, MaskDilation::OnePixel, found).is_ok();
                 if is_finite && !found.places.is_empty() {
-                    take(body, points, &found.places);
+                    visit(body, points, &found.places);
                 }
             }
         });
     }
 
-    /// Runs `ask` on `hull` as bodies see it.
-    fn with_hull<R>(&mut self, hull: &Hull, ask: impl FnOnce(&mut HullInBody, &mut Found) -> R) -> R {
+    /// Runs `query` with `hull` as bodies see it.
+    fn with_hull<R>(&mut self, hull: &Hull, query: impl FnOnce(&mut HullInBody, &mut Found) -> R) -> R {
         let lists = std::mem::take(&mut self.lists).map(recycle);
         let mut hull = HullInBody::new(hull, lists);
-        let answer = ask(&mut hull, &mut self.found);
+        let result = query(&mut hull, &mut self.found);
         self.lists = hull.into_lists().map(recycle);
-        answer
+        result
     }
 }
 

@@ -8,12 +8,12 @@ use crate::silhouette::{Border, IncomingMask, MaskView, PackedMask};
 use crate::{Error, Result};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-/// The views of a subject and their latest masks. All methods may be called from any thread; put it in an `Arc` to share
-/// it.
+/// The views of a subject and their latest masks. All methods may be called from any thread; put it in an `Arc` to
+/// share it.
 ///
 /// [`set_mask`](Self::set_mask) prepares a mask on the thread that calls it. The mask takes effect with the next
-/// [`update`](Self::update), which publishes the latest masks of all views as one frame. A view without a new mask keeps
-/// its last one, which is not prepared again.
+/// [`update`](Self::update), which publishes the latest masks of all views as one frame. A view without a new mask
+/// keeps its last one, which is not prepared again.
 #[derive(Debug, Default)]
 pub struct HullData {
     state: Mutex<State>,
@@ -120,7 +120,8 @@ impl HullData {
         Ok(())
     }
 
-    /// Enables or disables a view, from the next [`update`](Self::update) on. A disabled view abstains under either policy.
+    /// Enables or disables a view, from the next [`update`](Self::update) on. A disabled view abstains under either
+    /// policy.
     ///
     /// # Errors
     /// A view index out of range.
@@ -140,8 +141,8 @@ impl HullData {
         self.set(view, IncomingMask::Bytes(mask.into()), None)
     }
 
-    /// Prepares `mask` as the next mask of a view, taken at `time` seconds. A mask without a time counts as taken at the
-    /// time of the first frame that contains it.
+    /// Prepares `mask` as the next mask of a view, taken at `time` seconds. A mask without a time counts as taken at
+    /// the time of the first frame that contains it.
     ///
     /// # Errors
     /// A time that is not finite or lies before that of the view's last mask; otherwise as
@@ -189,8 +190,8 @@ impl HullData {
     /// Publishes the latest masks as the frame at `time` seconds, and returns it.
     ///
     /// # Errors
-    /// No views; no work volume; an enabled view without a mask, or one that sees nothing of the work volume; a time that
-    /// is not finite or lies before the last frame's. The last frame then stays in force.
+    /// No views; no work volume; an enabled view without a mask, or one that sees nothing of the work volume; a time
+    /// that is not finite or lies before the last frame's. The last frame then stays the latest.
     pub fn update(&self, time: f64) -> Result<Arc<Hull>> {
         let mut state = self.lock();
         if let Some(last) = state.latest.as_ref().map(|frame| frame.time()).filter(|&last| time < last) {
@@ -216,9 +217,9 @@ impl HullData {
         Some((state.published, state.latest.clone()?))
     }
 
-    /// The hull as the views saw it at `time` seconds, from the masks that are kept. Each view shows its latest mask that
-    /// was not taken after `time`, or its earliest if all were. A view keeps the masks of its last tenth of a second, and
-    /// one more.
+    /// The hull as the views saw it at `time` seconds, from the masks that are kept. Each view shows its latest mask
+    /// that was not taken after `time`, or its earliest if all were. A view keeps the masks of its last tenth of a
+    /// second, and one more.
     ///
     /// The first query of a past mask may have to compute its tables again, in about 0.03 ms for a VGA view.
     ///

@@ -1,7 +1,7 @@
 //! Where a half-line from a point inside leaves the hull: the nearest exit over the views and the work volume.
 //!
-//! For one line the traversals of all views advance in step. The [`batch`](crate::hull::batch) traverses many lines, one
-//! view after the other, and returns the same bits.
+//! For one line the traversals of all views advance in step. The [`batch`](crate::hull::batch) traverses many lines,
+//! one view after the other, and returns the same bits.
 
 use super::interval_merge::IntervalMerge;
 use crate::hull::{EdgeModel, Hull};

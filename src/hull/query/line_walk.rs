@@ -114,8 +114,8 @@ impl<'a> MaskTraversal<'a> {
         self.until
     }
 
-    /// Steps until the verdict is no longer inside. Returns the `t` at which that changed, at most `limit`; it is `from` if
-    /// the verdict is not inside to begin with.
+    /// Steps until the verdict is no longer inside. Returns the `t` at which that changed, at most `limit`; it is
+    /// `from` if the verdict is not inside to begin with.
     pub(in crate::hull) fn advance_until_exit(&mut self, from: f64, limit: f64) -> f64 {
         let mut exit = from;
         while self.verdict == Verdict::Inside && self.until < limit {
@@ -218,8 +218,8 @@ impl<'a> MaskTraversal<'a> {
         is_inner && t < f64::INFINITY && self.line.depth(t) > 2.0 * MIN_DEPTH
     }
 
-    /// The verdict of cell `(i, j)`, `None` if an edge crosses it, and the half-width of a square around it in which all
-    /// cells have this verdict.
+    /// The verdict of cell `(i, j)`, `None` if an edge crosses it, and the half-width of a square around it in which
+    /// all cells have this verdict.
     fn cell_verdict(&self, i: i32, j: i32) -> (Option<Verdict>, i32) {
         let silhouette = self.view.silhouette();
         if !self.view.judges(i.max(0), j.max(0)) && self.view.blind_spots().is_some() {
@@ -250,8 +250,8 @@ impl<'a> MaskTraversal<'a> {
         }
     }
 
-    /// Whether the line, between `t0` and `t1` in the bilinear cell `(i, j)`, starts inside, and where it then crosses one
-    /// half. Along a straight line bilinear coverage is a quadratic.
+    /// Whether the line, between `t0` and `t1` in the bilinear cell `(i, j)`, starts inside, and where it then crosses
+    /// one half. Along a straight line bilinear coverage is a quadratic.
     fn crossings(&self, i: i32, j: i32, t0: f64, t1: f64) -> (bool, [Option<f64>; 2]) {
         // Positions in the cell where the line enters it (a) and leaves it (b).
         let local = |t: f64| {
@@ -312,44 +312,4 @@ fn roots_within_unit(c: f64, b: f64, a: f64) -> [Option<f64>; 2] {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::hull::tests::{Random, cameras};
-    use crate::silhouette::{Border, Silhouette};
-    use image::{GrayImage, Luma};
-    use std::sync::Arc;
-
-    #[test]
-    fn a_line_that_enters_the_image_at_an_open_border_starts_in_its_first_pixel() {
-        // Subject in the first column, and one pixel far from it.
-        let mask =
-            GrayImage::from_fn(160, 120, |i, j| Luma([if i == 0 || (i, j) == (50, 60) { 255 } else { 0 }]));
-        let (camera, silhouette) = (cameras().swap_remove(0), Silhouette::new(&mask, Border::Unknown));
-        let view = View::new(Arc::new(camera), Arc::new(silhouette), None);
-
-        let mut random = Random(5);
-        for _ in 0..300 {
-            let row = 1.0 + 118.0 * random.unit();
-            let mut point = |u: f64| view.camera().unproject(u, row, 1.0 + random.unit());
-            let (Some(from), Some(to)) = (point(-20.0), point(40.0)) else { panic!("a pinhole sees both") };
-            let mut traversal = MaskTraversal::new(&view, &from, &(to - from).normalize(), EdgeModel::Pixel);
-            assert_eq!(traversal.verdict(), Verdict::Unseen);
-            traversal.step();
-            assert_eq!(traversal.verdict(), Verdict::Inside);
-
-            // It leaves where the first column ends; the crossing has a closed form, so that only rounding remains.
-            let exit = traversal.advance_until_exit(0.0, f64::INFINITY);
-            let u = traversal.line.at(exit).0;
-            assert!((u - 1.0).abs() < 1e-9, "left at column {u}, entered in row {row}");
-        }
-    }
-
-    #[test]
-    fn roots_are_the_sign_changes_in_order() {
-        assert_eq!(roots_within_unit(-1.0, 2.0, 0.0), [Some(0.5), None]);
-        assert_eq!(roots_within_unit(1.0, -2.0, 0.0), [Some(0.5), None]);
-        assert_eq!(roots_within_unit(3.0, -16.0, 16.0), [Some(0.25), Some(0.75)]);
-        assert_eq!(roots_within_unit(1.0, 0.0, 1.0), [None, None]);
-        assert_eq!(roots_within_unit(1.0, 0.0, 0.0), [None, None]);
-    }
-}
+mod tests;

@@ -1,6 +1,7 @@
 //! Queries of one point, one half-line or one ray, in double precision and without vectorisation.
 //!
-//! The [`batch`](super::batch) has to return the same bits, as tests check, and falls back to these queries in rare cases.
+//! The [`batch`](super::batch) has to return the same bits, as tests check, and falls back to these queries in rare
+//! cases.
 
 mod exit;
 mod interval_merge;

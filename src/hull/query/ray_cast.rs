@@ -16,8 +16,8 @@ pub struct RayHit {
 }
 
 impl Hull {
-    /// The first interval of `ray` inside the hull: its entry (`None` if the ray starts inside) and its exit. `None` if the
-    /// ray misses the hull.
+    /// The first interval of `ray` inside the hull: its entry (`None` if the ray starts inside) and its exit. `None` if
+    /// the ray misses the hull.
     pub fn ray_cast(&self, ray: &Ray) -> Option<(Option<RayHit>, RayHit)> {
         let mut merge = IntervalMerge::new(self, &ray.origin, &ray.direction, EdgeModel::Coverage)?;
         let entry = merge.entry()?;

@@ -35,8 +35,8 @@ pub struct ExitVector {
 }
 
 impl Hull {
-    /// The paper's response of `p` (section 4.2), with binary silhouettes and 5x5 normals. `None` if `p` is outside, or if
-    /// no view has a silhouette edge.
+    /// The paper's response of `p` (section 4.2), with binary silhouettes and 5x5 normals. `None` if `p` is outside, or
+    /// if no view has a silhouette edge.
     pub fn respond(&self, p: &Point3<f64>) -> Option<Response<'_>> {
         if !self.in_boxes(p) {
             return None;
@@ -59,8 +59,8 @@ impl Hull {
         })
     }
 
-    /// The exit vector of `p` for a contact. `None` if `p` is outside by the coverage edge, or if no view has a silhouette
-    /// edge.
+    /// The exit vector of `p` for a contact. `None` if `p` is outside by the coverage edge, or if no view has a
+    /// silhouette edge.
     pub fn exit_vector(&self, p: &Point3<f64>) -> Option<ExitVector> {
         if !self.in_boxes(p) {
             return None;

@@ -22,8 +22,8 @@ fn points() -> Vec<Point3<f64>> {
     (0..300).map(|_| random.point(&bounds())).collect()
 }
 
-/// Sets masks of a disc that moves from frame to frame, with coverage in every second view, and publishes the frame. The
-/// last view gets a new mask in every third frame only.
+/// Sets masks of a disc that moves from frame to frame, with coverage in every second view, and publishes the frame.
+/// The last view gets a new mask in every third frame only.
 fn publish(data: &HullData, frame: u32) -> Arc<Hull> {
     let views = data.view_count();
     for view in (0..views).filter(|view| view + 1 < views || frame.is_multiple_of(3)) {

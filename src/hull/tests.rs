@@ -77,7 +77,7 @@ fn masks(samples: u32) -> &'static [GrayImage] {
     MASKS[samples as usize].get_or_init(render)
 }
 
-/// What a camera sees of the subject, by `samples` times `samples` rays a pixel.
+/// The mask of the subject seen by one camera, from `samples` times `samples` rays a pixel.
 pub(super) fn mask(camera: &Camera, samples: u32) -> GrayImage {
     let (width, height) = camera.size();
     GrayImage::from_fn(width, height, |i, j| {

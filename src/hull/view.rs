@@ -13,7 +13,7 @@ pub enum Verdict {
     Inside,
     /// The point projects to a background pixel.
     Outside,
-    /// The point lies behind the camera or outside its field of view.
+    /// The point lies behind the camera or outside the image, or the view abstains because its lens does not see it.
     Unseen,
 }
 
@@ -43,8 +43,8 @@ pub struct View {
 }
 
 impl View {
-    /// A view of `camera`, whose distortion is ignored: for a lens with distortion pass the camera and mask of an
-    /// [`Undistortion`](crate::silhouette::Undistortion).
+    /// A view of `camera` as a pinhole. Its lens is ignored: pass the pinhole and the mask of an
+    /// [`Undistortion`](crate::silhouette::Undistortion) for a camera that has one.
     ///
     /// `field_of_view` is the part of the image that the real lens saw; `None` stands for all of it. Outside that part,
     /// `silhouette` has to be background if its border is [`Border::Background`], and subject if it is

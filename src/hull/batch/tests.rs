@@ -21,8 +21,8 @@ struct Kind {
 }
 
 /// Hulls of a plain subject with and without coverage, seen by pinholes and by fisheyes; and hulls of masks full of
-/// holes, which reach up to the image's border, with and without lenses. All are made for both policies, and once for all
-/// tests.
+/// holes, which reach up to the image's border, with and without lenses. All are made for both policies, and once for
+/// all tests.
 fn hulls() -> &'static [Hull] {
     static HULLS: LazyLock<Vec<Hull>> = LazyLock::new(render_hulls);
     &HULLS
@@ -43,8 +43,8 @@ fn render_hulls() -> Vec<Hull> {
     plain.chain(kinds.map(perforated_hull)).chain(fisheyes).collect()
 }
 
-/// The hull of cameras with fisheye lenses. In some of their images the subject is near a border, which cuts it off; the
-/// corner on the other side is up to 83 degrees from the axis.
+/// The hull of cameras with fisheye lenses. In some of their images the subject is near a border, which cuts it off;
+/// the corner on the other side is up to 83 degrees from the axis.
 fn fisheye_hull(unseen: Unseen, samples: u32) -> Hull {
     let lens = Fisheye::from_opencv(&[0.01, -0.004, 5e-4, -2e-5]).unwrap();
     let data = HullData::new();

@@ -144,8 +144,7 @@ impl ViewState {
 
     /// Recycles the tables of past masks that no frame needs any more.
     pub(super) fn recycle_past_tables(&mut self) {
-        // Only those of the last two masks, whose memory is still in the processor's caches; older ones are not worth
-        // it.
+        // Only those of the last two masks: their memory is still in the processor's caches.
         for silhouette in self.masks.past().take(2).filter_map(Arc::get_mut) {
             keep_tables(&mut self.recycled_tables, silhouette.take_tables());
         }

@@ -9,7 +9,7 @@ use nalgebra::{Point3, Vector3};
 
 impl Hull {
     /// Metres from `p`, a point inside, along the unit `direction` to where the hull ends: the nearest exit over the
-    /// views and the work volume. For a point outside it is 0.
+    /// views and the work volume.
     ///
     /// ```
     /// use nalgebra::{Isometry3, Point3, Vector3};

@@ -108,8 +108,8 @@ impl Hull {
         });
     }
 
-    /// Adds to `kept` the indices of the `rays` whose exits do not provably lie before their `t`, in metres. It proves
-    /// a few exits less than [`Self::provably_exits_before`].
+    /// Adds to `kept` the indices of the `rays` whose exits do not provably lie before their `t`, in metres. It may
+    /// prove slightly fewer of them than [`Self::provably_exits_before`].
     pub(crate) fn keep_unless_proven(
         &self,
         rays: &[ExitRay],

@@ -8,8 +8,8 @@
 //! 12.5 300.1 -1
 //! ```
 //!
-//! A view for each image, in the file's order, called like the image. World to camera, OpenCV's axes. The first
-//! pixel's centre is (0.5, 0.5). The scale of the world is arbitrary.
+//! There is one view per image, in the file's order, named after the image. Poses are world to camera with OpenCV's
+//! axes. The first pixel's centre is (0.5, 0.5). The scale of the world is arbitrary.
 
 mod lens;
 
@@ -33,13 +33,14 @@ const EXPORT: &str =
 /// How far a quaternion's length may be from 1: files carry at least six digits.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
-/// An image's line as far as it stands by itself.
+/// A line of `images.txt`, before its camera is looked up.
 struct Image<'a> {
     line: Line<'a>,
     camera: &'a str,
     name: String,
 }
 
+/// A camera of `cameras.txt`, which several images may share.
 struct Intrinsics {
     size: (u32, u32),
     k: Matrix3<f64>,
@@ -58,7 +59,7 @@ fn recognise(source: &Source) -> bool {
         || first_line(text).is_some_and(|line| is_image(&line)) && is_beside_cameras()
 }
 
-/// Whether a text is `cameras.txt`.
+/// Whether a text is the content of `cameras.txt`.
 fn holds_cameras(text: &str) -> bool {
     first_line(text).is_some_and(|line| lens::is_camera(&line))
         || text.starts_with("# Camera list with one line of data per camera")
@@ -68,7 +69,7 @@ fn first_line(text: &str) -> Option<Line<'_>> {
     lines::lines(text).find(|line| !line.text.starts_with('#'))
 }
 
-/// Whether a line is an image's, and not of its points: these are triples of numbers.
+/// Whether a line describes an image and is not a list of its points, which are triples of numbers.
 fn is_image(line: &Line) -> bool {
     line.words.len() >= 10 && line.words[..9].iter().all(|word| is_number(word)) && !is_points(line)
 }
@@ -92,7 +93,7 @@ fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
     })
 }
 
-/// One of the two files: what was opened, or beside it.
+/// Path and text of one of the two files: the opened one, or its neighbour.
 fn file(source: &Source, name: &str) -> Result<(PathBuf, String)> {
     if let Some(text) = source.text().filter(|_| source.is_in_memory()) {
         return Err(source.lacks(if holds_cameras(text) { IMAGES } else { CAMERAS }, ""));
@@ -109,6 +110,7 @@ fn file(source: &Source, name: &str) -> Result<(PathBuf, String)> {
     })
 }
 
+/// The cameras of `cameras.txt` by their ids.
 fn lenses(text: &str) -> Result<HashMap<&str, Intrinsics>> {
     let mut lenses = HashMap::new();
     for line in lines::lines(text).filter(|line| !line.text.starts_with('#')) {
@@ -120,6 +122,7 @@ fn lenses(text: &str) -> Result<HashMap<&str, Intrinsics>> {
     Ok(lenses)
 }
 
+/// One camera per image of `images.txt`.
 fn views(text: &str, lenses: &HashMap<&str, Intrinsics>) -> Result<Vec<RawCamera>> {
     let mut images = images(text)?;
     if images.is_empty() {
@@ -134,6 +137,7 @@ fn views(text: &str, lenses: &HashMap<&str, Intrinsics>) -> Result<Vec<RawCamera
     images.iter().map(|image| view(image, lenses)).collect()
 }
 
+/// The image lines of `images.txt`.
 fn images(text: &str) -> Result<Vec<Image<'_>>> {
     let mut images = Vec::new();
     for line in lines::lines(text).filter(|line| !line.text.starts_with('#')) {
@@ -150,10 +154,12 @@ fn images(text: &str) -> Result<Vec<Image<'_>>> {
     Ok(images)
 }
 
+/// The camera of one image: its pose, with the intrinsics it refers to.
 fn view(image: &Image, lenses: &HashMap<&str, Intrinsics>) -> Result<RawCamera> {
     let Image { line, camera, name } = image;
     let numbers =
         line.words[1..8].iter().map(|word| line.number_in(word, IMAGE)).collect::<Result<Vec<_>>>()?;
+
     let quaternion = Quaternion::new(numbers[0], numbers[1], numbers[2], numbers[3]);
     let length = quaternion.norm();
     if (length - 1.0).abs() > UNIT_TOLERANCE {
@@ -166,6 +172,7 @@ fn view(image: &Image, lenses: &HashMap<&str, Intrinsics>) -> Result<RawCamera> 
             format!("expected camera {camera} of this image in {CAMERAS}, found none; export both together");
         return Err(line.fail(problem));
     };
+
     Ok(RawCamera {
         name: name.clone(),
         size: Some(*size),

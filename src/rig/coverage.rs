@@ -1,4 +1,4 @@
-//! What a rig sees: the spot its cameras look at, the volume around it, and how many cameras see how much of that.
+//! Where the cameras of a rig look, the work volume around that point, and how many cameras see each part of it.
 
 use super::Rig;
 use crate::camera::Camera;
@@ -6,14 +6,14 @@ use crate::math::aabb::Aabb;
 use crate::{Error, Result};
 use nalgebra::{Matrix3, Point3, Vector3};
 
-/// How much of the way from the spot that is looked at to the nearest camera belongs to the work volume.
+/// Half side of the work volume, as a fraction of the distance from the focus to the nearest camera.
 const REACH: f64 = 0.9;
 
 impl Rig {
     /// The point nearest to all optical axes, in the world.
     ///
     /// # Errors
-    /// Cameras that all look in one direction, or back.
+    /// Cameras whose optical axes are all parallel.
     pub fn focus(&self) -> Result<Point3<f64>> {
         // The sum of (1 - d d^T) (x - c) over the axes is zero.
         let (mut matrix, mut vector) = (Matrix3::zeros(), Vector3::zeros());
@@ -22,7 +22,8 @@ impl Rig {
             matrix += across;
             vector += across * camera.centre().coords;
         }
-        // Its determinant is that of the angles between the axes; below this they are a hundredth of a degree.
+        // The determinant falls with the angles between the axes; at this limit they are about 0.01 degrees.
+
         let inverse = matrix.try_inverse().filter(|_| matrix.determinant() > 1e-8);
         inverse.map(|inverse| Point3::from(inverse * vector)).ok_or_else(|| {
             Error::argument(
@@ -31,11 +32,11 @@ impl Rig {
         })
     }
 
-    /// A work volume around the [`focus`](Self::focus), 0.9 times as far as the nearest camera stands from it; above
-    /// the floor z = 0 where the cameras and the focus are.
+    /// A cube around the [`focus`](Self::focus) whose half side is 0.9 times the distance to the nearest camera, in
+    /// metres. It is cut off at the floor z = 0 if all cameras and the focus are above it.
     ///
     /// # Errors
-    /// As [`focus`](Self::focus); a camera that stands at it.
+    /// All errors of [`focus`](Self::focus); a camera that stands at the focus.
     pub fn work_volume(&self) -> Result<Aabb> {
         let focus = self.focus()?;
         let distances = self.cameras().iter().map(|camera| (camera.centre() - focus).norm());
@@ -47,8 +48,8 @@ impl Rig {
         Aabb::new(min, max)
     }
 
-    /// The shares of `volume` that exactly 0, 1, 2, ... cameras have in their images, by a grid of points of which
-    /// there are `fineness` along its longest side (at least one). They add up to 1.
+    /// The shares of `volume` that exactly 0, 1, 2, ... cameras have in their images; they add up to 1. The volume is
+    /// sampled by a grid with `fineness` points along its longest side (at least one).
     pub fn coverage(&self, volume: &Aabb, fineness: usize) -> Vec<f64> {
         let mut counts = vec![0_usize; self.len() + 1];
         for point in grid(volume, fineness) {
@@ -58,7 +59,7 @@ impl Rig {
         counts.into_iter().map(|count| count as f64 / all).collect()
     }
 
-    /// The share of `volume` that one camera has in its image, as [`coverage`](Self::coverage) counts.
+    /// The share of `volume` that one camera has in its image, sampled as in [`coverage`](Self::coverage).
     pub fn coverage_of(camera: &Camera, volume: &Aabb, fineness: usize) -> f64 {
         let (mut seen, mut all) = (0_usize, 0_usize);
         for point in grid(volume, fineness) {
@@ -69,7 +70,7 @@ impl Rig {
     }
 }
 
-/// The middles of cubes that fill `volume`.
+/// The centres of cells that fill `volume`.
 fn grid(volume: &Aabb, fineness: usize) -> impl Iterator<Item = Point3<f64>> {
     let (min, sides) = (volume.min, volume.max - volume.min);
     let spacing = sides.max() / fineness.max(1) as f64;

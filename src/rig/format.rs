@@ -1,5 +1,5 @@
-//! What every reader of a calibration format fills in: cameras as the file has them, before units and pixel centres are
-//! brought to those of this crate.
+//! The common output of all readers: cameras as in the file, before units and pixel centres are converted to this
+//! crate's.
 
 use super::source::Source;
 use crate::camera::{Distortion, Fisheye, Lens};
@@ -7,43 +7,43 @@ use crate::{Error, Result};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
 
-/// What a calibration file does not say, or says in a unit of its own.
+/// Information that a calibration file lacks, or gives in a unit of its own.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Hints {
-    /// Width and height of the images, in pixels, for cameras of which the file does not tell.
+    /// Width and height of the images in pixels, for cameras whose size is not in the file.
     pub size: Option<(u32, u32)>,
-    /// Metres per unit of length in the file, instead of the format's own.
+    /// Metres per unit of length in the file; overrides the format's own unit.
     pub metres_per_unit: Option<f64>,
 }
 
-/// One format.
+/// One calibration format.
 pub(super) struct Format {
-    /// For people.
+    /// The format's name, for messages.
     pub(super) name: &'static str,
-    /// Whether the content looks like it; cheap.
+    /// Whether the content looks like this format; cheap.
     pub(super) recognise: fn(&Source) -> bool,
     pub(super) read: fn(&Source, &Hints) -> Result<RawCalibration>,
 }
 
-/// What a file holds.
+/// The content of a calibration file.
 pub(super) struct RawCalibration {
     pub(super) cameras: Vec<RawCamera>,
     pub(super) pixel_centres: PixelCentres,
-    /// Of the format; `None` where its lengths are arbitrary and somebody has to give the scale.
+    /// The format's unit of length; `None` where it is arbitrary, so that a hint has to give it.
     pub(super) metres_per_unit: Option<f64>,
     pub(super) notes: Vec<String>,
 }
 
-/// A camera as a file has it.
+/// A camera as in the file.
 pub(super) struct RawCamera {
     pub(super) name: String,
-    /// Pixels, where the file says.
+    /// Width and height in pixels, if the file has them.
     pub(super) size: Option<(u32, u32)>,
     pub(super) k: Matrix3<f64>,
     pub(super) lens: RawLens,
     /// World to camera, OpenCV's axes.
     pub(super) rotation: UnitQuaternion<f64>,
-    /// World to camera, in the file's unit of length.
+    /// The translation from world to camera, in the file's unit of length.
     pub(super) translation: Vector3<f64>,
 }
 
@@ -110,13 +110,13 @@ impl From<Distortion> for RawLens {
 /// Which image coordinates a pixel's centre has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PixelCentres {
-    /// The first pixel's is (0, 0): OpenCV and kin.
+    /// The first pixel's centre is (0, 0), as in OpenCV.
     Whole,
-    /// The first pixel's is (0.5, 0.5), as in this crate.
+    /// The first pixel's centre is (0.5, 0.5), as in this crate.
     Half,
 }
 
-/// The side of an image, of a whole number of pixels that image files can have.
+/// The side of an image if it is a whole number of pixels that image files can have.
 pub(super) fn pixels(side: f64) -> Option<u32> {
     (side.fract() == 0.0 && (1.0..=65_535.0).contains(&side)).then_some(side as u32)
 }

@@ -1,9 +1,9 @@
-//! Names for views that a file knows by the paths of their images.
+//! Names for views whose file gives only the paths of their images.
 
 use std::collections::HashSet;
 
-/// A name for each of the `paths`: the files' stems where they differ (`left.png`: left), else the folders
-/// (`left/0001.png`: left), else both (left_0001).
+/// A name for each of the `paths`: the file stems where they are unique (`left.png`: left), else the folder names
+/// (`left/0001.png`: left), else both joined (left_0001).
 pub(super) fn names(paths: &[&str]) -> Vec<String> {
     let parts = |path: &&str| -> Vec<String> {
         let mut parts: Vec<_> = path.split(['/', '\\']).filter(|part| !matches!(*part, "" | ".")).collect();
@@ -16,10 +16,13 @@ pub(super) fn names(paths: &[&str]) -> Vec<String> {
         parts.into_iter().map(String::from).collect()
     };
     let parts: Vec<_> = paths.iter().map(parts).collect();
+
     let nth_from_end = |n: usize| parts.iter().map(move |p| p.iter().rev().nth(n).cloned()).collect();
     let [stems, folders]: [Option<Vec<String>>; 2] = [0, 1].map(nth_from_end);
+
     let differ = |names: &Vec<String>| names.iter().collect::<HashSet<_>>().len() == names.len();
     let joined = || parts.iter().map(|parts| parts.join("_")).collect();
+
     stems.filter(differ).or_else(|| folders.filter(differ)).unwrap_or_else(joined)
 }
 
@@ -28,7 +31,7 @@ mod tests {
     use super::names;
 
     #[test]
-    fn the_shortest_part_that_tells_the_images_apart_is_the_name() {
+    fn names_are_the_shortest_part_of_the_path_that_is_unique() {
         assert_eq!(names(&["a.png", "images/b.c.png", "./d"]), ["a", "b.c", "d"]);
         assert_eq!(names(&["left/0001.png", "right/0001.png"]), ["left", "right"]);
         assert_eq!(names(&["left/1.png", "left/2.png", "right/1.png"]), ["left_1", "left_2", "right_1"]);

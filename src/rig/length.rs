@@ -1,16 +1,16 @@
-//! Lengths of formats that name no unit.
+//! The unit of length in formats that name none.
 
 use super::format::{Hints, RawCamera};
 use crate::{Error, MissingHint, Result};
 
-/// A camera that stands farther than this from the world's origin was hardly measured in metres.
+/// A camera farther than this from the world's origin, in metres, suggests another unit.
 pub(super) const FARTHEST: f64 = 100.0;
 
-/// The note that goes with [`as_metres`].
+/// The note that accompanies [`as_metres`].
 pub(super) const NOTE: &str = "the file names no unit of length; it is taken as metres";
 
-/// Refuses cameras whose positions are plainly not in metres, unless the caller has given the unit; else the notes
-/// about it.
+/// Refuses cameras whose positions cannot be metres, unless the caller has given the unit; otherwise returns the notes
+/// about the assumed unit.
 ///
 /// # Errors
 /// A camera more than 100 units from the origin.
@@ -18,6 +18,7 @@ pub(super) fn as_metres(cameras: &[RawCamera], hints: &Hints) -> Result<Vec<Stri
     if hints.metres_per_unit.is_some() {
         return Ok(Vec::new());
     }
+
     let far = cameras.iter().find(|camera| camera.translation.norm() > FARTHEST);
     match far {
         Some(camera) => {

@@ -1,18 +1,18 @@
-//! Text files of words and numbers, line by line, with what an error message about a line needs.
+//! Text files of words and numbers, line by line, with the context for error messages.
 
 use super::format::pixels;
 use crate::{Error, Result};
 use std::collections::HashMap;
 
-/// A line that holds something.
+/// A line that is not empty.
 pub(super) struct Line<'a> {
-    /// From 1.
+    /// The number of the line, from 1.
     pub(super) number: usize,
     pub(super) text: &'a str,
     pub(super) words: Vec<&'a str>,
 }
 
-/// The lines of `text` that hold something. A mark that some editors leave at a file's start is none.
+/// The lines of `text` that are not empty. A byte order mark at the start is skipped.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let text = text.trim_start_matches('\u{feff}');
     let all = text.lines().enumerate().map(|(index, line)| Line {
@@ -23,13 +23,13 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     all.filter(|line| !line.words.is_empty())
 }
 
-/// Whether a word is a number, NaN and infinities among them.
+/// Whether a word is a number; NaN and infinities count.
 pub(super) fn is_number(word: &str) -> bool {
     word.parse::<f64>().is_ok()
 }
 
 impl Line<'_> {
-    /// The words from position `from` on as exactly `N` finite numbers.
+    /// Parses the words from position `from` on as exactly `N` finite numbers.
     pub(super) fn numbers<const N: usize>(&self, from: usize, next_step: &str) -> Result<[f64; N]> {
         let words = self.words.get(from..).unwrap_or_default();
         let numbers = words.iter().map(|word| self.number_in(word, next_step)).collect::<Result<Vec<_>>>()?;
@@ -38,7 +38,7 @@ impl Line<'_> {
             .map_err(|_| self.fail(format!("expected {N} numbers, found {}; {next_step}", words.len())))
     }
 
-    /// `word` as a finite number.
+    /// Parses `word` as a finite number.
     pub(super) fn number_in(&self, word: &str, next_step: &str) -> Result<f64> {
         match word.parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(number),
@@ -47,10 +47,11 @@ impl Line<'_> {
         }
     }
 
-    /// The size of an image, from the words at position `from` and after it.
+    /// The size of an image in pixels, from the two words at position `from`.
     pub(super) fn size(&self, from: usize) -> Result<(u32, u32)> {
-        // Also where they are written as floats, 6.4000000e+02.
+        // Some programs write sizes as floats, 6.4000000e+02.
         let side = |at: usize| pixels(self.words.get(at)?.parse().ok()?);
+
         match (side(from), side(from + 1)) {
             (Some(width), Some(height)) => Ok((width, height)),
             _ => {
@@ -66,17 +67,17 @@ impl Line<'_> {
     }
 }
 
-/// That no two cameras have one name; `line` gives that of the camera at a position.
+/// Checks that no two cameras have the same name; `line` maps a camera's position to its line.
 ///
 /// # Errors
-/// The second of two equal names, with both lines.
+/// Two equal names; the message has both lines.
 pub(super) fn distinct<'a>(
     names: impl IntoIterator<Item = &'a str>,
     line: impl Fn(usize) -> usize,
 ) -> Result<()> {
-    let mut seen = HashMap::new();
+    let mut lines_by_name = HashMap::new();
     for (i, name) in names.into_iter().enumerate() {
-        if let Some(first) = seen.insert(name, i) {
+        if let Some(first) = lines_by_name.insert(name, i) {
             let problem = format!(
                 "line {}: expected unique names, found this one on line {} too; rename one of them",
                 line(i),
@@ -85,6 +86,7 @@ pub(super) fn distinct<'a>(
             return Err(Error::camera(name, problem));
         }
     }
+
     Ok(())
 }
 

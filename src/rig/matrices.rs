@@ -8,11 +8,11 @@
 //! right 480 0 320 900 0 480 240 700 0 0 1 3
 //! ```
 //!
-//! A camera is three rows of four numbers, or twelve numbers in a line; brackets, commas and semicolons are passed
-//! over. Its name stands before the numbers in the line, or is the last line before them, as a comment (`#`, `%`,
-//! `//`) or not; without one the cameras are called camera0, camera1 and so on. Or a folder of `.txt` files with a
-//! matrix each, which then are called like the files. Lengths are taken as metres, pixel centres as whole numbers,
-//! without distortion; sizes are not in it.
+//! A camera is three rows of four numbers, or twelve numbers in a line; brackets, commas and semicolons are ignored.
+//! Its name stands before the numbers in the line, or is the last line before them, as a comment (`#`, `%`, `//`) or
+//! not; cameras without a name are called camera0, camera1 and so on. A folder of `.txt` files with one matrix each is
+//! read too; its cameras are named after the files. Lengths are taken as metres, pixel centres as whole numbers,
+//! without distortion; the format has no image sizes.
 
 use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::length;
@@ -27,9 +27,9 @@ pub(super) const FORMAT: Format = Format { name: "plain 3x4 matrices", recognise
 
 const ROWS: &str = "write three rows of four numbers for each camera, or twelve numbers in a line";
 
-/// A matrix as it stands in a file.
+/// A matrix, its label and its place in a file.
 struct Named {
-    /// Of the first row.
+    /// The line of the first row, from 1.
     line: usize,
     name: Option<String>,
     matrix: Matrix3x4<f64>,
@@ -42,7 +42,7 @@ fn recognise(source: &Source) -> bool {
     }
 }
 
-/// Whether the first line of numbers is a row or a whole matrix, and what comes before it is short.
+/// Whether the first line of numbers is a matrix row or a whole matrix, with at most one name before it.
 fn holds_a_matrix(text: &str) -> bool {
     let text = without_brackets(text);
     let mut lines = lines::lines(&text).filter(|line| !is_comment(line));
@@ -54,6 +54,7 @@ fn holds_a_matrix(text: &str) -> bool {
     })
 }
 
+/// The `.txt` files of a folder.
 fn text_files(source: &Source) -> impl Iterator<Item = &Path> {
     let is_text =
         |path: &&Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("txt"));
@@ -65,12 +66,15 @@ fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     if hints.metres_per_unit.is_none() {
         notes.push(length::NOTE.into());
     }
+
     let named = match source.text() {
         Some(text) => of_a_file(text)?,
         None => of_a_folder(source, &mut notes)?,
     };
+
     let (pinholes, turned) = pinholes(&named)?;
     notes.extend(turned);
+
     let camera = |((name, _), pinhole): ((String, Matrix3x4<f64>), super::projections::Pinhole)| RawCamera {
         name,
         size: None,
@@ -83,6 +87,7 @@ fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     Ok(RawCalibration { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: Some(1.0), notes })
 }
 
+/// All matrices of one file, with their names.
 fn of_a_file(text: &str) -> Result<Vec<(String, Matrix3x4<f64>)>> {
     let found = matrices(text)?;
     let name = |(i, found): (usize, Named)| {
@@ -94,6 +99,7 @@ fn of_a_file(text: &str) -> Result<Vec<(String, Matrix3x4<f64>)>> {
     Ok(named)
 }
 
+/// One matrix per `.txt` file, named after the file; files without a matrix are noted.
 fn of_a_folder(source: &Source, notes: &mut Vec<String>) -> Result<Vec<(String, Matrix3x4<f64>)>> {
     let mut named = Vec::new();
     for path in text_files(source) {
@@ -108,7 +114,7 @@ fn of_a_folder(source: &Source, notes: &mut Vec<String>) -> Result<Vec<(String, 
     Ok(named)
 }
 
-/// The matrix of a file of a single one, as selfcal's are, too.
+/// The only matrix of a file; MultiCamSelfCal's files are read by it too.
 pub(super) fn only_matrix(text: &str) -> Result<Matrix3x4<f64>> {
     match &matrices(text)?[..] {
         [one] => Ok(one.matrix),
@@ -118,16 +124,20 @@ pub(super) fn only_matrix(text: &str) -> Result<Matrix3x4<f64>> {
     }
 }
 
+/// All matrices of a text, with their labels.
 fn matrices(text: &str) -> Result<Vec<Named>> {
     let text = without_brackets(text);
     let (mut found, mut rows, mut name) = (Vec::new(), Vec::<f64>::new(), None);
     let mut start = 0;
+
     for line in lines::lines(&text) {
         let numbers = line.words.iter().filter(|word| is_number(word)).count();
         let label = is_comment(&line) || numbers < 2;
         if label || rows.is_empty() {
             start = line.number;
         }
+
+        // A label is only allowed between matrices, where `rows` is empty.
         match (rows.len(), label) {
             (0, true) => name = Some(label_text(line.text)),
             (_, true) => return Err(incomplete(&line, rows.len())),
@@ -139,12 +149,15 @@ fn matrices(text: &str) -> Result<Vec<Named>> {
             }
             _ => rows.extend(line.numbers::<4>(0, ROWS)?),
         }
+
         if rows.len() == 12 {
             let name = name.take().filter(|name: &String| !name.is_empty());
             found.push(Named { line: start, name, matrix: Matrix3x4::from_row_slice(&rows) });
             rows.clear();
         }
     }
+
+    // A matrix must not end in the middle.
     match lines::lines(&text).last() {
         Some(line) if !rows.is_empty() => Err(incomplete(&line, rows.len())),
         _ => Ok(found),
@@ -166,7 +179,7 @@ fn is_comment(line: &Line) -> bool {
     line.text.starts_with(['#', '%']) || line.text.starts_with("//")
 }
 
-/// `left` of `# left:` and of `left =`.
+/// The label in a line: `left` of `# left:` and of `left =`.
 fn label_text(text: &str) -> String {
     text.trim_start_matches(['#', '%', '/']).trim_end_matches([':', '=', ' ']).trim().to_owned()
 }

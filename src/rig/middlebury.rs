@@ -7,10 +7,11 @@
 //! right.png ...
 //! ```
 //!
-//! The number of images, then a line for each: `P = K [R t]`, world to camera, OpenCV's axes, no distortion, metres.
-//! Pixel centres are taken as whole numbers: the sets do not say, but the dinosaur's silhouettes agree better so
-//! (their hull is 0.3 % larger than with pixel corners). A camera is called like its image, without the extension.
-//! Sizes are those of the images, beside the file or in `image/` beside it.
+//! The first line is the number of images, followed by a line for each: `P = K [R t]`, world to camera, OpenCV's axes,
+//! no distortion, metres. Pixel centres are taken as whole numbers: the data sets do not specify it, but the
+//! dinosaur's silhouettes are then more consistent (with pixel corners their hull is 0.3 % smaller). A camera is named
+//! after its image, without the extension. Image sizes are read from the images, beside the file or in `image/` beside
+//! it.
 
 use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera, RawLens};
 use super::lines::{self, Line, is_number};
@@ -23,7 +24,7 @@ pub(super) const FORMAT: Format = Format { name: "Middlebury's _par.txt", recogn
 
 const LINE: &str = "write a line `image k11 .. k33 r11 .. r33 t1 t2 t3` for each";
 
-/// A count alone on its line, then a name that numbers follow.
+/// Whether the first line is a single count and the next a name followed by numbers.
 fn recognise(source: &Source) -> bool {
     let mut lines = lines::lines(source.text().unwrap_or_default());
     let count = lines.next().is_some_and(|line| count(&line).is_some());
@@ -47,9 +48,11 @@ fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
              whole file"
         )));
     }
+
     let images: Vec<_> = lines.iter().map(|line| line.words[0]).collect();
     let names = image_names::names(&images);
     lines::distinct(names.iter().map(String::as_str), |i| lines[i].number)?;
+
     let cameras = lines.iter().zip(names).map(|(line, name)| camera(source, line, name));
     Ok(RawCalibration {
         cameras: cameras.collect::<Result<_>>()?,
@@ -63,11 +66,13 @@ fn camera(source: &Source, line: &Line, name: String) -> Result<RawCamera> {
     let numbers: [f64; 21] = line.numbers(1, LINE)?;
     let rotation = pose::rotation(&Matrix3::from_row_slice(&numbers[9..18]))
         .map_err(|problem| line.fail(format!("rotation r11 .. r33: {problem}")))?;
+
     let image = line.words[0];
     let size = match source.image_size(image)? {
         None => source.image_size(&format!("image/{image}"))?,
         found => found,
     };
+
     Ok(RawCamera {
         name,
         size,

@@ -1,8 +1,8 @@
 //! A set of calibrated cameras that look at one subject, and the files it is read from.
 //!
 //! Every file format has a small file of its own here and ends in the same [`Rig`]: metres, world to camera, pixel
-//! corners at whole numbers. [`Rig::describe`] is the check to print after reading: most calibrations that "do not
-//! work" are in another frame or unit, and that shows in where the cameras stand and look.
+//! corners at whole numbers. Print [`Rig::describe`] after reading: most calibrations that "do not work" are in
+//! another frame or unit, and that shows in where the cameras stand and look.
 
 mod calibration;
 mod colmap;
@@ -61,6 +61,8 @@ impl Rig {
                 "expected at least one camera, found none; add the cameras of the rig",
             ));
         }
+
+        // Errors name a camera by its name, so names must exist and be unique.
         let mut positions = HashMap::new();
         for (i, camera) in cameras.iter().enumerate() {
             let name = camera.name();
@@ -76,14 +78,15 @@ impl Rig {
                 return Err(Error::camera(name, problem));
             }
         }
+
         Ok(Self { cameras })
     }
 
-    /// Reads a calibration file or folder of any format that [`Calibration::load`] knows, without hints; what it
-    /// notes is lost here.
+    /// Reads a calibration file or folder of any format that [`Calibration::load`] knows, without hints and without
+    /// keeping the notes.
     ///
     /// # Errors
-    /// As [`Calibration::load`].
+    /// All errors of [`Calibration::load`].
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         Ok(Calibration::load(path, &Hints::default())?.rig)
     }
@@ -103,7 +106,7 @@ impl Rig {
         self.cameras.iter().position(|camera| camera.name() == name)
     }
 
-    /// The same rig in another world: `world_from_old` maps the present world's points to the new one's.
+    /// This rig in another world frame: `world_from_old` maps coordinates of the present world to the new one.
     ///
     /// # Errors
     /// A motion that is not finite.
@@ -113,6 +116,7 @@ impl Rig {
             let cam_from_world = camera.cam_from_world() * old_from_world;
             Camera::new(camera.name(), camera.size(), *camera.intrinsics(), *camera.lens(), cam_from_world)
         };
+
         Ok(Self { cameras: self.cameras.iter().map(moved).collect::<Result<_>>()? })
     }
 
@@ -120,6 +124,7 @@ impl Rig {
     /// along the image's middle row) and where the world's origin appears (pixels).
     pub fn describe(&self) -> String {
         let width = self.cameras.iter().map(|c| c.name().chars().count()).max().unwrap_or(0);
+
         let mut text = String::new();
         for camera in &self.cameras {
             let (w, h) = camera.size();
@@ -137,7 +142,7 @@ impl Rig {
     }
 }
 
-/// `(x, y, z)` with so many decimals, and no minus before a zero.
+/// `(x, y, z)` with the given number of decimals, and no minus sign before a zero.
 fn triple(v: Vector3<f64>, decimals: i32) -> String {
     let unit = 10_f64.powi(decimals);
     let [x, y, z]: [f64; 3] = v.map(|x| (x * unit).round() / unit + 0.0).into();
@@ -145,6 +150,7 @@ fn triple(v: Vector3<f64>, decimals: i32) -> String {
     format!("({x:.decimals$}, {y:.decimals$}, {z:.decimals$})")
 }
 
+/// The horizontal angle between the rays through the left and right end of the middle row, as text.
 fn field_of_view(camera: &Camera) -> String {
     let (width, middle) = (f64::from(camera.size().0), f64::from(camera.size().1) / 2.0);
     match (camera.ray(0.0, middle), camera.ray(width, middle)) {
@@ -155,6 +161,7 @@ fn field_of_view(camera: &Camera) -> String {
     }
 }
 
+/// Where the world's origin appears in the image, as text.
 fn origin(camera: &Camera) -> String {
     let depth = (camera.cam_from_world() * Point3::origin()).z;
     match camera.project(&Point3::origin()) {

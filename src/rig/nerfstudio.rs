@@ -7,11 +7,11 @@
 //!              "transform_matrix": [[1, 0, 0, 0.1], [0, 1, 0, 0.2], [0, 0, 1, 3.0], [0, 0, 0, 1]]}]}
 //! ```
 //!
-//! A view for each frame, called like its image; each intrinsic parameter stands at the top or in the frame. The
-//! matrix maps camera to world, with OpenGL's camera axes (x right, y up, z backward). Where there is no `fl_x`,
-//! `camera_angle_x` is the horizontal field of view in radians; without `cx` and `cy` the axis meets the image's
-//! middle. The first pixel's centre is (0.5, 0.5), as nerfstudio casts its rays and as COLMAP, where such files
-//! mostly come from, has it. The scale of the world is arbitrary.
+//! There is one view per frame, named after its image; each intrinsic parameter stands at the top or in the frame. The
+//! matrix maps camera to world, with OpenGL's camera axes (x right, y up, z backward). Without `fl_x`,
+//! `camera_angle_x` is the horizontal field of view in radians; without `cx` and `cy` the principal point is the
+//! image's centre. The first pixel's centre is (0.5, 0.5), as in nerfstudio's rays and in COLMAP, the usual source of
+//! such files. The scale of the world is arbitrary.
 
 use super::document::{self, Entry, Node};
 use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens};
@@ -38,6 +38,7 @@ fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
         frames.iter().map(|frame| frame.require("file_path", FRAME)).collect::<Result<_>>()?;
     let names = image_names::names(&paths.iter().map(Entry::text).collect::<Result<Vec<_>>>()?);
     lines::distinct(names.iter().map(String::as_str), |i| frames[i].node.line)?;
+
     let view = |(frame, name): (&Entry, String)| FrameEntry { frame, document: &document, name }.found(hints);
     Ok(RawCalibration {
         cameras: frames.iter().zip(names).map(view).collect::<Result<_>>()?,
@@ -47,7 +48,7 @@ fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     })
 }
 
-/// A frame, with what stands at the top for all.
+/// A frame, with the document that holds the common intrinsics.
 struct FrameEntry<'a> {
     frame: &'a Entry<'a>,
     document: &'a Node,
@@ -55,6 +56,7 @@ struct FrameEntry<'a> {
 }
 
 impl<'a> FrameEntry<'a> {
+    /// The camera of this frame.
     fn found(self, hints: &Hints) -> Result<RawCamera> {
         let size = self.size()?;
         let k = self.intrinsics(size.or(hints.size))?;
@@ -124,11 +126,14 @@ impl<'a> FrameEntry<'a> {
             let by_angle = || Some(size?[axis] / 2.0 / angle_tangent?);
             Ok::<_, Error>(self.number(length)?.or_else(by_angle))
         };
+
         let fx = focal("fl_x", angle("camera_angle_x")?, 0)?;
         let fy = focal("fl_y", angle("camera_angle_y")?, 1)?.or(fx);
+
         let middle = |axis: usize| size.map(|size| size[axis] / 2.0);
         let cx = self.number("cx")?.or_else(|| middle(0));
         let cy = self.number("cy")?.or_else(|| middle(1));
+
         match (fx, fy, cx, cy) {
             (Some(fx), Some(fy), Some(cx), Some(cy)) => {
                 Ok(Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0))
@@ -150,7 +155,7 @@ impl<'a> FrameEntry<'a> {
         self.find(key).map(|entry| entry.number()).transpose()
     }
 
-    /// The value of the frame's `key`, else of the document's.
+    /// The value of `key` in the frame, else in the document.
     fn find(&self, key: &str) -> Option<Entry<'a>> {
         self.frame.entry(key).or_else(|| self.document.entry(key))
     }

@@ -6,8 +6,8 @@
 //!   "R": [[0.9, 0, 0.3], [0, 1, 0], [-0.3, 0, 0.9]], "t": [[-50.1], [143.9], [270.4]]}]}
 //! ```
 //!
-//! World to camera, OpenCV's axes and coefficients (k1 k2 p1 p2 k3), centimetres, pixel centres at whole numbers (as
-//! the studio's own tools draw). The y axis of its worlds points down.
+//! The pose is world to camera with OpenCV's axes and coefficients (k1 k2 p1 p2 k3), in centimetres; pixel centres are
+//! at whole numbers, as the studio's own tools draw. The y axis of its worlds points down.
 
 use super::document::{self, Entry};
 use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens};
@@ -30,6 +30,7 @@ fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
     let cameras = document.require("cameras", CAMERA)?.items()?;
     let found: Vec<_> = cameras.iter().map(camera).collect::<Result<_>>()?;
     lines::distinct(found.iter().map(|found| found.name.as_str()), |i| cameras[i].node.line)?;
+
     Ok(RawCalibration {
         cameras: found,
         pixel_centres: PixelCentres::Whole,

@@ -1,4 +1,4 @@
-//! The same cameras with other pixels: images that were scaled after the calibration, image centres that are off.
+//! Cameras with other pixels: images scaled after the calibration, and principal points that are off.
 
 use super::Rig;
 use crate::camera::Camera;
@@ -6,14 +6,15 @@ use crate::{Error, Result};
 use nalgebra::{Matrix3, Vector2};
 
 impl Rig {
-    /// The rig whose images are these ones scaled by `factor`, as a whole; their sizes are rounded.
+    /// The rig for images scaled by `factor`; their sizes are rounded to whole pixels.
     ///
     /// # Errors
-    /// A factor that is not positive and finite, or that leaves an image no pixel.
+    /// A factor that is not positive and finite, or that leaves an image without pixels.
     pub fn scaled(&self, factor: f64) -> Result<Self> {
         if !(factor.is_finite() && factor > 0.0) {
             return Err(Error::argument(format!("expected a positive scale of the images, found {factor}")));
         }
+
         let length = |length: u32| (f64::from(length) * factor).round() as u32;
         let scaled = |camera: &Camera| {
             let (w, h) = camera.size();
@@ -24,8 +25,7 @@ impl Rig {
         Ok(Self { cameras: self.cameras.iter().map(scaled).collect::<Result<_>>()? })
     }
 
-    /// The rig in which all that `camera` sees appears `by` so many pixels farther right and down: its principal point
-    /// is moved, its size is not.
+    /// The rig with the principal point of one camera moved `by` pixels right and down; its image size stays.
     ///
     /// # Errors
     /// No camera of this name; a shift that is not finite.
@@ -34,6 +34,7 @@ impl Rig {
             let names: Vec<_> = self.cameras.iter().map(Camera::name).collect();
             return Err(Error::camera(camera, format!("expected one of {}, found none", names.join(", "))));
         };
+
         let mut cameras = self.cameras.clone();
         let mut k = *cameras[index].intrinsics();
         k[(0, 2)] += by.x;
@@ -57,7 +58,7 @@ mod tests {
         Rig::new(layout::ring(3, 2.0, 1.0, Point3::new(0.0, 0.0, 0.8), (640, 480), 0.5).unwrap()).unwrap()
     }
 
-    /// Where a point appears, in each camera.
+    /// The image of one point in each camera.
     fn pixels(rig: &Rig) -> Vec<Vector2<f64>> {
         let point = Point3::new(0.1, -0.2, 0.9);
         rig.cameras().iter().map(|c| c.project(&point).map(|p| Vector2::new(p.u, p.v)).unwrap()).collect()
@@ -73,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shift_moves_what_one_camera_sees_and_no_other() {
+    fn a_shift_moves_the_image_of_one_camera_and_no_other() {
         let by = Vector2::new(3.0, -1.5);
         let name = rig().cameras()[1].name().to_owned();
         let shifted = rig().shifted(&name, by).unwrap();
@@ -84,12 +85,12 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_refused() {
+    fn invalid_scales_unknown_cameras_and_shifts_that_are_not_finite_are_refused() {
         for factor in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-4] {
             assert!(rig().scaled(factor).is_err(), "{factor}");
         }
         assert!(
-            rig().shifted("nobody", Vector2::zeros()).unwrap_err().to_string().contains("expected one of")
+            rig().shifted("missing", Vector2::zeros()).unwrap_err().to_string().contains("expected one of")
         );
         let name = rig().cameras()[0].name().to_owned();
         assert!(rig().shifted(&name, Vector2::new(f64::NAN, 0.0)).is_err());

@@ -1,11 +1,11 @@
-//! Rotations as files have them.
+//! Checks of rotations read from files, and the conversion between camera axes.
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 
-/// How far `R^T R` of a rotation given as a matrix may lie from the identity: files carry as few as four digits.
+/// How far `R^T R` of a rotation matrix may lie from the identity, per entry: files carry as few as four digits.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
-/// The rotation nearest to `matrix`; else what was expected, how far off it is, and what to do.
+/// The rotation nearest to `matrix`; or an error text that says how far the matrix is from a rotation.
 pub(super) fn rotation(matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>, String> {
     let error = (matrix.transpose() * matrix - Matrix3::identity()).abs().max();
     if error.is_nan() || error > ROTATION_TOLERANCE || matrix.determinant() < 0.0 {
@@ -19,7 +19,7 @@ pub(super) fn rotation(matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>, Str
     Ok(UnitQuaternion::from_rotation_matrix(&nearest))
 }
 
-/// From a camera's axes as OpenGL has them (x right, y up, z backward) to OpenCV's, and back: half a turn around x.
+/// The rotation from OpenGL's camera axes (x right, y up, z backward) to OpenCV's, and back: 180 degrees about x.
 pub(super) fn opengl_axes() -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::new(0.0, 1.0, 0.0, 0.0))
 }

@@ -1,27 +1,27 @@
-//! The other ways in which a calibration's poses are often meant.
+//! Other conventions in which a calibration's poses are often written.
 
 use super::{Rig, pose};
 use crate::Result;
 use crate::camera::Camera;
 use nalgebra::Isometry3;
 
-/// What the numbers of a pose may mean, beside what they were read as.
+/// A convention of pose numbers other than world to camera with OpenCV's axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PoseConvention {
-    /// World to camera, but the camera's y axis up and its z axis backwards: OpenGL's.
+    /// World to camera with OpenGL's axes: the camera's y axis up and its z axis backwards.
     OpenGl,
     /// Camera to world.
     CameraToWorld,
-    /// Camera to world, and OpenGL's axes: what nerfstudio and Blender write.
+    /// Camera to world with OpenGL's axes, as nerfstudio and Blender write.
     CameraToWorldOpenGl,
 }
 
 impl PoseConvention {
-    /// All.
+    /// All conventions.
     pub const ALL: [Self; 3] = [Self::OpenGl, Self::CameraToWorld, Self::CameraToWorldOpenGl];
 
-    /// For people.
+    /// A description for messages.
     pub fn describe(self) -> &'static str {
         match self {
             Self::OpenGl => "y and z of the camera axes flipped (OpenGL's axes instead of OpenCV's)",
@@ -32,6 +32,7 @@ impl PoseConvention {
         }
     }
 
+    /// The world-to-camera pose with OpenCV's axes, where `pose` holds the numbers of this convention.
     fn apply(self, pose: &Isometry3<f64>) -> Isometry3<f64> {
         let flip = pose::opengl_axes();
         match self {
@@ -43,11 +44,11 @@ impl PoseConvention {
 }
 
 impl Rig {
-    /// The same rig with its poses meant in another way.
+    /// This rig with its poses reinterpreted in another convention.
     ///
     /// # Errors
     /// A pose that is no longer finite.
-    pub fn read_as(&self, reading: PoseConvention) -> Result<Self> {
+    pub fn read_as(&self, convention: PoseConvention) -> Result<Self> {
         let camera = |camera: &Camera| {
             let pose = reading.apply(camera.cam_from_world());
             Camera::new(camera.name(), camera.size(), *camera.intrinsics(), *camera.lens(), pose)
@@ -55,11 +56,11 @@ impl Rig {
         Self::new(self.cameras().iter().map(camera).collect::<Result<_>>()?)
     }
 
-    /// The cameras that see the spot that all look at, in their images and before them; all of them in a rig that
-    /// surrounds a subject.
+    /// The indices of the cameras that see the [`focus`](Self::focus): in front of them and inside their images. In a
+    /// rig that surrounds a subject these are all cameras.
     ///
     /// # Errors
-    /// As [`focus`](Self::focus).
+    /// All errors of [`focus`](Self::focus).
     pub fn seeing_focus(&self) -> Result<Vec<usize>> {
         let focus = self.focus()?;
         Ok((0..self.len()).filter(|&k| self.cameras()[k].sees(&focus)).collect())

@@ -1,21 +1,21 @@
-//! From projection matrices alone to cameras: which sign, and whether their world is a mirror's.
+//! Cameras from bare projection matrices: which sign, and whether their world is mirrored.
 //!
-//! `P` and `-P` are one camera, and files have either. The left 3x3 part of `K [R t]` has a positive determinant,
-//! which decides. In a mirrored world it has a negative one; with the sign turned the camera then stands beyond the
-//! scene and looks away from it. One such camera tells nothing; where most of a rig look away from the point at which
-//! their axes meet, the world is mirrored, and is mirrored back.
+//! `P` and `-P` are the same camera, and files have either. The left 3x3 part of `K [R t]` has a positive determinant,
+//! which decides the sign. In a mirrored world the determinant is negative; with the sign flipped the camera then
+//! stands beyond the scene and looks away from it. One such camera is no evidence; if most of a rig look away from the
+//! point at which their axes meet, the world is taken as mirrored, and its y axis is flipped.
 
 use crate::camera::decompose;
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Matrix3, Matrix3x4, Matrix4, Point3, Vector3, Vector4};
 
-/// What a projection matrix says.
+/// A projection matrix `K [R t]` in its factors.
 pub(super) struct Pinhole {
     pub(super) k: Matrix3<f64>,
     pub(super) cam_from_world: Isometry3<f64>,
 }
 
-/// The cameras of the named matrices, and notes on what had to be turned.
+/// Decomposes the named matrices, and notes flipped signs, a mirrored world, and cameras that look away.
 ///
 /// # Errors
 /// A matrix that is singular or not finite.
@@ -23,19 +23,24 @@ pub(super) fn pinholes(named: &[(String, Matrix3x4<f64>)]) -> Result<(Vec<Pinhol
     let as_found = decomposed(named)?;
     let looks_away = looking_away(&as_found);
     let away = looks_away.iter().filter(|&&away| away).count();
+
     let mut notes = Vec::new();
     if 2 * away <= named.len() {
         note_signs(named, &mut notes);
         if away > 0 {
             let list = list(named, &looks_away);
-            notes.push(format!("away from where the axes meet look: {list}; check their matrices"));
+            notes.push(format!(
+                "cameras that look away from the point where the axes meet: {list}; check their matrices"
+            ));
         }
         return Ok((as_found, notes));
     }
+
+    // Most cameras look away: the world is left-handed.
     let upright: Vec<_> = named.iter().map(|(name, p)| (name.clone(), p * mirror())).collect();
     notes.push(format!(
-        "the world is a mirror's (in the right-handed one {away} of {} cameras look away from where their axes \
-         meet): its y axis is turned round",
+        "the world is mirrored (in a right-handed one {away} of {} cameras look away from where their axes \
+         meet): its y axis is flipped",
         named.len()
     ));
     note_signs(&upright, &mut notes);
@@ -58,20 +63,20 @@ fn decomposed(named: &[(String, Matrix3x4<f64>)]) -> Result<Vec<Pinhole>> {
     named.iter().map(pinhole).collect()
 }
 
-/// Whether each camera has the point at which the axes meet behind it; none has where there is no such point.
+/// Whether each camera has the point at which the axes meet behind it; all false where there is no such point.
 fn looking_away(cameras: &[Pinhole]) -> Vec<bool> {
     let axes: Vec<_> = cameras.iter().map(|camera| axis(&camera.cam_from_world)).collect();
     let meeting = meeting_point(&axes);
     axes.iter().map(|(eye, forward)| meeting.is_some_and(|p| (p - eye).dot(forward) < 0.0)).collect()
 }
 
-/// Centre and viewing direction.
+/// The camera's centre and viewing direction, in the world.
 fn axis(cam_from_world: &Isometry3<f64>) -> (Point3<f64>, Vector3<f64>) {
     let eye = cam_from_world.inverse_transform_point(&Point3::origin());
     (eye, cam_from_world.inverse_transform_vector(&Vector3::z()))
 }
 
-/// The point nearest to all lines; `None` where they are about parallel (within a degree or so).
+/// The point nearest to all lines in the least-squares sense; `None` where they are parallel within about a degree.
 fn meeting_point(lines: &[(Point3<f64>, Vector3<f64>)]) -> Option<Point3<f64>> {
     let (mut across, mut offset) = (Matrix3::zeros(), Vector3::zeros());
     for (point, direction) in lines {
@@ -87,14 +92,11 @@ fn note_signs(named: &[(String, Matrix3x4<f64>)], notes: &mut Vec<String>) {
     let negative = |(_, p): &(String, Matrix3x4<f64>)| p.fixed_columns::<3>(0).determinant() < 0.0;
     let negative: Vec<_> = named.iter().map(negative).collect();
     if negative.contains(&true) {
-        notes.push(format!(
-            "signs turned round: the matrices of {} give negative depths",
-            list(named, &negative)
-        ));
+        notes.push(format!("signs flipped: the matrices of {} give negative depths", list(named, &negative)));
     }
 }
 
-/// The names of those marked.
+/// The names of the marked cameras.
 fn list(named: &[(String, Matrix3x4<f64>)], marked: &[bool]) -> String {
     let names: Vec<_> =
         named.iter().zip(marked).filter(|(_, marked)| **marked).map(|((name, _), _)| &**name).collect();
@@ -119,32 +121,39 @@ mod tests {
         eyes.into_iter().enumerate().map(camera).collect()
     }
 
-    /// How far each camera projects some points from where the matrices do.
-    fn off(matrices: &[(String, Matrix3x4<f64>)], cameras: &[Pinhole], turn: Matrix4<f64>) -> f64 {
+    /// The largest distance in pixels between the projections of some points by the matrices and by the cameras.
+    fn projection_error(
+        matrices: &[(String, Matrix3x4<f64>)],
+        cameras: &[Pinhole],
+        turn: Matrix4<f64>,
+    ) -> f64 {
         let points = [[0.0, 0.0, 0.0, 1.0], [0.3, -0.2, 0.5, 1.0], [-0.4, 0.1, 0.2, 1.0]].map(Vector4::from);
-        let mut most: f64 = 0.0;
+        let mut largest: f64 = 0.0;
+
         for ((_, p), camera) in matrices.iter().zip(cameras) {
             let ours = camera.k * camera.cam_from_world.to_homogeneous().fixed_rows::<3>(0);
             for point in points {
                 let (a, b) = (p * point, ours * turn * point);
                 assert!(b.z > 0.0);
-                most = most.max((a.xy() / a.z - b.xy() / b.z).amax());
+
+                largest = largest.max((a.xy() / a.z - b.xy() / b.z).amax());
             }
         }
-        most
+        largest
     }
 
     #[test]
-    fn a_matrix_of_any_scale_and_sign_is_the_same_camera() {
+    fn scale_and_sign_of_a_matrix_do_not_change_the_camera() {
         let plain = ring();
         let (cameras, notes) = pinholes(&plain).unwrap();
-        assert!(notes.is_empty() && off(&plain, &cameras, Matrix4::identity()) < 1e-9);
+        assert!(notes.is_empty() && projection_error(&plain, &cameras, Matrix4::identity()) < 1e-9);
+
         let mut turned = ring();
         turned[1].1 *= -7.5;
         turned[2].1 *= 1e-3;
         let (cameras, notes) = pinholes(&turned).unwrap();
-        assert!(off(&plain, &cameras, Matrix4::identity()) < 1e-9);
-        assert_eq!(notes, ["signs turned round: the matrices of cam1 give negative depths"]);
+        assert!(projection_error(&plain, &cameras, Matrix4::identity()) < 1e-9);
+        assert_eq!(notes, ["signs flipped: the matrices of cam1 give negative depths"]);
     }
 
     #[test]
@@ -154,9 +163,10 @@ mod tests {
             for (_, p) in &mut mirrored {
                 *p *= Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, -1.0, 1.0));
             }
+
             mirrored[3].1 *= sign;
             let (cameras, notes) = pinholes(&mirrored).unwrap();
-            assert!(off(&mirrored, &cameras, mirror()) < 1e-9);
+            assert!(projection_error(&mirrored, &cameras, mirror()) < 1e-9);
             assert!(
                 notes[0].contains("4 of 4 cameras look away") && notes[0].contains("y axis"),
                 "{notes:?}"
@@ -166,15 +176,13 @@ mod tests {
     }
 
     #[test]
-    fn one_camera_or_parallel_ones_tell_nothing_of_a_mirror() {
+    fn a_single_camera_or_parallel_ones_are_never_taken_as_mirrored() {
         let mut one = ring();
         one.truncate(1);
         one[0].1 *= mirror();
         assert_eq!(pinholes(&one).unwrap().1.len(), 1);
         let twice = vec![one[0].clone(), one[0].clone()];
-        assert!(
-            pinholes(&twice).unwrap().1[0].starts_with("signs turned round: the matrices of all cameras")
-        );
+        assert!(pinholes(&twice).unwrap().1[0].starts_with("signs flipped: the matrices of all cameras"));
     }
 
     #[test]
@@ -184,7 +192,10 @@ mod tests {
         let away = Camera::look_at("away", (640, 480), 1.0, eye, eye + eye.coords, Vector3::z()).unwrap();
         rig.push(("away".into(), away.projection_matrix()));
         let notes = pinholes(&rig).unwrap().1;
-        assert_eq!(notes, ["away from where the axes meet look: away; check their matrices"]);
+        assert_eq!(
+            notes,
+            ["cameras that look away from the point where the axes meet: away; check their matrices"]
+        );
     }
 
     #[test]

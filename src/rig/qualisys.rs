@@ -12,9 +12,9 @@
 //! ```
 //!
 //! Intrinsic parameters are in 1/64 px of the whole sensor, of which the images are the part `fov_video`; distortion
-//! has no unit and is OpenCV's. `x y z` is where the camera stands, in millimetres; its axes point right, up and
-//! backwards, so that with the matrix M of `r11 .. r33` `x_cam = diag(1, -1, -1) M (X - C)`. The export does not say
-//! where a pixel's centre lies; whole numbers are assumed, as Pose2Sim does. A camera is called by its serial number.
+//! has no unit and is OpenCV's. `x y z` is the camera's centre in millimetres; its axes point right, up and backwards,
+//! so that with the matrix M of `r11 .. r33` `x_cam = diag(1, -1, -1) M (X - C)`. The export does not specify pixel
+//! centres; whole numbers are assumed, as in Pose2Sim. A camera is named by its serial number.
 
 use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera, pixels};
 use super::source::Source;
@@ -28,9 +28,9 @@ pub(super) const FORMAT: Format = Format { name: "Qualisys' .qca.txt", recognise
 
 const EXPORT: &str = "export the calibration from Qualisys Track Manager again";
 const MILLIMETRE: f64 = 0.001;
-/// Units of the intrinsic parameters in a pixel.
+/// Units of the intrinsic parameters per pixel.
 const SUBPIXELS: f64 = 64.0;
-/// Rows of the sensor's full resolution; `video_resolution="540p"` is a half of it.
+/// Rows of the sensor's full resolution; `video_resolution="540p"` is half of it.
 const FULL_RESOLUTION: f64 = 1080.0;
 
 fn recognise(source: &Source) -> bool {
@@ -45,6 +45,7 @@ fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
         .filter(|node| node.has_tag_name("camera"))
         .map(|node| Element { document: &document, node })
         .collect();
+
     let mut notes = Vec::new();
     let cameras = used(&all, &mut notes)?;
     if cameras.is_empty() {
@@ -53,8 +54,10 @@ fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
             "expected a calibrated camera at least, found {found} <camera> of which none is; {EXPORT}"
         )));
     }
+
     let names = cameras.iter().map(|camera| camera.text("serial")).collect::<Result<Vec<_>>>()?;
     lines::distinct(names, |i| cameras[i].line())?;
+
     Ok(RawCalibration {
         cameras: cameras.iter().map(|camera| found(camera, &mut notes)).collect::<Result<_>>()?,
         pixel_centres: PixelCentres::Whole,
@@ -63,20 +66,22 @@ fn read(source: &Source, _: &Hints) -> Result<RawCalibration> {
     })
 }
 
-/// The cameras that are calibrated and, where some of a system are video cameras, are such.
+/// The calibrated cameras; if the system has video cameras, only those.
 fn used<'a>(all: &[Element<'a>], notes: &mut Vec<String>) -> Result<Vec<Element<'a>>> {
     let is_video =
         |camera: &Element| camera.node.attribute("model").is_some_and(|model| model.contains("Video"));
     let off = |camera: &Element| {
         camera.node.attribute("active") == Some("0") || camera.node.attribute("calibrated") == Some("false")
     };
+
     let some_video = all.iter().any(is_video);
+
     let mut cameras = Vec::new();
     for camera in all {
         let why = if off(camera) {
             "is not calibrated"
         } else if some_video && !is_video(camera) {
-            "films no video"
+            "records no video"
         } else {
             cameras.push(*camera);
             continue;
@@ -86,17 +91,20 @@ fn used<'a>(all: &[Element<'a>], notes: &mut Vec<String>) -> Result<Vec<Element<
     Ok(cameras)
 }
 
+/// One camera, with its part of the sensor and its resolution taken into account.
 fn found(camera: &Element, notes: &mut Vec<String>) -> Result<RawCamera> {
     let name = camera.text("serial")?.to_owned();
     match camera.node.attribute("viewrotation") {
         None | Some("0") => {}
-        Some(turn) => notes.push(format!(
-            "camera {name} is shown turned by {turn} degrees; its calibration is of the images as the sensor has them"
+        Some(angle) => notes.push(format!(
+            "camera {name} is displayed rotated by {angle} degrees; its calibration is for the images as the sensor records them"
         )),
     }
+
     let fov = camera.child("fov_video").or_else(|_| camera.child("fov_marker"))?;
     let (left, top) = (fov.number("left")?, fov.number("top")?);
     let size = [fov.number("right")? - left + 1.0, fov.number("bottom")? - top + 1.0];
+
     let scale = match camera.node.attribute("video_resolution") {
         None | Some("") => 1.0,
         Some(rows) => {
@@ -111,10 +119,12 @@ fn found(camera: &Element, notes: &mut Vec<String>) -> Result<RawCamera> {
             fov.fail(format!("expected an image of 1 to 65535 pixels, found {width} x {height}; {EXPORT}"))
         );
     };
+
     let intrinsic = camera.child("intrinsic")?;
     let transform = camera.child("transform")?;
     let rotation = rotation(&transform)?;
     let centre = Vector3::new(transform.number("x")?, transform.number("y")?, transform.number("z")?);
+
     Ok(RawCamera {
         name,
         size: Some((width, height)),
@@ -125,12 +135,12 @@ fn found(camera: &Element, notes: &mut Vec<String>) -> Result<RawCamera> {
     })
 }
 
-/// Of the images: the sensor's, less what is cut off, scaled.
+/// The intrinsic matrix of the images: the sensor's, cropped and scaled.
 fn intrinsics(intrinsic: &Element, left: f64, top: f64, scale: f64) -> Result<Matrix3<f64>> {
     let pixels = |name| Ok::<_, Error>(intrinsic.number(name)? / SUBPIXELS);
     let [fx, fy, skew] =
         [pixels("focalLengthU")?, pixels("focalLengthV")?, pixels("skew")?].map(|length| length * scale);
-    // The image's corner stays where it is, and lies half a pixel before the first pixel's centre.
+    // Scaling keeps the image's corner, which lies half a pixel before the first pixel's centre.
     let scaled = |centre: f64| (centre + 0.5) * scale - 0.5;
     let (cx, cy) = (scaled(pixels("centerPointU")? - left), scaled(pixels("centerPointV")? - top));
     Ok(Matrix3::new(fx, skew, cx, 0.0, fy, cy, 0.0, 0.0, 1.0))
@@ -156,7 +166,7 @@ fn rotation(transform: &Element) -> Result<UnitQuaternion<f64>> {
     Ok(pose::opengl_axes() * rotation)
 }
 
-/// An element, with what an error message about it needs.
+/// An XML element, with the document for the line in its error messages.
 #[derive(Clone, Copy)]
 struct Element<'a> {
     document: &'a Document<'a>,

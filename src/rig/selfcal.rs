@@ -8,8 +8,8 @@
 //! | `Res.dat` | width and height, a line for each camera |
 //! | `camera_order.txt` | a name for each camera, a line each; else `configdata.m` has the `basename` of the numbered ones |
 //!
-//! Pixel centres are whole numbers, as flydra counts. The world's scale is arbitrary, its sign too (`projections`).
-//! How matrix and lens come together is in `selfcal/lens.rs`.
+//! Pixel centres are whole numbers, as flydra counts. The world's scale and the matrices' signs are arbitrary (see
+//! `projections`). `selfcal/lens.rs` combines matrix and lens.
 
 mod lens;
 
@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 
 pub(super) const FORMAT: Format = Format { name: "MultiCamSelfCal's folder", recognise, read };
 
-/// How far a lens may be off, in pixels, before it is worth a note: as far as a good calibration.
+/// A lens error above this, in pixels, is noted: the reprojection error of a good calibration.
 const NOTED_ERROR_PX: f64 = 0.2;
 
 const SIZES: &str = "Res.dat";
@@ -35,20 +35,20 @@ fn recognise(source: &Source) -> bool {
     source.files().iter().any(|path| matrix_number(path).is_some()) || holds_inputs(source)
 }
 
-/// Whether the folder is what the calibration was to start from.
+/// Whether the folder holds the inputs of the calibration instead of its results.
 fn holds_inputs(source: &Source) -> bool {
     let beside = |name| source.beside(name).is_some();
     source.text().is_none() && (beside("multicamselfcal.cfg") || beside("points.dat") && beside("IdMat.dat"))
 }
 
-/// `3` of `camera3.Pmat.cal`.
+/// The camera number in a file name: `3` of `camera3.Pmat.cal`.
 fn matrix_number(path: &Path) -> Option<usize> {
     let name = path.file_name()?.to_str()?;
     let number = name.strip_prefix("camera").or_else(|| name.strip_prefix("Camera"))?;
     number.strip_suffix(".Pmat.cal")?.parse().ok()
 }
 
-/// `3` of `basename3.rad`, whatever the base name.
+/// The camera number in a file name: `3` of `basename3.rad`, whatever the base name.
 fn lens_number(path: &Path) -> Option<usize> {
     let stem = path.file_name()?.to_str()?.strip_suffix(".rad")?;
     stem[stem.trim_end_matches(|c: char| c.is_ascii_digit()).len()..].parse().ok()
@@ -58,20 +58,24 @@ fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     let mut files: Vec<_> =
         source.files().iter().filter_map(|path| Some((matrix_number(path)?, path))).collect();
     files.sort();
+
     if files.is_empty() {
         return Err(Error::argument(
             "expected camera1.Pmat.cal and so on, found only what MultiCamSelfCal starts from; run it, and open the \
              folder that it writes",
         ));
     }
+
     if let Some(pair) = files.windows(2).find(|pair| pair[0].0 == pair[1].0) {
         let problem = format!("expected one matrix for camera {}, found two; remove one", pair[0].0);
         return Err(Error::file(pair[1].1, problem));
     }
+
     let numbers: Vec<_> = files.iter().map(|(number, _)| *number).collect();
     let names = names(source, &numbers)?;
     let named = names.into_iter().zip(&files).map(|(name, (_, path))| Ok((name, matrix(path)?)));
     let named = named.collect::<Result<Vec<_>>>()?;
+
     let (pinholes, mut notes) = pinholes(&named)?;
     let mut cameras = Vec::new();
     for (((name, _), pinhole), number) in named.into_iter().zip(pinholes).zip(&numbers) {
@@ -80,6 +84,7 @@ fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     Ok(RawCalibration { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: None, notes })
 }
 
+/// One camera: its matrix combined with the lens and the size in the files beside it.
 fn camera(
     source: &Source,
     hints: &Hints,
@@ -93,6 +98,7 @@ fn camera(
         Some(path) => lens::read(&source::read(&path)?).map_err(|e| Error::file(&path, e))?,
         None => FittedLens::none(&pinhole.k),
     };
+
     let (lens, misfit) = lens.behind(&pinhole.k, size.or(hints.size));
     if misfit.rms_px > NOTED_ERROR_PX {
         notes.push(format!(
@@ -101,6 +107,7 @@ fn camera(
             misfit.rms_px, misfit.max_px
         ));
     }
+
     Ok(RawCamera {
         name,
         size,
@@ -115,6 +122,7 @@ fn matrix(path: &Path) -> Result<Matrix3x4<f64>> {
     matrices::only_matrix(&source::read(path)?).map_err(|e| Error::file(path, e))
 }
 
+/// The `.rad` file of a camera; `None` where no camera has one.
 fn lens_file(source: &Source, number: usize) -> Result<Option<PathBuf>> {
     let mut lenses = source.files().iter().filter(|path| lens_number(path).is_some()).peekable();
     if lenses.peek().is_none() {
@@ -137,7 +145,7 @@ fn size(source: &Source, number: usize) -> Result<Option<(u32, u32)>> {
     numbered(&text, number).and_then(|line| line.size(0)).map(Some).map_err(|e| Error::file(&path, e))
 }
 
-/// The line that belongs to the camera of that number, from 1.
+/// The line of `text` that belongs to the camera `number`, counted from 1.
 fn numbered(text: &str, number: usize) -> Result<Line<'_>> {
     let found = lines::lines(text).count();
     lines::lines(text).nth(number.wrapping_sub(1)).ok_or_else(|| {
@@ -147,6 +155,7 @@ fn numbered(text: &str, number: usize) -> Result<Line<'_>> {
     })
 }
 
+/// The cameras' names: from `camera_order.txt`, else the base name in `configdata.m` with the number.
 fn names(source: &Source, numbers: &[usize]) -> Result<Vec<String>> {
     if let Some(path) = source.beside(ORDER) {
         let text = source::read(&path)?;

@@ -1,23 +1,23 @@
-//! What a calibration is read from: a file and those beside it, a folder of files, or text in memory. Readers reach the
-//! file system only through here.
+//! The input of a reader: a file and its neighbours, a folder of files, or text in memory. Readers reach the file
+//! system only through this module.
 
 use crate::{Error, Result, image_file};
 use std::path::{Path, PathBuf};
 
-/// What ends an error about a missing file where the text came without a path.
+/// The next step in errors about a missing file where the text came without a path.
 const LOAD: &str = "a text in memory has no files beside it: save all of them into one folder and read it with Calibration::load";
 
 /// A calibration file's text, or the files of a folder.
 pub(super) struct Source {
-    /// Of the file or folder; of a text in memory the name that messages call it.
+    /// The path of the file or folder; for a text in memory the name used in messages.
     pub(super) path: PathBuf,
     content: Content,
 }
 
 enum Content {
-    /// A file's; others may lie beside it.
+    /// The text of a file; other files may lie beside it.
     File(String),
-    /// Nothing lies beside it, whatever its name.
+    /// A text without a place on disk; it has no neighbours, whatever its name.
     InMemory(String),
     Folder(Vec<PathBuf>),
 }
@@ -29,14 +29,14 @@ impl Source {
         Ok(Self { path: path.to_owned(), content })
     }
 
-    /// The text that `bytes` are, under a name.
+    /// The text in `bytes`, called `name` in messages.
     pub(super) fn in_memory(name: &str, bytes: &[u8]) -> Result<Self> {
         let path = PathBuf::from(name);
         let content = Content::InMemory(text(&path, bytes.to_vec())?);
         Ok(Self { path, content })
     }
 
-    /// Whether it is a text without a place on disk.
+    /// Whether the source is a text without a place on disk.
     pub(super) fn is_in_memory(&self) -> bool {
         matches!(self.content, Content::InMemory(_))
     }
@@ -49,12 +49,12 @@ impl Source {
         }
     }
 
-    /// The file's text where it begins as an object of JSON does.
+    /// The file's text if it begins like a JSON object.
     pub(super) fn json(&self) -> Option<&str> {
         self.text().filter(|text| text.trim_start_matches('\u{feff}').trim_start().starts_with('{'))
     }
 
-    /// The folder's files, by name; none for a file.
+    /// The folder's files, sorted by name; empty for a file.
     pub(super) fn files(&self) -> &[PathBuf] {
         match &self.content {
             Content::Folder(files) => files,
@@ -62,7 +62,7 @@ impl Source {
         }
     }
 
-    /// The folder's own folders, by name; none for a file or what cannot be listed.
+    /// The folder's subfolders, sorted by name; empty for a file or a folder that cannot be listed.
     pub(super) fn folders(&self) -> Vec<PathBuf> {
         if self.text().is_some() {
             return Vec::new();
@@ -73,8 +73,7 @@ impl Source {
         folders
     }
 
-    /// The path of the file called `name` beside what was opened, where there is one: in the folder itself, or in the
-    /// file's own.
+    /// The path of the file called `name` in the opened folder, or in the folder of the opened file, if there is one.
     pub(super) fn beside(&self, name: &str) -> Option<PathBuf> {
         let folder = match &self.content {
             Content::File(_) => self.path.parent()?,
@@ -84,42 +83,42 @@ impl Source {
         Some(folder.join(name)).filter(|path| path.is_file())
     }
 
-    /// Width and height of the image called `name` beside what was opened, where there is one.
+    /// Width and height in pixels of the image called `name` beside the source, if there is one.
     pub(super) fn image_size(&self, name: &str) -> Result<Option<(u32, u32)>> {
         self.beside(name).map(|path| image_file::size(&path)).transpose()
     }
 
-    /// The error about a file that has to be beside what was opened and is not; it ends in `next_step` where there can
-    /// be such a file.
+    /// The error about a required file beside the source that is missing; it ends in `next_step` where such a file can
+    /// exist.
     pub(super) fn lacks(&self, name: &str, next_step: &str) -> Error {
         let place = if self.text().is_some() { "beside" } else { "in" };
         let next_step = self.next_step(next_step);
         Error::file(&self.path, format!("expected {name} {place} it, found none; {next_step}"))
     }
 
-    /// What to do about a missing file: `at_path`, or for a text in memory to load it by its path.
+    /// The next step about a missing file: `at_path`, or for a text in memory to load it by its path.
     pub(super) fn next_step<'a>(&self, at_path: &'a str) -> &'a str {
         if self.is_in_memory() { LOAD } else { at_path }
     }
 
-    /// The name of the folder that a file is in; of a text in memory, as far as its own name tells.
+    /// The name of the folder that contains the source; for a text in memory, the folder part of its name.
     pub(super) fn folder_name(&self) -> Option<String> {
         if self.is_in_memory() { name(self.path.parent()?.file_name()) } else { folder_name(&self.path) }
     }
 
-    /// Whether the file's name ends so, in any case.
+    /// Whether the file's name has this extension, in any case.
     pub(super) fn has_extension(&self, extension: &str) -> bool {
         self.path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
     }
 }
 
-/// The text of a file.
+/// Reads a text file.
 pub(super) fn read(path: &Path) -> Result<String> {
     let fail = |e| Error::file(path, format!("expected a calibration file, found: {e}; check the path"));
     text(path, std::fs::read(path).map_err(fail)?)
 }
 
-/// The name of the folder that the file at `path` is in, of the working directory where `path` names none.
+/// The name of the folder that contains the file at `path`; the working directory's where `path` names no folder.
 pub(super) fn folder_name(path: &Path) -> Option<String> {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     name(absolute.parent()?.file_name())

@@ -12,16 +12,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// What arbitrary scales and files without sizes need.
+/// Hints for formats without a unit or without image sizes.
 pub(super) const HINTS: Hints = Hints { size: Some((640, 480)), metres_per_unit: Some(1.0) };
 
-/// A calibration that is in a single file, with a name as such files have.
+/// A calibration in a single file, with a typical file name.
 pub(super) struct Sample {
     pub(super) name: &'static str,
     pub(super) text: &'static str,
 }
 
-/// A file or more of each format that has all in one.
+/// At least one file of each format that consists of a single file.
 pub(super) fn single_files() -> impl Iterator<Item = Sample> {
     let files = [
         ("rig.toml", toml::tests::CAMERA),
@@ -36,10 +36,11 @@ pub(super) fn single_files() -> impl Iterator<Item = Sample> {
         ("left.json", opencv::tests::JSON),
         ("matrices.txt", matrices::tests::ROWS),
     ];
+
     files.into_iter().map(|(name, text)| Sample { name, text })
 }
 
-/// The files of each format that needs several, by name.
+/// The names and texts of the files of each format that consists of several.
 pub(super) fn several_files() -> [&'static [(&'static str, &'static str)]; 4] {
     [
         &[("cameras.txt", colmap::tests::CAMERAS), ("images.txt", colmap::tests::IMAGES)],
@@ -62,7 +63,7 @@ impl Folder {
         Self(path)
     }
 
-    /// With these files in it.
+    /// A folder that holds these files.
     pub(super) fn of(files: &[(&str, &str)]) -> Self {
         let folder = Self::new();
         for (name, text) in files {
@@ -75,7 +76,7 @@ impl Folder {
         &self.0
     }
 
-    /// Writes a file, and the folders it is in; its path.
+    /// Writes a file and the folders above it, and returns its path.
     pub(super) fn write(&self, name: &str, text: &str) -> PathBuf {
         let path = self.0.join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -94,18 +95,18 @@ impl Drop for Folder {
     }
 }
 
-/// The calibration in a folder of these files.
+/// Loads the calibration from a folder with these files.
 pub(super) fn load_folder(files: &[(&str, &str)], hints: &Hints) -> Result<Calibration> {
     Calibration::load(Folder::of(files).path(), hints)
 }
 
-/// The calibration in a file of a name that says nothing.
+/// Loads the calibration from a file whose name says nothing about its format.
 pub(super) fn load_text(text: &str, hints: &Hints) -> Result<Calibration> {
     let folder = Folder::new();
     Calibration::load(folder.write("calibration.txt", text), hints)
 }
 
-/// That an error says all of `parts`.
+/// Asserts that the error message contains all of `parts`.
 #[track_caller]
 pub(super) fn assert_refused<T: Debug>(result: Result<T>, parts: &[&str]) {
     let message = result.unwrap_err().to_string();
@@ -114,7 +115,7 @@ pub(super) fn assert_refused<T: Debug>(result: Result<T>, parts: &[&str]) {
     }
 }
 
-/// That `camera` sees `point` at (u, v), to the rounding of a few operations.
+/// Asserts that `camera` projects `point` to (u, v), up to the rounding of a few operations.
 #[track_caller]
 pub(super) fn assert_sees(camera: &Camera, point: [f64; 3], u: f64, v: f64) {
     let found = camera.project(&Point3::from(point)).unwrap();

@@ -49,7 +49,7 @@ fn the_description_shows_place_direction_width_and_origin() {
     let text = rig().describe();
     let lines: Vec<_> = text.lines().collect();
     assert_eq!(lines.len(), 2);
-    // One radian is 57.3 degrees; the origin lies 1 m below the target, straight beneath the image's middle.
+    // One radian is 57.3 degrees; the origin lies 1 m below the target, vertically below the image's centre.
     let focal = 320.0 / 0.5_f64.tan();
     let origin = format!("origin at (320.0, {:.1}) px", 240.0 + focal / 3.0);
     assert!(lines[0].starts_with("left   640 x 480  at (3.000, 0.000, 1.000) m"), "{}", lines[0]);
@@ -66,13 +66,13 @@ fn the_description_says_when_the_origin_is_behind_or_beside() {
 }
 
 #[test]
-fn the_work_volume_lies_around_the_spot_that_all_look_at() {
+fn the_work_volume_is_centred_at_the_focus() {
     let rig = rig();
     let focus = rig.focus().unwrap();
     assert!((focus - Point3::new(0.0, 0.0, 1.0)).norm() < 1e-9, "{focus}");
     assert_eq!(rig.seeing_focus().unwrap(), [0, 1]);
     let volume = rig.work_volume().unwrap();
-    // The nearest camera stands (0, 2.5, 0.5) off; the floor cuts what lies below.
+    // The nearest camera is (0, 2.5, 0.5) away; the floor cuts off the lower part.
     let reach = 0.9 * 6.5_f64.sqrt();
     assert!((volume.max.x - reach).abs() < 1e-9 && volume.min.z == 0.0, "{volume:?}");
     let below = rig.transformed(&Isometry3::translation(0.0, 0.0, -5.0)).unwrap();
@@ -80,7 +80,7 @@ fn the_work_volume_lies_around_the_spot_that_all_look_at() {
 }
 
 #[test]
-fn cameras_that_look_one_way_share_no_spot() {
+fn parallel_cameras_have_no_focus() {
     let beside = |name: &str, x: f64| {
         let (eye, target) = (Point3::new(x, 0.0, 1.0), Point3::new(x, 1.0, 1.0));
         Camera::look_at(name, (640, 480), 1.0, eye, target, Vector3::z()).unwrap()
@@ -90,7 +90,7 @@ fn cameras_that_look_one_way_share_no_spot() {
 }
 
 #[test]
-fn coverage_counts_what_each_number_of_cameras_sees() {
+fn coverage_is_the_share_seen_by_each_number_of_cameras() {
     let rig = rig();
     let near = crate::hull::Aabb::new(Point3::new(-0.1, -0.1, 0.9), Point3::new(0.1, 0.1, 1.1)).unwrap();
     assert_eq!(rig.coverage(&near, 4), [0.0, 0.0, 1.0]);
@@ -101,20 +101,21 @@ fn coverage_counts_what_each_number_of_cameras_sees() {
 }
 
 #[test]
-fn the_reading_that_makes_a_foreign_pose_right_is_the_one_it_was_written_in() {
+fn a_pose_read_in_the_convention_it_was_written_in_is_right() {
     let right = rig();
-    for reading in PoseConvention::ALL {
-        // Each is its own inverse but the last, which undoes its parts in the other order.
-        let wrong = match reading {
+    for convention in PoseConvention::ALL {
+        // Each conversion is its own inverse except the last, whose parts are undone in reverse order.
+        let wrong = match convention {
             PoseConvention::CameraToWorldOpenGl => {
                 right.read_as(PoseConvention::OpenGl).unwrap().read_as(PoseConvention::CameraToWorld).unwrap()
             }
             other => right.read_as(other).unwrap(),
         };
-        let back = wrong.read_as(reading).unwrap();
+
+        let back = wrong.read_as(convention).unwrap();
         for (a, b) in right.cameras().iter().zip(back.cameras()) {
             assert!((a.centre() - b.centre()).norm() < 1e-12 && (a.forward() - b.forward()).norm() < 1e-12);
         }
-        assert!(wrong.seeing_focus().map_or(true, |seeing| seeing.len() < 2), "{reading:?}");
+        assert!(wrong.seeing_focus().map_or(true, |cameras| cameras.len() < 2), "{convention:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! The native rig file: the TOML that anipose, Pose2Sim and caliscope write.
+//! The native rig file: the TOML format that anipose, Pose2Sim and caliscope write.
 //!
 //! ```toml
 //! [cam_0]
@@ -28,7 +28,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// From a file's pixel centres at whole numbers to pixel corners at whole numbers.
+/// The offset from pixel centres at whole numbers to pixel corners at whole numbers.
 const HALF_PIXEL: f64 = 0.5;
 
 pub(super) const FORMAT: Format = Format {
@@ -45,7 +45,7 @@ const ROTATION: &str = "write the Rodrigues vector of world to camera, rotation 
 const TRANSLATION: &str = "write that of world to camera in metres, translation = [x, y, z]";
 
 impl Rig {
-    /// Writes a rig file that [`Rig::load`] and the tools named above read.
+    /// Writes a rig file that [`Rig::load`], anipose, Pose2Sim and caliscope read.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -55,7 +55,7 @@ impl Rig {
             .map_err(|e| Error::file(path, format!("expected to write a rig file, found: {e}")))
     }
 
-    /// The rig in the text of a rig file.
+    /// Reads a rig from the text of a rig file.
     ///
     /// # Errors
     /// Text that is not TOML, a table that is no camera, a key that is missing or of another type or shape, a number
@@ -65,10 +65,10 @@ impl Rig {
         Ok(contents(text)?.into_rig(&Hints::default())?.0)
     }
 
-    /// The text of a rig file. PoseConvention it back gives the same rig but for the last digits of rotation and principal
+    /// The text of a rig file. Reading it back gives the same rig except for the last digits of rotation and principal
     /// point.
     pub fn to_toml(&self) -> String {
-        // Some readers sort the tables, so the numbers in their titles are equally long.
+        // Some readers sort the tables by title, so the numbers in the titles are padded to equal length.
         let digits = (self.len() - 1).to_string().len();
         let mut text = String::new();
         for (i, camera) in self.cameras().iter().enumerate() {
@@ -78,17 +78,20 @@ impl Rig {
     }
 }
 
-/// Whether a line is a table's title, as in no other format.
+/// Whether the text has a TOML table of a camera: a line that is a title, which no other format has.
 fn has_a_table(text: &str) -> bool {
     let is_title = |line: &str| line.starts_with('[') && line.ends_with(']') && !line.contains([',', ' ']);
     text.lines().any(|line| is_title(line.trim())) && text.contains("matrix")
 }
 
+/// Reads all tables except `metadata`, in the file's order.
 fn contents(text: &str) -> Result<RawCalibration> {
     let document = DeTable::parse(text).map_err(|e| {
         let line = e.span().map_or(1, |span| line_of(text, span.start));
         Error::argument(format!("line {line}: expected TOML, found: {}", e.message()))
     })?;
+
+    // The parser sorts the tables by title.
     let mut tables: Vec<_> = document.get_ref().iter().collect();
     tables.sort_by_key(|(title, _)| title.span().start);
     let cameras = tables
@@ -96,6 +99,7 @@ fn contents(text: &str) -> Result<RawCalibration> {
         .filter(|(title, _)| title.get_ref().as_ref() != "metadata")
         .map(|(title, value)| CameraTable::new(text, title.get_ref(), value)?.camera())
         .collect::<Result<Vec<_>>>()?;
+
     Ok(RawCalibration {
         cameras,
         pixel_centres: PixelCentres::Whole,
@@ -107,6 +111,7 @@ fn contents(text: &str) -> Result<RawCalibration> {
 fn camera_to_toml(camera: &Camera) -> String {
     let name = toml::Value::from(camera.name());
     let (width, height) = camera.size();
+
     let mut k = *camera.intrinsics();
     k[(0, 2)] -= HALF_PIXEL;
     k[(1, 2)] -= HALF_PIXEL;
@@ -120,7 +125,7 @@ fn camera_to_toml(camera: &Camera) -> String {
     let pose = camera.cam_from_world();
     let rotation: [f64; 3] = pose.rotation.scaled_axis().into();
     let translation: [f64; 3] = pose.translation.vector.into();
-    // Rust's debug form of a float is the shortest that reads back to the same bits, and valid TOML.
+    // Rust's debug form of a float is the shortest text that reads back to the same bits, and valid TOML.
     format!(
         "name = {name}\nsize = [{width}, {height}]\nmatrix = {:?}\ndistortions = {distortions:?}\n\
          rotation = {rotation:?}\ntranslation = {translation:?}\nfisheye = {fisheye}\n",
@@ -128,15 +133,16 @@ fn camera_to_toml(camera: &Camera) -> String {
     )
 }
 
+/// The line of a byte offset, from 1.
 fn line_of(text: &str, offset: usize) -> usize {
     1 + text.bytes().take(offset).filter(|&b| b == b'\n').count()
 }
 
-/// One camera's table, with what an error message about it needs.
+/// One camera's table, with the context for its error messages.
 struct CameraTable<'a> {
     text: &'a str,
     title: &'a str,
-    /// Where it starts in the text, in bytes.
+    /// The byte offset of the table in the text.
     start: usize,
     name: String,
     entries: &'a DeTable<'a>,
@@ -158,6 +164,7 @@ impl<'a> CameraTable<'a> {
                 found(value.get_ref())
             )));
         };
+
         let mut table = Self { text, title, start, name: title.to_owned(), entries };
         if let Some(name) = table.entry("name") {
             table.name = match name.get_ref() {
@@ -205,7 +212,7 @@ impl<'a> CameraTable<'a> {
         }
     }
 
-    /// The rotation, from a Rodrigues vector or, as some files have it, from a matrix.
+    /// The rotation, from a Rodrigues vector or, as in some files, a matrix.
     fn rotation(&self) -> Result<UnitQuaternion<f64>> {
         let Numbers { values, shape } = self.numbers("rotation", ROTATION)?;
         if values.len() == 3 {
@@ -265,7 +272,8 @@ impl<'a> CameraTable<'a> {
     }
 }
 
-/// Appends the numbers of `value`, row by row, and gives its shape: `[]` for a number, `[2, 3]` for two rows of three.
+/// Appends the numbers of `value`, row by row, and returns its shape: `[]` for a number, `[2, 3]` for two rows of
+/// three.
 fn flatten(value: &DeValue, into: &mut Vec<f64>) -> std::result::Result<Vec<usize>, String> {
     let number = match value {
         DeValue::Array(array) => {
@@ -276,9 +284,9 @@ fn flatten(value: &DeValue, into: &mut Vec<f64>) -> std::result::Result<Vec<usiz
                     return Err("expected rows of equal length, found different ones".into());
                 }
             }
-            let mut whole = vec![array.iter().count()];
-            whole.extend(shape.unwrap_or_default());
-            return Ok(whole);
+            let mut full_shape = vec![array.iter().count()];
+            full_shape.extend(shape.unwrap_or_default());
+            return Ok(full_shape);
         }
         DeValue::Float(float) => float.as_str().parse().ok(),
         DeValue::Integer(integer) => {
@@ -286,6 +294,7 @@ fn flatten(value: &DeValue, into: &mut Vec<f64>) -> std::result::Result<Vec<usiz
         }
         _ => None,
     };
+
     into.push(number.ok_or_else(|| format!("expected numbers, found {}", found(value)))?);
     Ok(Vec::new())
 }

@@ -5,9 +5,9 @@
 //!        "fx": 438.0, "fy": 438.0, "cx": 185.4, "cy": 139.3, "k": [[0], [0], [0]], "p": [[0], [0]]}}
 //! ```
 //!
-//! An entry for each camera, its key the name. `T` is where the camera stands, so that `x_cam = R (X - T)`; OpenCV's
-//! axes and coefficients (k1 k2 k3, p1 p2), millimetres, pixel centres at whole numbers. Sizes are not in it: Campus
-//! has 360 x 288 pixels, Shelf 1032 x 776.
+//! There is one entry per camera, its key the name. `T` is the camera's centre, so that `x_cam = R (X - T)`; OpenCV's
+//! axes and coefficients (k1 k2 k3, p1 p2), millimetres, pixel centres at whole numbers. Image sizes are not in the
+//! file: Campus has 360 x 288 pixels, Shelf 1032 x 776.
 
 use super::document::{self, Entry};
 use super::format::{Format, Hints, PixelCentres, RawCalibration, RawCamera};
@@ -42,6 +42,7 @@ fn camera(camera: &Entry) -> Result<RawCamera> {
     let [p1, p2] = camera.entry("p").map_or(Ok([0.0; 2]), |entry| entry.array())?;
     let rotation = get("R")?.rotation()?;
     let centre = get("T")?.vector3()?;
+
     Ok(RawCamera {
         name: camera.key.to_string(),
         size: None,

@@ -28,13 +28,13 @@ fn a_camera_too_far_for_metres_is_noted_unless_the_unit_was_given() {
     assert!(is_noted(load(None)) && !is_noted(load(Some(1.0))));
 }
 
-/// The calibration, or the error's message with its first `old` called `new`.
+/// The calibration, or the error's message with the first `old` replaced by `new`.
 fn named(found: Result<Calibration>, old: &str, new: &str) -> std::result::Result<Calibration, String> {
     found.map_err(|e| e.to_string().replacen(old, new, 1))
 }
 
 #[test]
-fn bytes_are_the_calibration_that_their_file_is() {
+fn bytes_and_a_file_of_the_same_content_give_the_same_calibration() {
     let folder = Folder::new();
     for Sample { name, text } in single_files() {
         let path = folder.write(name, text);
@@ -52,7 +52,7 @@ fn bytes_are_the_calibration_that_their_file_is() {
 }
 
 #[test]
-fn errors_about_bytes_are_those_about_their_file_but_for_the_name() {
+fn errors_about_bytes_and_about_their_file_differ_only_in_the_name() {
     let folder = Folder::new();
     let no_text = Sample { name: "cameras.bin", text: "" };
     for Sample { name, text } in single_files().chain([no_text]) {
@@ -68,7 +68,7 @@ fn errors_about_bytes_are_those_about_their_file_but_for_the_name() {
 }
 
 #[test]
-fn bytes_that_are_no_text_are_refused_with_the_position() {
+fn bytes_that_are_not_text_are_refused_with_the_position() {
     let parts =
         ["cameras.bin: expected text, found a byte at 3 that is none; export", "colmap model_converter"];
     assert_refused(Calibration::parse("cameras.bin", b"abc\xff", &HINTS), &parts);
@@ -79,6 +79,7 @@ fn a_part_of_a_calibration_in_several_files_names_the_missing_one() {
     let bare = |text: &str| text.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n");
     let (cameras, images) = (colmap::tests::CAMERAS, colmap::tests::IMAGES);
     let lens_alone = &opencv::tests::YAML[..opencv::tests::YAML.find("rvec").unwrap()];
+
     let cases = [
         ("upload-17", cameras, "expected images.txt beside it"),
         ("upload-17", &bare(cameras), "expected images.txt beside it"),
@@ -93,6 +94,7 @@ fn a_part_of_a_calibration_in_several_files_names_the_missing_one() {
         ),
         ("intrinsics.yml", lens_alone, "expected extrinsics.yml beside it"),
     ];
+
     for (name, text, part) in cases {
         let load = "save all of them into one folder and read it with Calibration::load";
         assert_refused(
@@ -112,7 +114,7 @@ fn nothing_is_read_from_disk_for_bytes() {
 }
 
 #[test]
-fn a_camera_called_like_its_file_is_called_by_the_name_of_the_bytes() {
+fn a_camera_named_after_its_file_takes_the_name_of_the_bytes() {
     let name_of = |name: &str| {
         let found = Calibration::parse(name, opencv::tests::YAML.as_bytes(), &HINTS).unwrap();
         found.rig.cameras()[0].name().to_owned()

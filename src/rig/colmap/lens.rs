@@ -29,7 +29,7 @@ const MODELS: [Model; 9] = [
     Model { name: "OPENCV_FISHEYE", focal_lengths: 2, coefficients: 4, lens: LensModel::Fisheye },
 ];
 
-/// Whether a line has the form of a camera's: a number, and a model's name.
+/// Whether a line has the form of a camera: a number, then a model's name.
 pub(super) fn is_camera(line: &Line) -> bool {
     let named = |name: &str| {
         name.contains(|c: char| c.is_ascii_uppercase())
@@ -38,10 +38,12 @@ pub(super) fn is_camera(line: &Line) -> bool {
     line.words.len() > 3 && line.words[0].parse::<u32>().is_ok() && named(line.words[1])
 }
 
+/// Reads one line of `cameras.txt`.
 pub(super) fn read(line: &Line) -> Result<Intrinsics> {
     let Some(name) = line.words.get(1) else {
         return Err(line.fail(format!("expected a camera, found one word; {CAMERA}")));
     };
+
     let Some(model) = MODELS.iter().find(|model| model.name == *name) else {
         let known = MODELS.map(|model| model.name).join(", ");
         return Err(line.fail(format!(
@@ -49,6 +51,7 @@ pub(super) fn read(line: &Line) -> Result<Intrinsics> {
              image_undistorter) and use the model that it writes"
         )));
     };
+
     let size = line.size(2)?;
     let parameters = line.words.get(4..).unwrap_or_default();
     let expected = model.focal_lengths + 2 + model.coefficients;
@@ -56,11 +59,13 @@ pub(super) fn read(line: &Line) -> Result<Intrinsics> {
         let found = parameters.len();
         return Err(line.fail(format!("expected {expected} parameters of {name}, found {found}; {CAMERA}")));
     }
+
     let numbers = parameters.iter().map(|word| line.number_in(word, CAMERA)).collect::<Result<Vec<_>>>()?;
     let (focal_lengths, rest) = numbers.split_at(model.focal_lengths);
     let (fx, fy) = (focal_lengths[0], focal_lengths[model.focal_lengths - 1]);
+
     let mut coefficients = rest[2..].to_vec();
-    // Those of radial models are the first two of OpenCV's.
+    // Radial models have only the first one or two of OpenCV's coefficients.
     coefficients.resize(if model.coefficients > 4 { 8 } else { 4 }, 0.0);
     let lens = RawLens::new(model.lens, &coefficients, format!("line {}", line.number));
     Ok(Intrinsics {

@@ -24,18 +24,18 @@ fn load(cameras: &str, images: &str) -> Result<Calibration> {
 }
 
 #[test]
-fn views_come_in_the_images_order_with_their_cameras_lenses() {
+fn views_keep_the_images_order_and_their_cameras_lenses() {
     let rig = load(CAMERAS, IMAGES).unwrap().rig;
     let names: Vec<_> = rig.cameras().iter().map(|camera| (camera.name(), camera.size())).collect();
     assert_eq!(names, [("left", (640, 480)), ("right", (600, 400)), ("top", (640, 480))]);
-    // Pixel corners are whole numbers in the file, too.
+    // Pixel corners are whole numbers in the file as well.
     assert_sees(&rig.cameras()[0], [0.5, -0.3, 1.0], 500.0 * 0.6 / 4.0 + 320.0, 500.0 * -0.1 / 4.0 + 240.0);
     assert_eq!(rig.cameras()[1].lens().coefficients()[..5], [-0.1, 0.02, 0.001, -0.002, 0.0]);
     assert_eq!(rig.cameras()[2].lens().coefficients()[..5], [-0.1, 0.02, 0.0, 0.0, 0.0]);
 }
 
 #[test]
-fn the_quaternion_turns_world_to_camera() {
+fn the_quaternion_rotates_from_world_to_camera() {
     let simple = CAMERAS.replace("-0.1 0.02 0.001 -0.002", "0 0 0 0");
     let rig = load(&simple, IMAGES).unwrap().rig;
     // A quarter turn around z: x to y, y to -x.
@@ -43,7 +43,7 @@ fn the_quaternion_turns_world_to_camera() {
 }
 
 #[test]
-fn either_file_stands_for_both_and_lines_of_points_may_be_missing() {
+fn either_file_loads_both_and_lines_of_points_may_be_missing() {
     let bare = IMAGES.replace("12.5 300.1 -1 40 50 63\n", "").replace("\n\n", "\n");
     let folder = Folder::of(&[("cameras.txt", CAMERAS), ("images.txt", &bare)]);
     for name in ["cameras.txt", "images.txt"] {
@@ -62,7 +62,7 @@ fn a_full_lens_has_opencvs_eight_coefficients() {
 }
 
 #[test]
-fn the_scale_is_demanded_and_applied() {
+fn the_scale_is_required_and_applied() {
     let files = [("cameras.txt", CAMERAS), ("images.txt", IMAGES)];
     assert_refused(load_folder(&files, &Hints::default()), &["any scale; give the metres per unit"]);
     let hints = Hints { metres_per_unit: Some(0.5), size: None };
@@ -71,7 +71,7 @@ fn the_scale_is_demanded_and_applied() {
 }
 
 #[test]
-fn binary_models_and_lonely_files_are_refused_with_what_to_run() {
+fn binary_models_and_single_files_are_refused_with_the_command_to_run() {
     let binary = [("cameras.bin", "x"), ("images.bin", "x")];
     assert_refused(load_folder(&binary, &HINTS), &["found the binary form alone", "colmap model_converter"]);
     assert_refused(load_folder(&[("cameras.txt", CAMERAS)], &HINTS), &["expected images.txt in it"]);

@@ -1,4 +1,4 @@
-//! What calibrations hold under their keys: numbers, matrices, rotations, lenses, sizes.
+//! The values of a calibration as numbers, matrices, rotations, lenses and sizes.
 
 use super::super::format::{LensModel, RawLens, pixels};
 use super::super::pose;
@@ -8,21 +8,21 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::borrow::Cow;
 use std::fmt::Display;
 
-/// Longer Rodrigues vectors than this are no rotation in radians; solvers stay within one turn or two.
+/// Longer Rodrigues vectors are not in radians: solvers stay within a turn or two.
 const LONGEST_TURN: f64 = 4.0 * std::f64::consts::PI;
 
-/// How far the last row of a 4x4 motion may be from 0 0 0 1: what is left of it where motions were multiplied.
+/// How far the last row of a 4x4 motion may be from 0 0 0 1, for rounding in products of motions.
 const LAST_ROW_TOLERANCE: f64 = 1e-9;
 
 /// A key with its value.
 #[derive(Debug, Clone)]
 pub(in crate::rig) struct Entry<'a> {
-    /// From the map that was asked first: `K`, or `cameras[2].K`.
+    /// The path from the map in which the search began: `K`, or `cameras[2].K`.
     pub(in crate::rig) key: Cow<'a, str>,
     pub(in crate::rig) node: &'a Node,
 }
 
-/// A matrix, row by row, or a list, which is a column.
+/// The numbers of a matrix, row by row, or of a list, which is a column.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::rig) struct Numbers {
     pub(in crate::rig) values: Vec<f64>,
@@ -31,7 +31,7 @@ pub(in crate::rig) struct Numbers {
 }
 
 impl<'a> Entry<'a> {
-    /// An error about it, with its line.
+    /// An error about this value that names its line.
     pub(in crate::rig) fn fail(&self, problem: impl Display) -> Error {
         self.fail_at(self.node, problem)
     }
@@ -47,12 +47,12 @@ impl<'a> Entry<'a> {
         Some(Self { key: format!("{}.{key}", self.key).into(), ..inner })
     }
 
-    /// The entry called `key`; else an error that lists what there is, and ends in `next_step`.
+    /// The entry called `key`; else an error that lists the existing keys and ends in `next_step`.
     pub(in crate::rig) fn require(&self, key: &str, next_step: &str) -> Result<Self> {
         self.entry(key).ok_or_else(|| self.fail(self.node.missing(key, next_step)))
     }
 
-    /// The values of the list that it is.
+    /// The items of this list.
     pub(in crate::rig) fn items(&self) -> Result<Vec<Self>> {
         let Value::Sequence(items) = &self.node.value else {
             return Err(self.fail(format!("expected a list, found {}; write one", self.node.outline())));
@@ -72,7 +72,7 @@ impl<'a> Entry<'a> {
         matches!(&self.node.value, Value::Scalar(text) if text.eq_ignore_ascii_case("true"))
     }
 
-    /// A single number, finite.
+    /// A single finite number.
     pub(in crate::rig) fn number(&self) -> Result<f64> {
         let found = self.numbers()?;
         match found.values[..] {
@@ -81,7 +81,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// The numbers of an OpenCV matrix (`rows`, `cols`, `dt`, `data`), of a list or of a list of rows; all finite.
+    /// The finite numbers of an OpenCV matrix (`rows`, `cols`, `dt`, `data`), of a list, or of a list of rows.
     pub(in crate::rig) fn numbers(&self) -> Result<Numbers> {
         let numbers = match &self.node.value {
             Value::Map(_) => self.opencv_matrix()?,
@@ -94,13 +94,14 @@ impl<'a> Entry<'a> {
             }
             Value::Scalar(_) => Numbers { values: vec![self.number_at(self.node)?], rows: 1, columns: 1 },
         };
+
         match numbers.values.iter().find(|x| !x.is_finite()) {
             Some(bad) => Err(self.fail(format!("expected finite numbers, found {bad}; calibrate again"))),
             None => Ok(numbers),
         }
     }
 
-    /// A matrix of that shape, or as many numbers in a list.
+    /// A matrix of the given shape, row by row, or a list of as many numbers.
     pub(in crate::rig) fn matrix(&self, rows: usize, columns: usize) -> Result<Vec<f64>> {
         let found = self.numbers()?;
         let list = found.columns == 1 && found.rows == rows * columns;
@@ -114,7 +115,7 @@ impl<'a> Entry<'a> {
         Ok(Matrix3::from_row_slice(&self.matrix(3, 3)?))
     }
 
-    /// So many numbers, in a row or a column.
+    /// Exactly `N` numbers, in a row or a column.
     pub(in crate::rig) fn array<const N: usize>(&self) -> Result<[f64; N]> {
         let found = self.numbers()?;
         <[f64; N]>::try_from(found.values.as_slice())
@@ -140,19 +141,21 @@ impl<'a> Entry<'a> {
         Ok(UnitQuaternion::from_scaled_axis(vector))
     }
 
-    /// A rotation and a translation, as the upper rows of a 4x4 matrix or as a 3x4 one.
+    /// A rotation and a translation from a 4x4 matrix or its upper three rows.
     pub(in crate::rig) fn motion(&self) -> Result<(UnitQuaternion<f64>, Vector3<f64>)> {
         let found = self.numbers()?;
         let m = &found.values;
         if found.columns != 4 || !matches!(found.rows, 3 | 4) {
             return Err(self.fail(format!("expected 3 x 4 or 4 x 4 numbers, found {found}; calibrate again")));
         }
+
         let off = |(x, expected): (&f64, f64)| (x - expected).abs() > LAST_ROW_TOLERANCE;
         if m[12..].iter().zip([0.0, 0.0, 0.0, 1.0]).any(off) {
             return Err(
                 self.fail(format!("expected the last row 0 0 0 1, found {:?}; transpose it", &m[12..]))
             );
         }
+
         let matrix = Matrix3::new(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);
         Ok((self.rotation_matrix(&matrix)?, Vector3::new(m[3], m[7], m[11])))
     }
@@ -164,7 +167,7 @@ impl<'a> Entry<'a> {
             .map_err(|e| self.fail(format!("{e}; calibrate again")))
     }
 
-    /// A count of pixels.
+    /// A whole number of pixels, as the side of an image.
     pub(in crate::rig) fn pixels(&self) -> Result<u32> {
         let found = self.number()?;
         pixels(found).ok_or_else(|| {
@@ -197,6 +200,7 @@ impl<'a> Entry<'a> {
         })
     }
 
+    /// The numbers of a list of rows of equal length.
     fn rows(&self, items: &[Node]) -> Result<Numbers> {
         let mut numbers = Numbers { values: Vec::new(), rows: items.len(), columns: 0 };
         for (i, item) in items.iter().enumerate() {
@@ -211,6 +215,7 @@ impl<'a> Entry<'a> {
                 );
                 return Err(self.fail_at(item, problem));
             }
+
             numbers.columns = row.len();
             for value in row {
                 numbers.values.push(self.number_at(value)?);
@@ -234,6 +239,7 @@ impl<'a> Entry<'a> {
                 .then_some(number as usize)
                 .ok_or_else(|| entry.fail(format!("expected a count, found {number}; {step}")))
         };
+
         let (rows, columns) = (count("rows")?, count("cols")?);
         let data = part("data")?;
         let values = match &data.node.value {
@@ -243,18 +249,20 @@ impl<'a> Entry<'a> {
             Value::Scalar(text) if text.is_empty() => Vec::new(),
             _ => vec![data.number_at(data.node)?],
         };
+
         let columns = columns * self.channels();
-        // A product that overflows is no count of values either.
+        // A product that overflows matches no number of values either.
         if rows.checked_mul(columns) != Some(values.len()) {
             return Err(self.fail(format!(
                 "expected {rows} x {columns} numbers as rows and cols say, found {} in data; the file may be cut off",
                 values.len()
             )));
         }
+
         Ok(Numbers { values, rows, columns })
     }
 
-    /// An error about a part of it, with the part's line.
+    /// An error about a part of this value that names the part's line.
     fn fail_at(&self, node: &Node, problem: impl Display) -> Error {
         Error::argument(format!("line {}, `{}`: {problem}", node.line, self.key))
     }
@@ -267,7 +275,7 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// A number as these notations have them, NaN and infinities included.
+/// Parses a number in YAML's or JSON's notation, including NaN and infinities.
 fn number(text: &str) -> Option<f64> {
     let lower = text.to_ascii_lowercase();
     match lower.trim_start_matches(['+', '-']) {

@@ -1,7 +1,7 @@
-//! A calibration document of whatever notation as one tree: YAML, JSON and OpenCV's XML.
+//! A calibration document as a tree, from YAML, JSON or OpenCV's XML.
 //!
-//! Every node keeps its line, so that errors about a value name it. JSON goes through the YAML parser (YAML 1.2
-//! contains it), which keeps lines too.
+//! Every node keeps its line, so that errors about a value can name it. JSON is parsed as YAML, which contains it
+//! since YAML 1.2, to keep lines too.
 
 mod entry;
 mod xml;
@@ -12,10 +12,10 @@ pub(super) use xml::open as open_xml;
 
 use crate::{Error, Result};
 
-/// How deep documents may nest: calibrations do not come near it, and no stack ends before it.
+/// The deepest nesting of a document: calibrations nest far less, and recursion to this depth fits any stack.
 const DEEPEST: usize = 32;
 
-/// How many keys a map may have: each key is compared with all before it, and readers look for theirs among all.
+/// The most keys of a map: searching for a key and checking for duplicates take time linear in their number.
 const MOST_KEYS: usize = 1 << 12;
 
 /// A value and the line on which it starts, from 1.
@@ -26,25 +26,26 @@ pub(super) struct Node {
 }
 
 #[derive(Debug, Clone, PartialEq)]
+/// The content of a node.
 pub(super) enum Value {
     /// A number or a text, as written but without quotes.
     Scalar(String),
     Sequence(Vec<Node>),
-    /// In the document's order; keys are unique.
+    /// Entries in the document's order, with unique keys.
     Map(Vec<(String, Node)>),
 }
 
-/// Reads XML where the text begins as such, else YAML or JSON.
+/// Parses XML if the text begins with `<`, else YAML or JSON.
 ///
 /// # Errors
-/// Text that is none of these, or nests too deeply, or has a key twice or too many; with the line.
+/// Text that is none of these, nests too deeply, has a key twice or has too many keys. Messages name the line.
 pub(super) fn parse(text: &str) -> Result<Node> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim_start().starts_with('<') { xml::parse(text) } else { yaml::parse(text) }
 }
 
 impl Node {
-    /// The entries of a map; none of anything else.
+    /// The entries of a map; empty for other values.
     pub(super) fn entries(&self) -> impl Iterator<Item = Entry<'_>> {
         let entries = match &self.value {
             Value::Map(entries) => entries.as_slice(),
@@ -58,7 +59,7 @@ impl Node {
         self.entries().find(|entry| entry.key == key)
     }
 
-    /// The entry called `key`; else an error that lists what there is, and ends in `next_step`.
+    /// The entry called `key`; else an error that lists the existing keys and ends in `next_step`.
     pub(super) fn require(&self, key: &str, next_step: &str) -> Result<Entry<'_>> {
         let fail = || Error::argument(format!("line {}: {}", self.line, self.missing(key, next_step)));
         self.entry(key).ok_or_else(fail)
@@ -68,12 +69,13 @@ impl Node {
         format!("expected the key `{key}`, found {}; {next_step}", self.outline())
     }
 
-    /// What it is, for people: the first keys of a map.
+    /// A short description of the value for messages, such as the first keys of a map.
     pub(super) fn outline(&self) -> String {
         match &self.value {
             Value::Scalar(text) if text.is_empty() => "nothing".into(),
             Value::Scalar(text) => format!("\"{}\"", text.chars().take(40).collect::<String>()),
             Value::Sequence(items) => format!("a list of {}", items.len()),
+
             Value::Map(entries) => {
                 let keys: Vec<_> = entries.iter().take(8).map(|(key, _)| key.as_str()).collect();
                 let more = if entries.len() > keys.len() { ", ..." } else { "" };
@@ -97,6 +99,7 @@ fn push(entries: &mut Vec<(String, Node)>, key: String, node: Node) -> Result<()
             node.line
         )));
     }
+
     entries.push((key, node));
     Ok(())
 }

@@ -25,6 +25,7 @@ fn opencv_yaml_of_all_versions_keeps_its_lines() {
         let matrix = document.entry("K").unwrap();
         let data = matrix.node.entry("data").unwrap();
         let Value::Sequence(items) = &data.node.value else { panic!("{data:?}") };
+
         assert_eq!((items[1].line, scalar(&items[1])), (8, "-.Inf"), "{head:?}");
         assert_eq!(
             matrix.numbers().unwrap_err().to_string(),
@@ -40,7 +41,7 @@ fn json_is_read_with_tabs_escapes_and_lines() {
     assert_eq!(document.entry("name").unwrap().text().unwrap(), "café / 1");
     let matrix = document.entry("K").unwrap();
     assert_eq!((matrix.node.line, matrix.matrix(2, 2).unwrap()), (3, vec![1.0, 2.0, 3.0, 4.5]));
-    // In one line, as other programs write it, and with the keys far from their values.
+    // Some programs write everything in one line; long keys test the parser's look-ahead.
     let long = "k".repeat(3000);
     let line = format!("{{\"{long}\":{{\"a\":[1,2,3]}},\"b\":-1}}");
     let document = parse(&line).unwrap();
@@ -61,13 +62,13 @@ fn xml_is_read_as_maps_sequences_and_words() {
 }
 
 #[test]
-fn an_alias_is_what_it_stands_for() {
+fn an_alias_equals_its_anchored_node() {
     let document = parse("a: &x [1, 2]\nb: *x\n").unwrap();
     assert_eq!(document.entry("a").unwrap().node.value, document.entry("b").unwrap().node.value);
 }
 
 #[test]
-fn what_is_no_document_is_refused_with_its_line() {
+fn invalid_documents_are_refused_with_the_line() {
     let cases = [
         ("K: [1, 2\n", "found: "),
         ("{\"K\": [1, 2", "found: "),
@@ -87,23 +88,25 @@ fn what_is_no_document_is_refused_with_its_line() {
 }
 
 #[test]
-fn deep_and_swelling_documents_are_refused() {
+fn documents_that_nest_deeply_or_expand_exponentially_are_refused() {
     let deep = 100_000;
     assert!(message(&"[".repeat(deep)).starts_with("line 1"));
     assert!(message(&"{\"a\":".repeat(deep)).starts_with("line 1"));
     let xml = format!("{}{}", "<a>".repeat(deep), "</a>".repeat(deep));
     assert!(message(&xml).contains("more than 32 deep"));
+
     let mut bomb = String::from("a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n");
     for i in 1..12 {
         let alias = format!("*a{}, ", i - 1).repeat(10);
         bomb += &format!("a{i}: &a{i} [{alias}1]\n");
     }
     assert!(message(&bomb).contains("values; check the file"));
-    // A long text, and the list within many anchors, of which each keeps a copy.
+    // A long text repeated by aliases, and a list inside many anchors, each of which keeps a copy.
     let long = format!("a: &a \"{}\"\nb: [{}]\n", "x".repeat(50_000), "*a, ".repeat(5_000));
     assert!(message(&long).contains("values; check the file"));
     let nested = format!("a: {}[{}]{}", "&a [".repeat(25), "1, ".repeat(50_000), "]".repeat(25));
     assert!(message(&nested).contains("values; check the file"));
+
     let json =
         |keys: usize| format!("{{{}}}", (0..keys).map(|i| format!("\"k{i}\": 1,\n")).collect::<String>());
     assert!(parse(&json(4096)).is_ok());
@@ -114,7 +117,7 @@ fn deep_and_swelling_documents_are_refused() {
 }
 
 #[test]
-fn what_lies_deep_is_found_and_named_by_the_keys_that_lead_to_it() {
+fn nested_values_are_found_and_errors_name_their_path() {
     let text = "{\"a\": [\n{\"b\": [1, 2]},\n{\"b\": {\"c\": 1e999, \"d\": true, \"e\": \"x\\ny\"}}]}";
     let document = parse(text).unwrap();
     let a = document.entry("a").unwrap();
@@ -123,10 +126,12 @@ fn what_lies_deep_is_found_and_named_by_the_keys_that_lead_to_it() {
     let b = items[1].require("b", "").unwrap();
     assert!(b.entry("d").unwrap().is_true() && !b.entry("e").unwrap().is_true());
     assert_eq!(b.entry("e").unwrap().text().unwrap(), "x\ny");
+
     let infinite = b.entry("c").unwrap().number().unwrap_err().to_string();
     assert_eq!(infinite, "line 3, `a[1].b.c`: expected finite numbers, found inf; calibrate again");
     let two = items[0].entry("b").unwrap().number().unwrap_err().to_string();
     assert_eq!(two, "line 2, `a[0].b`: expected a single number, found 2; write one");
+
     let none = b.require("z", "add it").unwrap_err().to_string();
     assert_eq!(none, "line 3, `a[1].b`: expected the key `z`, found the keys c, d, e; add it");
     let scalar = items[0].require("b", "").unwrap().require("z", "add it").unwrap_err().to_string();
@@ -136,12 +141,13 @@ fn what_lies_deep_is_found_and_named_by_the_keys_that_lead_to_it() {
 }
 
 #[test]
-fn numbers_that_do_not_fit_say_what_was_found() {
+fn errors_about_the_shape_of_numbers_say_what_was_found() {
     let document = parse(
         "short: {rows: 3, cols: 3, dt: d, data: [1, 2]}\nrows: {cols: 3, data: [1]}\nragged:\n  - [1, 2]\n  - [3]\n\
          word: [1, two]\nflat: [1, 2, 3, 4]\nthree: {rows: 1, cols: 1, dt: 3d, data: [1, 2, 3]}\n",
     )
     .unwrap();
+
     let says = |key: &str| document.entry(key).unwrap().matrix3().unwrap_err().to_string();
     assert!(
         says("short")
@@ -157,7 +163,7 @@ fn numbers_that_do_not_fit_say_what_was_found() {
 }
 
 #[test]
-fn zeros_of_models_that_are_off_are_no_distortion() {
+fn zero_coefficients_of_unused_models_are_ignored() {
     let document = parse(
         "off: [1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]\nprism: [1, 2, 0, 0, 0, 0, 0, 0, 0.5, 0, 0, 0]\nodd: [1, 2, 3]\n",
     )
@@ -169,12 +175,13 @@ fn zeros_of_models_that_are_off_are_no_distortion() {
 }
 
 #[test]
-fn rotations_that_are_none_say_how_far_off() {
+fn errors_about_invalid_rotations_say_how_far_off_they_are() {
     let document = parse(
         "scaled: [[2, 0, 0], [0, 2, 0], [0, 0, 2]]\nmirror: [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]\ndegrees: [0, 90, 0]\n\
          row: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [1, 2, 3, 1]]\n",
     )
     .unwrap();
+
     let says = |key: &str| document.entry(key).unwrap().rotation().unwrap_err().to_string();
     assert!(
         says("scaled").contains("found determinant 8.0000 and R^T R 3.0e0 off the identity"),
@@ -183,6 +190,7 @@ fn rotations_that_are_none_say_how_far_off() {
     );
     assert!(says("mirror").contains("found determinant -1.0000"));
     assert!(says("degrees").contains("found one of length 90.0; convert it from degrees"));
+
     let row = document.entry("row").unwrap().motion().unwrap_err().to_string();
     assert!(
         row.contains(

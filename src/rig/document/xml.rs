@@ -1,18 +1,19 @@
-//! OpenCV's XML as trees: an element with children is a map, one with children `_` a sequence, words are scalars.
+//! OpenCV's XML as a tree: an element with children is a map, one whose children are all called `_` is a sequence, and
+//! words are scalars.
 //!
-//! Attributes say nothing that the content does not. Several words in an element are a sequence, as OpenCV writes
-//! vectors and the data of matrices; text with spaces stands in quotes.
+//! Attributes repeat the content and are ignored. Several words in an element are a sequence, as OpenCV writes vectors
+//! and the data of matrices; text with spaces is quoted.
 
 use super::{DEEPEST, Node, Value, push, too_deep};
 use crate::{Error, Result};
 
-/// The elements of a text.
+/// Parses a text as XML.
 ///
 /// # Errors
-/// Text that is no XML, with the line.
+/// Text that is not XML. Messages name the line.
 pub(in crate::rig) fn open(text: &str) -> Result<roxmltree::Document<'_>> {
     roxmltree::Document::parse(text).map_err(|e| {
-        // An end that comes too soon has no position.
+        // The parser gives no position for a text that ends too early.
         let cut = matches!(e, roxmltree::Error::UnexpectedEndOfStream);
         let line = if cut { text.lines().count().max(1) } else { e.pos().row as usize };
         Error::argument(format!(
@@ -21,7 +22,7 @@ pub(in crate::rig) fn open(text: &str) -> Result<roxmltree::Document<'_>> {
     })
 }
 
-/// The content of the root element, which is `opencv_storage` in files of OpenCV's.
+/// The content of the root element, which is called `opencv_storage` in OpenCV's files.
 pub(super) fn parse(text: &str) -> Result<Node> {
     let document = open(text)?;
     let breaks: Vec<_> = text.bytes().enumerate().filter(|&(_, b)| b == b'\n').map(|(at, _)| at).collect();
@@ -33,14 +34,17 @@ fn node(element: &roxmltree::Node, breaks: &[usize], depth: usize) -> Result<Nod
     if depth > DEEPEST {
         return Err(too_deep(line));
     }
+
     let children: Vec<_> = element.children().filter(roxmltree::Node::is_element).collect();
     if children.is_empty() {
         return Ok(Node { line, value: words(element.text().unwrap_or_default(), line) });
     }
+
     if children.iter().all(|child| child.tag_name().name() == "_") {
         let items = children.iter().map(|child| node(child, breaks, depth + 1)).collect::<Result<_>>()?;
         return Ok(Node { line, value: Value::Sequence(items) });
     }
+
     let mut entries = Vec::new();
     for child in &children {
         push(&mut entries, child.tag_name().name().to_owned(), node(child, breaks, depth + 1)?)?;
@@ -48,7 +52,7 @@ fn node(element: &roxmltree::Node, breaks: &[usize], depth: usize) -> Result<Nod
     Ok(Node { line, value: Value::Map(entries) })
 }
 
-/// One word is a scalar, several are a sequence. Their lines count from the element's.
+/// One word is a scalar, several are a sequence. `first_line` is the line of the element.
 fn words(text: &str, first_line: usize) -> Value {
     let mut words = Vec::new();
     let (mut rest, mut line) = (text, first_line);
@@ -58,6 +62,7 @@ fn words(text: &str, first_line: usize) -> Value {
         if start.is_empty() {
             break;
         }
+
         let (word, after) = match start.strip_prefix('"') {
             Some(quoted) => quoted.split_once('"').unwrap_or((quoted, "")),
             None => start.split_at(start.find(char::is_whitespace).unwrap_or(start.len())),
@@ -66,6 +71,7 @@ fn words(text: &str, first_line: usize) -> Value {
         line += word.matches('\n').count();
         rest = after;
     }
+
     match words.len() {
         0 => Value::Scalar(String::new()),
         1 => words.swap_remove(0).value,

@@ -1,7 +1,7 @@
-//! YAML, and JSON with it, as trees.
+//! YAML, and JSON as a part of it, as a tree.
 //!
-//! OpenCV's dialect differs in its first line, `%YAML:1.0`, which is no directive of YAML's; its private tag
-//! `!!opencv-matrix` is passed over with all other tags. Of several documents in a file the first is read.
+//! OpenCV's first line `%YAML:1.0` is not a valid YAML directive and is removed. Tags such as OpenCV's
+//! `!!opencv-matrix` are ignored. If a file holds several documents, the first is read.
 
 use super::{DEEPEST, Node, Value, push, too_deep};
 use crate::{Error, Result};
@@ -9,16 +9,18 @@ use saphyr_parser::{Event, Parser, Span, StrInput};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// How large a document may be once its aliases are written out, as [`size`] counts.
+/// The largest document after its aliases are expanded, in nodes as counted by [`size`].
 const MOST_NODES: usize = 1 << 20;
 
-/// Bytes of text that take as much memory as a node.
+/// Bytes of text that count as one node.
 const NODE_BYTES: usize = 64;
 
+/// Parses the first document of a text.
 pub(super) fn parse(text: &str) -> Result<Node> {
     let text = without_directive(text);
     let lines = text.lines().count().max(1);
     let mut reader = Reader { parser: Parser::new_from_str(&text), lines, anchors: HashMap::new(), nodes: 0 };
+
     loop {
         match reader.next()? {
             (Event::StreamStart | Event::DocumentStart(_) | Event::Nothing, _) => {}
@@ -31,7 +33,7 @@ pub(super) fn parse(text: &str) -> Result<Node> {
     }
 }
 
-/// The text with its first line emptied where that is a directive `%YAML`, in whatever spelling.
+/// The text with its first line emptied if that is a `%YAML` directive in any spelling.
 fn without_directive(text: &str) -> Cow<'_, str> {
     match text.split_once('\n') {
         Some((first, rest)) if first.starts_with("%YAML") => Cow::Owned(format!("\n{rest}")),
@@ -39,10 +41,12 @@ fn without_directive(text: &str) -> Cow<'_, str> {
     }
 }
 
+/// Builds the tree from the parser's events.
 struct Reader<'a> {
     parser: Parser<'a, StrInput<'a>>,
+    /// The number of lines of the text.
     lines: usize,
-    /// What aliases stand for, by the parser's number.
+    /// The anchored nodes, by the parser's number of the anchor.
     anchors: HashMap<usize, Node>,
     nodes: usize,
 }
@@ -53,7 +57,7 @@ impl<'a> Reader<'a> {
             Some(Ok(event)) => Ok(event),
             Some(Err(e)) => Err(Error::argument(format!(
                 "line {}: expected YAML or JSON, found: {}; the file may be cut off, or be of another kind",
-                // The parser sees an end that comes too soon on a line of its own.
+                // For a text that ends too early the parser reports the line after the last.
                 e.marker().line().min(self.lines),
                 e.info()
             ))),
@@ -61,7 +65,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The root, and behind it nothing or another document.
+    /// The root node; after it only another document may follow.
     fn document(&mut self, event: Event<'a>, span: Span) -> Result<Node> {
         let root = self.node(event, span, 0)?;
         loop {
@@ -77,12 +81,15 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// The node that begins with `event`, and all below it.
     fn node(&mut self, event: Event<'a>, span: Span, depth: usize) -> Result<Node> {
         let line = span.start.line();
         if depth > DEEPEST {
             return Err(too_deep(line));
         }
+
         self.count(1, line)?;
+
         let (anchor, value) = match event {
             Event::Scalar(text, _, anchor, _) => (anchor, Value::Scalar(text.into_owned())),
             Event::SequenceStart(anchor, _) => (anchor, self.sequence(depth)?),
@@ -93,6 +100,7 @@ impl<'a> Reader<'a> {
                 return Err(Error::argument(format!("line {line}: {problem}")));
             }
         };
+
         let node = Node { line, value };
         if anchor > 0 {
             self.count(size(&node), line)?;
@@ -118,20 +126,22 @@ impl<'a> Reader<'a> {
             if event == Event::MappingEnd {
                 return Ok(Value::Map(entries));
             }
+
             let key = self.node(event, span, depth + 1)?;
             let line = key.line;
             let Value::Scalar(key) = key.value else {
                 let problem = format!("expected a name as key, found {}; check the file", key.outline());
                 return Err(Error::argument(format!("line {line}: {problem}")));
             };
+
             let (event, span) = self.next()?;
-            // A block's own line would be that of its first entry.
+            // The value gets the line of its key: a block's own line would be its first entry's.
             let value = Node { line, ..self.node(event, span, depth + 1)? };
             push(&mut entries, key, value)?;
         }
     }
 
-    /// What an alias stands for. An anchor that holds itself is not known yet, and refused like an unknown one.
+    /// The node behind an alias. An anchor inside its own node is not known yet and is refused like an unknown one.
     fn alias(&mut self, anchor: usize, line: usize) -> Result<Node> {
         let Some(node) = self.anchors.get(&anchor).cloned() else {
             let problem = "expected an alias of something above, found one of itself; write the value out";
@@ -141,6 +151,7 @@ impl<'a> Reader<'a> {
         Ok(node)
     }
 
+    /// Counts nodes and refuses documents that are too large, such as nested aliases that grow exponentially.
     fn count(&mut self, more: usize, line: usize) -> Result<()> {
         self.nodes += more;
         if self.nodes <= MOST_NODES {
@@ -151,7 +162,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The nodes of a tree, and its texts in nodes of the same memory.
+/// The number of nodes of a tree, with long texts counted as several nodes.
 fn size(node: &Node) -> usize {
     match &node.value {
         Value::Scalar(text) => 1 + text.len() / NODE_BYTES,

@@ -10,10 +10,10 @@
 //! T_left: !!opencv-matrix ...                # extri: 3x1
 //! ```
 //!
-//! OpenCV's YAML with a key per camera and part. Opened as the folder that holds both files, or as either of them. The
-//! pose is world to camera, `x_cam = R x_world + T` (its camera centre is `-R^T T`); lengths have the unit of the
-//! checkerboard that was used, by its documentation metres; the world's z is up. Pixel *centres* are whole numbers.
-//! Source: EasyMocap's documentation of calibration and its camera files.
+//! OpenCV's YAML with a key per camera and part, opened as the folder that holds both files, or as either of them. The
+//! pose is world to camera, `x_cam = R x_world + T`, so the camera centre is `-R^T T`; lengths have the unit of the
+//! checkerboard that was used, metres by EasyMocap's documentation; the world's z is up. Pixel *centres* are whole
+//! numbers. Source: EasyMocap's documentation of calibration and its camera files.
 
 use super::document::{self, Entry, Node};
 use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens};
@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 
 pub(super) const FORMAT: Format = Format { name: "EasyMocap's intri.yml and extri.yml", recognise, read };
 
-/// The two forms of a rotation are written with six digits or more.
+/// The largest angle in degrees between the two forms of a rotation, which are written with six digits or more.
 const MOST_DEGREES_APART: f64 = 0.1;
 
 /// One of the two files.
@@ -52,18 +52,21 @@ fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
     let mut notes = length::as_metres(&cameras, hints)?;
     for name in names(&extri).unwrap_or_default() {
         if !cameras.iter().any(|camera| camera.name == name) {
-            notes.push(format!("extri.yml has a pose of camera {name}, intri.yml no lens; it is left out"));
+            notes.push(format!(
+                "extri.yml has a pose of camera {name} but intri.yml has no lens; it is left out"
+            ));
         }
     }
     Ok(RawCalibration { cameras, pixel_centres: PixelCentres::Whole, metres_per_unit: Some(1.0), notes })
 }
 
-/// The file of one half: what was opened where that holds such keys, else the other half's counterpart beside it, as
-/// `extri_new.yml` is of `intri_new.yml`.
+/// Finds the file of one half (`intri` or `extri`): the opened file if it holds keys with the prefix `key`, else its
+/// counterpart beside it, such as `extri_new.yml` for `intri_new.yml`.
 fn file(source: &Source, half: &str, other: &str, key: &str) -> Result<File> {
     if let Some(text) = source.text().filter(|text| text.lines().any(|line| line.starts_with(key))) {
         return File::new(&source.path, text);
     }
+
     let own = source.text().and(source.path.file_stem()).unwrap_or_default().to_string_lossy();
     let stem = if own.contains(other) { own.replacen(other, half, 1) } else { half.to_owned() };
     let Some(path) = ["yml", "yaml"].iter().find_map(|ending| source.beside(&format!("{stem}.{ending}")))
@@ -74,6 +77,7 @@ fn file(source: &Source, half: &str, other: &str, key: &str) -> Result<File> {
         };
         return Err(source.lacks(&format!("{stem}.yml"), &format!("put it there: it holds {holds}")));
     };
+
     File::new(&path, &source::read(&path)?)
 }
 
@@ -87,11 +91,14 @@ fn camera(name: &str, intri: &File, extri: &File) -> Result<RawCamera> {
     let lens = |key: &str| intri.document.entry(&format!("{key}_{name}"));
     let in_intri = |e| intri.fail(Error::camera(name, e));
     let in_extri = |e| extri.fail(Error::camera(name, e));
+
+    // Intrinsics and pose are in different files; an error names its own.
     let k = intri.document.require(&format!("K_{name}"), "calibrate its lens, or take it out of `names`");
     let k = k.and_then(|entry| entry.matrix3()).map_err(in_intri)?;
     let distortion = lens("dist").or(lens("D")).map(|entry| entry.lens(LensModel::OpenCv));
     let distortion = distortion.transpose().map_err(in_intri)?;
     let size = size(lens("W"), lens("H")).map_err(in_intri)?;
+
     let rotation = rotation(name, &extri.document).map_err(in_extri)?;
     let translation = extri.document.require(&format!("T_{name}"), "calibrate where it stands");
     let translation = translation.and_then(|entry| entry.vector3()).map_err(in_extri)?;
@@ -99,7 +106,7 @@ fn camera(name: &str, intri: &File, extri: &File) -> Result<RawCamera> {
     Ok(RawCamera { name: name.to_owned(), size, k, lens, rotation, translation })
 }
 
-/// Width and height, where they are there: -1 stands for unknown.
+/// Width and height in pixels; `None` where one is absent or both are -1, which stands for unknown.
 fn size(width: Option<Entry>, height: Option<Entry>) -> Result<Option<(u32, u32)>> {
     let (Some(width), Some(height)) = (width, height) else { return Ok(None) };
     if [width.numbers()?, height.numbers()?].iter().all(|numbers| numbers.values == [-1.0]) {
@@ -108,12 +115,13 @@ fn size(width: Option<Entry>, height: Option<Entry>) -> Result<Option<(u32, u32)
     Ok(Some((width.pixels()?, height.pixels()?)))
 }
 
-/// The rotation of a camera; where both forms are there they have to agree.
+/// The rotation of a camera; if both the matrix and the vector exist they have to agree.
 fn rotation(name: &str, extri: &Node) -> Result<UnitQuaternion<f64>> {
     let (matrix, vector) = (extri.entry(&format!("Rot_{name}")), extri.entry(&format!("R_{name}")));
     let Some(matrix) = matrix else {
         return extri.require(&format!("R_{name}"), "calibrate where it stands")?.rotation();
     };
+
     let rotation = matrix.rotation()?;
     if let Some(vector) = vector {
         let apart = vector.rotation()?.angle_to(&rotation).to_degrees();
@@ -123,6 +131,7 @@ fn rotation(name: &str, extri: &Node) -> Result<UnitQuaternion<f64>> {
             return Err(matrix.fail(format!("{problem}; remove the one that is wrong")));
         }
     }
+
     Ok(rotation)
 }
 

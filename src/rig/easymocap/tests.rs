@@ -3,7 +3,7 @@ use crate::rig::testing::{Folder, assert_refused, load_folder};
 use crate::rig::{Calibration, Rig};
 use nalgebra::Point3;
 
-/// After what EasyMocap's writer of camera files writes, line ends included.
+/// A file in the form of EasyMocap's own writer, line ends included.
 pub(in crate::rig) const INTRI: &str = "%YAML:1.0\r\n---\r\nnames:\r\n  - \"left\"\r\n  - \"07\"\r\nK_left: !!opencv-matrix\r\n  rows: 3\r\n  \
 cols: 3\r\n  dt: d\r\n  data: [500.0, 0.0, 319.5, 0.0, 510.0, 239.5, 0.0, 0.0, 1.0]\r\ndist_left: !!opencv-matrix\r\n  \
 rows: 1\r\n  cols: 5\r\n  dt: d\r\n  data: [-0.1, 0.01, 0.0, 0.0, 0.0]\r\nH_left: 480\r\nW_left: 640\r\nK_07: !!opencv-matrix\r\n  \
@@ -21,7 +21,7 @@ fn load(intri: &str, extri: &str) -> Result<Calibration> {
 }
 
 #[test]
-fn both_files_together_are_a_rig_from_the_folder_and_from_either() {
+fn the_folder_and_either_file_give_the_same_rig() {
     let folder = Folder::new();
     let paths =
         [folder.write("intri.yml", INTRI), folder.write("extri.yml", EXTRI), folder.path().to_owned()];
@@ -33,6 +33,7 @@ fn both_files_together_are_a_rig_from_the_folder_and_from_either() {
         assert_eq!(left.lens().coefficients()[..2], [-0.1, 0.01]);
         // x_cam = R x_world + T with a quarter turn about z: the centre is -R^T T.
         assert!((left.centre() - Point3::new(0.0, 0.25, -3.0)).norm() < 1e-9);
+
         assert_eq!((other.name(), other.size()), ("07", (320, 240)));
         assert!(other.lens().is_none());
         assert_eq!(other.centre(), Point3::new(0.0, 0.0, -3.0));
@@ -70,7 +71,7 @@ fn a_pose_without_a_lens_is_left_out_and_noted() {
 }
 
 #[test]
-fn faults_name_the_file_the_camera_and_the_line() {
+fn errors_name_the_file_the_camera_and_the_line() {
     let intri = [
         (INTRI.replace("K_07", "K_08"), "intri.yml: camera \"07\": line 3: expected the key `K_07`"),
         (
@@ -92,6 +93,7 @@ fn faults_name_the_file_the_camera_and_the_line() {
         ),
         (INTRI[..INTRI.find("0.01").unwrap()].into(), "intri.yml: line "),
     ];
+
     let extri = [
         (EXTRI.replace("T_07", "U_07"), "extri.yml: camera \"07\": line 3: expected the key `T_07`"),
         (
@@ -108,6 +110,7 @@ fn faults_name_the_file_the_camera_and_the_line() {
         ),
         (EXTRI[..EXTRI.find("1.570796").unwrap()].into(), "extri.yml: line "),
     ];
+
     let all = intri.iter().map(|(text, part)| (text.as_str(), EXTRI, part));
     for (intri, extri, part) in all.chain(extri.iter().map(|(text, part)| (INTRI, text.as_str(), part))) {
         assert_refused(load(intri, extri), &[part]);

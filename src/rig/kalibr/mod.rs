@@ -13,10 +13,10 @@
 //!   ...
 //! ```
 //!
-//! A chain: each camera is placed against the one before it, and the world is the first camera's frame, so that up is
-//! wherever that camera's upper edge points. Axes x right, y down, z forward; pixel *centres* are whole numbers, as in
-//! the corner finders that Kalibr builds on. `T_cam_imu` and the rest are passed over. Source: Kalibr's wiki, "Yaml
-//! formats" and "Supported models".
+//! The file is a chain: each camera's pose is relative to the camera before it, and the world is the first camera's
+//! frame, so that up is the direction of that camera's upper image edge. Axes x right, y down, z forward; pixel
+//! *centres* are whole numbers, as in the corner finders that Kalibr builds on. `T_cam_imu` and other keys are
+//! ignored. Source: Kalibr's wiki, "Yaml formats" and "Supported models".
 
 use super::document::{self, Entry, Node};
 use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens};
@@ -40,7 +40,7 @@ fn recognise(text: &str) -> bool {
         && text.lines().any(|line| number(line.trim_end().trim_end_matches(':')).is_some())
 }
 
-/// The number of a camera's key.
+/// The number in a camera's key: `1` of `cam1`.
 fn number(key: &str) -> Option<u32> {
     key.strip_prefix("cam")?.parse().ok()
 }
@@ -50,6 +50,8 @@ fn read(text: &str) -> Result<RawCalibration> {
     let mut entries: Vec<_> =
         document.entries().filter_map(|entry| Some((number(&entry.key)?, entry))).collect();
     entries.sort_by_key(|(number, _)| *number);
+
+    // Each pose is the product of the steps from the first camera on.
     let mut cam_from_world = Isometry3::identity();
     let mut cameras = Vec::new();
     for (i, (number, entry)) in entries.iter().enumerate() {
@@ -59,12 +61,14 @@ fn read(text: &str) -> Result<RawCalibration> {
                 format!("expected the chain to go on with cam{i}, found {name}; put the camera between back");
             return Err(Error::camera(name, problem));
         }
+
         let fail = |e| Error::camera(name, e);
         if i > 0 {
             cam_from_world = step(entry.node).map_err(fail)? * cam_from_world;
         }
         cameras.push(camera(entry, &cam_from_world).map_err(fail)?);
     }
+
     let note = if cameras.len() == 1 { NO_CHAIN } else { FIRST_FRAME };
     Ok(RawCalibration {
         cameras,
@@ -74,7 +78,7 @@ fn read(text: &str) -> Result<RawCalibration> {
     })
 }
 
-/// From the frame of the camera before to this one's.
+/// The motion from the frame of the previous camera to this one's.
 fn step(node: &Node) -> Result<Isometry3<f64>> {
     let next_step = "give the motion from the camera before, T_cn_cnm1, as Kalibr does with several cameras";
     let (rotation, translation) = node.require("T_cn_cnm1", next_step)?.motion()?;
@@ -105,9 +109,11 @@ fn camera(entry: &Entry, cam_from_world: &Isometry3<f64>) -> Result<RawCamera> {
         },
         None => RawLens::none(),
     };
+
     let intrinsics = node.require("intrinsics", "give fu fv pu pv in pixels")?;
     let [fx, fy, cx, cy] = intrinsics.array()?;
     let size = node.entry("resolution").map(|entry| entry.size()).transpose()?;
+
     Ok(RawCamera {
         name: entry.key.to_string(),
         size,

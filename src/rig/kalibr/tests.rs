@@ -3,7 +3,7 @@ use crate::rig::Rig;
 use crate::rig::testing::assert_refused;
 use nalgebra::Point3;
 
-/// After the example in Kalibr's wiki.
+/// A chain of three cameras, after the example in Kalibr's wiki.
 pub(in crate::rig) const CHAIN: &str = "cam0:
   cam_overlaps: [1]
   camera_model: pinhole
@@ -42,13 +42,13 @@ fn rig(text: &str) -> Result<Rig> {
 }
 
 #[test]
-fn a_chain_of_motions_places_each_camera_in_the_first_ones_frame() {
+fn poses_are_products_of_the_chain_in_the_first_cameras_frame() {
     let rig = rig(CHAIN).unwrap();
     let [first, second, third] = rig.cameras() else { panic!("{rig:?}") };
     assert_eq!((first.name(), first.size(), first.centre()), ("cam0", (640, 480), Point3::origin()));
     assert_eq!(first.lens().coefficients()[..4], [-0.1, 0.01, 0.001, -0.002]);
     assert_eq!((first.intrinsics()[(0, 2)], first.intrinsics()[(1, 1)]), (320.0, 510.0));
-    // 0.2 m to the right of the first; the third stands in the same place and looks along the first one's x axis.
+    // Both stand 0.2 m to the right of the first; the third looks along the first one's x axis.
     for camera in [second, third] {
         assert!((camera.centre() - Point3::new(0.2, 0.0, 0.0)).norm() < 1e-12);
     }
@@ -58,9 +58,9 @@ fn a_chain_of_motions_places_each_camera_in_the_first_ones_frame() {
 #[test]
 fn a_single_camera_stands_at_the_origin_and_a_note_says_so() {
     let one = &CHAIN[..CHAIN.find("cam1:").unwrap()];
-    let contents = read(one).unwrap();
-    assert_eq!(contents.notes, [NO_CHAIN]);
-    assert_eq!(contents.into_rig(&Hints::default()).unwrap().0.cameras()[0].centre(), Point3::origin());
+    let calibration = read(one).unwrap();
+    assert_eq!(calibration.notes, [NO_CHAIN]);
+    assert_eq!(calibration.into_rig(&Hints::default()).unwrap().0.cameras()[0].centre(), Point3::origin());
     assert_eq!(read(CHAIN).unwrap().notes, [FIRST_FRAME]);
 }
 
@@ -75,6 +75,7 @@ fn other_lenses_and_broken_chains_are_refused_with_a_next_step() {
             CHAIN.replacen("model: pinhole", "model: omni", 1),
             "line 3, `camera_model`: expected the camera model pinhole, found omni",
         ),
+        // Broken chains.
         (
             CHAIN.replacen("T_cn_cnm1", "T_cam_imu", 1),
             "camera \"cam1\": line 9: expected the key `T_cn_cnm1`, found the keys T_cam_imu",
@@ -88,6 +89,7 @@ fn other_lenses_and_broken_chains_are_refused_with_a_next_step() {
             CHAIN.replacen("[0.0, 0.0, 0.0, 1.0]", "[0.0, 0.0, 1.0]", 1),
             "line 14, `T_cn_cnm1`: expected rows of 4 numbers",
         ),
+        // Invalid intrinsics and a damaged file.
         (
             CHAIN.replacen("[500.0, 510.0, 319.5, 239.5]", "[500.0, 319.5, 239.5]", 1),
             "line 6, `intrinsics`: expected 4 numbers, found 3",
@@ -103,6 +105,7 @@ fn other_lenses_and_broken_chains_are_refused_with_a_next_step() {
         ),
         (CHAIN[..CHAIN.len() - 20].into(), "line "),
     ];
+
     for (text, part) in cases {
         assert_refused(rig(&text), &[part]);
     }

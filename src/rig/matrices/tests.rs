@@ -13,6 +13,7 @@ fn rows_lines_and_folders_give_the_same_cameras() {
         ("right.npy", "480 0"),
     ];
     let rows = load_text(ROWS, &HINTS).unwrap();
+
     let others = [load_text(lines, &HINTS).unwrap(), load_folder(&files, &HINTS).unwrap()];
     assert_eq!((rows.rig.cameras()[0].name(), rows.rig.cameras()[1].name()), ("left", "right"));
     assert_sees(
@@ -33,7 +34,7 @@ fn cameras_without_names_are_numbered() {
 }
 
 #[test]
-fn metres_are_taken_for_granted_and_sizes_asked_for() {
+fn metres_are_assumed_and_sizes_required() {
     let found = load_text(ROWS, &Hints { size: Some((640, 480)), metres_per_unit: None }).unwrap();
     assert_eq!(found.notes[0], length::NOTE);
     let millimetres = Hints { metres_per_unit: Some(0.001), ..HINTS };
@@ -43,7 +44,7 @@ fn metres_are_taken_for_granted_and_sizes_asked_for() {
 }
 
 #[test]
-fn a_sign_is_turned_and_noted() {
+fn a_negative_sign_is_flipped_and_noted() {
     let negative = ROWS
         .replace("500 0 320 960\n0 500 240 720\n0 0 1 3", "-500 0 -320 -960\n0 -500 -240 -720\n0 0 -1 -3");
     let found = load_text(&negative, &HINTS).unwrap();
@@ -53,7 +54,7 @@ fn a_sign_is_turned_and_noted() {
         500.0 * 0.5 / 4.0 + 320.5,
         500.0 * -0.3 / 4.0 + 240.5,
     );
-    assert_eq!(found.notes[0], "signs turned round: the matrices of left give negative depths");
+    assert_eq!(found.notes[0], "signs flipped: the matrices of left give negative depths");
 }
 
 #[test]

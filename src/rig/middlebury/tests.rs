@@ -9,25 +9,27 @@ right.png 400 0 300 0 401 200 0 0 1 0 -1 0 1 0 0 0 0 1 0 0 2
 ";
 
 #[test]
-fn points_land_where_k_times_r_and_t_puts_them() {
+fn points_project_by_k_r_and_t() {
     let rig = load_text(TEXT, &HINTS).unwrap().rig;
     assert_eq!((rig.cameras()[0].name(), rig.cameras()[1].name()), ("left", "right"));
-    // Half a pixel more than K says, whose pixel centres are whole numbers.
+    // K counts pixel centres as whole numbers, so image points lie half a pixel farther.
     let z = 3.0 + 1.0;
     assert_sees(&rig.cameras()[0], [0.5, -0.3, 1.0], 500.0 * 0.6 / z + 320.5, 501.0 * -0.1 / z + 240.5);
     assert_sees(&rig.cameras()[1], [0.5, -0.3, 1.0], 400.0 * 0.3 / 3.0 + 300.5, 401.0 * 0.5 / 3.0 + 200.5);
 }
 
 #[test]
-fn sizes_are_those_of_the_images_beside_the_file_or_of_the_hint() {
+fn sizes_come_from_the_images_beside_the_file_or_from_the_hint() {
     let folder = Folder::of(&[("rig_par.txt", TEXT)]);
     folder.write("image/right.png", "no image");
     let path = folder.path().join("rig_par.txt");
     assert_refused(Calibration::load(&path, &HINTS), &["right.png: expected an image"]);
+
     GrayImage::new(64, 48).save(folder.path().join("left.png")).unwrap();
     GrayImage::new(60, 40).save(folder.path().join("image/right.png")).unwrap();
+
     let no_hints = Hints::default();
-    // The focal lengths are those of larger images, but still of a camera.
+    // The focal lengths belong to larger images but are still plausible.
     let rig = Calibration::load(&path, &no_hints).unwrap().rig;
     assert_eq!((rig.cameras()[0].size(), rig.cameras()[1].size()), ((64, 48), (60, 40)));
     std::fs::remove_file(folder.path().join("image/right.png")).unwrap();

@@ -17,14 +17,14 @@ fn opengl_cameras_look_along_minus_z_with_y_up() {
     let rig = load_text(TEXT, &HINTS).unwrap().rig;
     let camera = &rig.cameras()[0];
     assert_eq!((camera.name(), camera.size()), ("frame_1", (640, 480)));
-    // Two metres before the camera, to the right and above its axis.
+    // The point is 2 m in front of the camera, to the right of and above its axis.
     assert_sees(camera, [0.5, 0.5, 1.0], 500.0 * 0.4 / 2.0 + 320.0, 501.0 * -0.3 / 2.0 + 240.0);
-    // The second stands on the x axis and looks back along it.
+    // The second camera stands on the x axis and looks towards -x.
     assert!((rig.cameras()[1].forward() + nalgebra::Vector3::x()).norm() < 1e-12);
 }
 
 #[test]
-fn what_a_frame_says_goes_before_what_stands_at_the_top() {
+fn values_in_a_frame_override_those_at_the_top() {
     let rig = load_text(TEXT, &HINTS).unwrap().rig;
     assert!(rig.cameras()[0].lens().is_none());
     assert_eq!(rig.cameras()[1].lens().coefficients()[..5], [-0.1, 0.02, 0.001, 0.002, 0.0]);
@@ -32,7 +32,7 @@ fn what_a_frame_says_goes_before_what_stands_at_the_top() {
 }
 
 #[test]
-fn a_field_of_view_stands_for_the_focal_length() {
+fn a_field_of_view_gives_the_focal_length() {
     let angle = 2.0 * (320.0_f64 / 500.0).atan();
     let text = TEXT.replace(
         "\"fl_x\": 500, \"fl_y\": 501, \"cx\": 320, \"cy\": 240, \"w\": 640, \"h\": 480",
@@ -42,6 +42,7 @@ fn a_field_of_view_stands_for_the_focal_length() {
     let k = rig.cameras()[0].intrinsics();
     assert!((k[(0, 0)] - 500.0).abs() < 1e-9 && (k[(1, 1)] - 500.0).abs() < 1e-9);
     assert_eq!((k[(0, 2)], k[(1, 2)]), (320.0, 240.0));
+
     let no_size = Hints { size: None, ..HINTS };
     let refused = load_text(&text, &no_size);
     assert!(matches!(refused, Err(Error::MissingHint { what: MissingHint::Size, .. })));
@@ -49,7 +50,7 @@ fn a_field_of_view_stands_for_the_focal_length() {
 }
 
 #[test]
-fn the_scale_is_demanded() {
+fn the_scale_is_required() {
     let refused = load_text(TEXT, &Hints::default());
     assert!(matches!(refused, Err(Error::MissingHint { what: MissingHint::MetresPerUnit, .. })));
     assert_refused(refused, &["calibration.txt: ", "any scale; give the metres per unit"]);

@@ -1,9 +1,9 @@
-//! The names that people give to the parts of a camera, which OpenCV leaves to them.
+//! The key names in common use for the parts of a camera; OpenCV leaves them to the program that writes the file.
 
 use super::super::document::{Entry, Node, Value};
 use crate::Result;
 
-/// Names of one letter are taken as they are; of longer ones neither case nor `_` and `-` matter.
+/// Names of up to two letters match exactly; longer ones match regardless of case, `_`, `-` and spaces.
 const MATRIX: &[&str] = &["cameramatrix", "intrinsicmatrix", "intrinsics", "intrinsic", "mtx", "K", "M"];
 const DISTORTION: &[&str] = &[
     "distortioncoefficients",
@@ -33,19 +33,20 @@ const MIRROR: &[&str] = &["xi"];
 const OFF: &[&str] = &["0", "0.", "0.0", "false"];
 const ON: &[&str] = &["1", "1.", "1.0", "true"];
 
-/// The parts of one camera in a document, by whatever name.
+/// The parts of one camera in a document, found by their common names.
 pub(super) struct Keys<'a> {
     node: &'a Node,
+    /// The number that all names of this camera end in; empty where there is one camera.
     number: &'a str,
 }
 
 impl<'a> Keys<'a> {
-    /// Of the names that end in `number`, which is empty where there is one camera.
+    /// The parts whose names end in `number`, which is empty where there is one camera.
     pub(super) fn new(node: &'a Node, number: &'a str) -> Self {
         Self { node, number }
     }
 
-    /// The numbers that names of camera matrices end in, in the document's order.
+    /// The distinct numbers at the end of key names, in the document's order.
     pub(super) fn numbers(node: &Node) -> Vec<String> {
         let mut numbers: Vec<String> = Vec::new();
         for entry in node.entries() {
@@ -113,17 +114,18 @@ impl<'a> Keys<'a> {
         }
     }
 
+    /// The entry under the most preferred of `names`: some files have several forms, such as a matrix and a vector.
     fn find(&self, names: &[&str]) -> Option<Entry<'a>> {
         let matches = |entry: &Entry| {
             let stem = entry.key.strip_suffix(self.number)?.trim_end_matches('_');
             if stem.ends_with(|c: char| c.is_ascii_digit()) {
-                return None; // Of another number, which ends in this one.
+                return None; // Belongs to a longer number, such as 11 where `number` is 1.
             }
             let plain = stem.replace(['_', '-', ' '], "").to_ascii_lowercase();
             let is_one = |name: &&str| **name == *(if name.len() <= 2 { stem } else { &plain });
             names.iter().position(is_one)
         };
-        // The first of the names that there is, since some files have several (a matrix and a vector).
+
         self.node
             .entries()
             .filter_map(|entry| Some((matches(&entry)?, entry)))
@@ -132,7 +134,7 @@ impl<'a> Keys<'a> {
     }
 }
 
-/// A list or a matrix, and no single number such as a coefficient `k1`.
+/// Whether an entry is a list or a matrix instead of a single number such as a coefficient `k1`.
 fn is_matrix(entry: &Entry) -> bool {
     match &entry.node.value {
         Value::Sequence(_) => true,

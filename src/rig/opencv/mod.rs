@@ -16,9 +16,9 @@
 //! ```
 //!
 //! A file is a camera; a folder of such files is a rig, and so is a folder of folders, one per camera (`folder`).
-//! Also read: one file with a map per camera (`{"left": {"K": ...}, ...}`, possibly under `cameras`), numbered
+//! Other layouts are one file with a map per camera (`{"left": {"K": ...}, ...}`, possibly under `cameras`), numbered
 //! keys (`K1`, `D1`, `R1`, `T1`, ...), and the pair `intrinsics.yml` and `extrinsics.yml` of OpenCV's stereo sample
-//! (`M1`, `D1`, `M2`, `D2`; `R`, `T` lead from the first camera to the second; `R1`, `R2` rectify and are passed over).
+//! (`M1`, `D1`, `M2`, `D2`; `R`, `T` lead from the first camera to the second; `R1`, `R2` rectify and are ignored).
 //!
 //! `fisheye_model: 1`, as OpenCV's calibration sample writes it, or `fisheye: true` makes the coefficients k1 k2 k3 k4
 //! of the fisheye model.
@@ -42,14 +42,14 @@ use std::path::Path;
 
 pub(super) const FORMAT: Format = Format { name: "OpenCV's YAML, XML or JSON", recognise, read };
 
-/// Names of files that say nothing of their camera: it is called as their folder.
-const IMPERSONAL: &[&str] =
+/// File names that do not name a camera; such a camera is named after the folder.
+const GENERIC_NAMES: &[&str] =
     &["config", "calibration", "calib", "camera", "params", "parameters", "intrinsics", "extrinsics"];
 
 const NO_POSE: &str = "add the pose of world to camera, rvec and tvec (or R and T), from solvePnP with points whose place in \
                        the world is known";
 
-/// What of a camera a file tells.
+/// The parts of a camera that a file holds.
 #[derive(Debug, Clone, Default)]
 struct Parts {
     k: Option<Matrix3<f64>>,
@@ -59,7 +59,7 @@ struct Parts {
     translation: Option<Vector3<f64>>,
 }
 
-/// What a file tells: of one camera, or of several and what they share.
+/// The content of a file: one camera in `shared`, or several cameras and their common parts.
 #[derive(Debug, Clone, Default)]
 struct OpenCvFile {
     shared: Parts,
@@ -76,7 +76,7 @@ fn recognise_text(text: &str) -> bool {
     marked || document::parse(text).is_ok_and(|document| has_cameras(&document))
 }
 
-/// Whether a plain document speaks of cameras in OpenCV's words.
+/// Whether a plain document holds camera matrices under OpenCV's names.
 fn has_cameras(document: &Node) -> bool {
     let is_camera = |node: &Node| Keys::new(node, "").matrix().is_some();
     is_camera(document)
@@ -95,27 +95,27 @@ fn read(source: &Source, hints: &Hints) -> Result<RawCalibration> {
 
 /// The cameras of a single file; `intrinsics` and `extrinsics` complete each other.
 fn file(source: &Source, text: &str) -> Result<Vec<RawCamera>> {
-    let mut sheet = OpenCvFile::read(text)?;
+    let mut contents = OpenCvFile::read(text)?;
     if let Some(other) = folder::counterpart(&source.path) {
         match source.beside(&other) {
-            Some(path) => sheet = sheet.or(OpenCvFile::open(&path)?),
-            None if source.is_in_memory() && !sheet.is_complete() => return Err(source.lacks(&other, "")),
+            Some(path) => contents = contents.or(OpenCvFile::open(&path)?),
+            None if source.is_in_memory() && !contents.is_complete() => return Err(source.lacks(&other, "")),
             None => {}
         }
     }
-    sheet.cameras(&name_of(&source.path, || source.folder_name()))
+    contents.cameras(&name_of(&source.path, || source.folder_name()))
 }
 
-/// A camera's name: its file's stem, or its folder's name where the stem says nothing.
+/// A camera's name: the file's stem, or the folder's name where the stem is generic.
 fn name_of(path: &Path, folder: impl FnOnce() -> Option<String>) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    if !IMPERSONAL.contains(&stem.to_ascii_lowercase().as_str()) {
+    if !GENERIC_NAMES.contains(&stem.to_ascii_lowercase().as_str()) {
         return stem;
     }
     folder().unwrap_or(stem)
 }
 
-/// The maps in a document that may be cameras; their keys are the names.
+/// The maps in a document that may be cameras, with the cameras' names as keys.
 fn maps(document: &Node) -> impl Iterator<Item = Entry<'_>> {
     let inner = document.entry("cameras").map_or(document, |entry| entry.node);
     inner.entries().filter(|entry| matches!(entry.node.value, Value::Map(_)))
@@ -152,6 +152,7 @@ impl OpenCvFile {
             Ok((number, parts))
         };
         let numbered = Keys::numbers(&document).into_iter().map(numbered).collect::<Result<_>>()?;
+
         let named = maps(&document)
             .filter(|entry| Keys::new(entry.node, "").matrix().is_some())
             .map(|entry| {
@@ -160,10 +161,11 @@ impl OpenCvFile {
                 Ok((entry.key.into_owned(), parts))
             })
             .collect::<Result<_>>()?;
+
         Ok(Self { shared, numbered, named })
     }
 
-    /// This, and what only `other` tells.
+    /// Fills the missing parts from `other`.
     fn or(mut self, other: Self) -> Self {
         self.shared = self.shared.or(&other.shared);
         for (into, from) in [(&mut self.numbered, other.numbered), (&mut self.named, other.named)] {
@@ -177,27 +179,30 @@ impl OpenCvFile {
         self
     }
 
-    /// Whether it tells nothing of a camera.
+    /// Whether the file holds no part of a camera.
     fn is_empty(&self) -> bool {
         let Parts { k, rotation, translation, .. } = &self.shared;
         let any = k.is_some() || rotation.is_some() || translation.is_some();
         !any && self.numbered.is_empty() && self.named.is_empty()
     }
 
-    /// Whether it tells all of a camera.
+    /// Whether the file alone defines its cameras completely.
     fn is_complete(&self) -> bool {
         self.cameras("").is_ok()
     }
 
-    /// The cameras; a single one is called `name`.
+    /// The cameras of the file; a single one is called `name`.
     fn cameras(&self, name: &str) -> Result<Vec<RawCamera>> {
         let Self { shared, numbered, named } = self;
         if !named.is_empty() {
             return named.iter().map(|(name, parts)| parts.clone().sized(shared.size).found(name)).collect();
         }
+
         let numbered: Vec<_> = numbered.iter().filter(|(_, parts)| parts.k.is_some()).collect();
         let placed = numbered.iter().any(|(_, parts)| parts.translation.is_some());
         let stereo = numbered.len() == 2 && shared.translation.is_some() && !placed;
+
+        // A stereo pair has one pose, from the first camera to the second.
         let of_number = |(i, (number, parts)): (usize, &&(String, Parts))| {
             let mut parts = parts.clone().sized(shared.size);
             if stereo {
@@ -207,6 +212,7 @@ impl OpenCvFile {
             }
             parts.found(number)
         };
+
         match numbered.is_empty() {
             true => Ok(vec![shared.clone().found(name)?]),
             false => numbered.iter().enumerate().map(of_number).collect(),
@@ -241,6 +247,7 @@ impl Parts {
         Ok(parts)
     }
 
+    /// Fills the missing parts from `other`.
     fn or(self, other: &Self) -> Self {
         Self {
             k: self.k.or(other.k),
@@ -251,17 +258,20 @@ impl Parts {
         }
     }
 
+    /// Fills a missing image size.
     fn sized(mut self, size: Option<(u32, u32)>) -> Self {
         self.size = self.size.or(size);
         self
     }
 
+    /// The camera called `name`, if matrix, rotation and translation are known.
     fn found(self, name: &str) -> Result<RawCamera> {
         let Some(k) = self.k else {
             let problem =
                 "expected a camera matrix, found none under its usual names; call it camera_matrix, or K";
             return Err(Error::camera(name, problem));
         };
+
         let (Some(rotation), Some(translation)) = (self.rotation, self.translation) else {
             let found = match (self.rotation, self.translation) {
                 (None, None) => "neither",

@@ -2,7 +2,7 @@ use super::*;
 use crate::rig::testing::{Folder, assert_refused};
 use crate::rig::{Calibration, Rig};
 
-/// As `cv::FileStorage` writes it, after OpenCV's documentation of the class.
+/// A file in the form that `cv::FileStorage` writes, after OpenCV's documentation of the class.
 pub(in crate::rig) const YAML: &str = "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   \
 cols: 3\n   dt: d\n   data: [ 500., 0., 319.5, 0., 510., 239.5, 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   \
 rows: 5\n   cols: 1\n   dt: d\n   data: [ -1.0e-01, 1.0e-02, 0., 0., 0. ]\nrvec: !!opencv-matrix\n   rows: 3\n   cols: 1\n   \
@@ -54,6 +54,7 @@ fn yaml_xml_and_json_hold_the_same_camera() {
     assert!(
         (pixel.u - 320.0).abs() < 1e-9 && (pixel.v - 240.0).abs() < 1e-9 && (pixel.depth - 3.0).abs() < 1e-9
     );
+
     for text in [XML, JSON, &JSON.replace('\n', "").replace("    ", "\t"), &YAML.replace('\n', "\r\n")] {
         let other = read(text);
         assert_eq!((other.size(), other.intrinsics()), (camera.size(), camera.intrinsics()), "{text}");
@@ -63,7 +64,7 @@ fn yaml_xml_and_json_hold_the_same_camera() {
 }
 
 #[test]
-fn the_parts_of_a_camera_go_by_many_names() {
+fn the_parts_of_a_camera_are_read_under_all_their_usual_names() {
     let spellings = [
         (
             "camera_matrix",
@@ -76,6 +77,7 @@ fn the_parts_of_a_camera_go_by_many_names() {
         ("rvec", &["R", "rotation", "Rotation_Vector", "rot"]),
         ("tvec", &["T", "t", "Translation", "translation_vector"]),
     ];
+
     let expected = rig(YAML).unwrap();
     for (key, others) in spellings {
         for other in others {
@@ -90,6 +92,7 @@ fn a_camera_without_size_takes_the_hint_and_one_without_distortion_has_none() {
     let text =
         YAML.replace("image_width", "a").replace("image_height", "b").replace("distortion_coefficients", "c");
     assert_refused(rig(&text), &["expected to know the size of its images"]);
+
     let calibration = load(&text, &Hints { size: Some((320, 200)), ..Hints::default() }).unwrap();
     let camera = &calibration.rig.cameras()[0];
     assert!(camera.size() == (320, 200) && camera.lens().is_none());
@@ -97,13 +100,14 @@ fn a_camera_without_size_takes_the_hint_and_one_without_distortion_has_none() {
 }
 
 #[test]
-fn lengths_that_are_plainly_no_metres_ask_for_their_unit() {
+fn lengths_that_cannot_be_metres_require_a_unit() {
     let text = YAML.replace("0.25, 0., 3.", "250., 0., 3000.");
     let message = refused(&text);
     assert!(
         message.contains("3010.4 units from the world's origin")
             && message.contains("metres per unit, 0.001")
     );
+
     let hints = Hints { metres_per_unit: Some(0.001), ..Hints::default() };
     let calibration = load(&text, &hints).unwrap();
     assert!(
@@ -113,7 +117,7 @@ fn lengths_that_are_plainly_no_metres_ask_for_their_unit() {
 }
 
 #[test]
-fn what_is_missing_or_broken_is_named() {
+fn errors_name_the_missing_or_broken_part() {
     let without = |key: &str| YAML.replace(&format!("\n{key}:"), "\nother:");
     let cases = [
         (without("rvec"), "found a translation alone; add the pose of world to camera, rvec and tvec"),
@@ -144,7 +148,7 @@ fn what_is_missing_or_broken_is_named() {
     for (text, part) in cases {
         assert_refused(rig(&text), &[part]);
     }
-    // Off is fine.
+    // A fisheye flag that is off is accepted.
     assert!(rig(&format!("{YAML}fisheye_model: 0\n")).is_ok());
 }
 
@@ -153,7 +157,7 @@ fn a_file_cut_short_anywhere_is_refused() {
     for text in [YAML, XML, JSON].map(str::trim_end) {
         for cut in 0..text.len() {
             let cut = &text[..cut];
-            let camera = OpenCvFile::read(cut).and_then(|sheet| sheet.cameras("left"));
+            let camera = OpenCvFile::read(cut).and_then(|contents| contents.cameras("left"));
             assert!(camera.is_err(), "{cut}");
         }
     }
@@ -168,7 +172,7 @@ fn a_folder_of_files_is_a_rig_and_so_is_a_folder_of_folders() {
     folder.write("notes.txt", "nothing");
     let calibration = folder.load().unwrap();
     assert_eq!(names(&calibration.rig), ["left", "right"]);
-    assert!(calibration.notes[0].contains("board.xml tells no whole camera"), "{:?}", calibration.notes);
+    assert!(calibration.notes[0].contains("board.xml holds no complete camera"), "{:?}", calibration.notes);
 
     let folder = Folder::new();
     folder.write("board.xml", "<opencv_storage><Width>8</Width></opencv_storage>");
@@ -178,7 +182,7 @@ fn a_folder_of_files_is_a_rig_and_so_is_a_folder_of_folders() {
     let calibration = folder.load().unwrap();
     assert_eq!(names(&calibration.rig), ["cam1", "cam2"]);
     assert!(calibration.notes[0].contains("cam3 holds no calibration"));
-    // A single file with a name that says nothing is called as its folder.
+    // The camera of a single file with a generic name is named after its folder.
     assert_eq!(names(&Rig::load(folder.path().join("cam1/config.xml")).unwrap()), ["cam1"]);
 
     folder.write("cam2/other.yml", YAML);
@@ -194,6 +198,7 @@ fn intrinsics_and_extrinsics_complete_each_other() {
     let intrinsics = folder.write("cam1/intrinsics.yml", &YAML[..at]);
     let missing = "cam1: camera \"cam1\": expected a rotation and a translation, found neither";
     assert_refused(folder.load(), &[missing]);
+
     folder.write("cam1/extrinsics.yml", &format!("%YAML:1.0\n---\n{}", &YAML[at..]));
     let expected = rig(YAML).unwrap();
     for rig in [folder.load().unwrap().rig, Rig::load(intrinsics).unwrap()] {
@@ -215,6 +220,7 @@ fn a_stereo_pair_stands_in_the_frame_of_its_first_camera() {
         "extrinsics.yml",
         &format!("%YAML:1.0\n---\nR: {one}\nT: [-0.2, 0, 0]\nR1: {one}\nR2: {one}\n"),
     );
+
     let rig = folder.load().unwrap().rig;
     assert_eq!(names(&rig), ["1", "2"]);
     assert_eq!(rig.cameras()[0].centre(), nalgebra::Point3::origin());
@@ -233,6 +239,7 @@ fn one_file_may_hold_several_cameras() {
         camera(0.0),
         camera(1.0)
     );
+
     let calibration = rig(&named).unwrap();
     assert_eq!(names(&calibration), ["left", "right"]);
     assert_eq!(calibration.cameras()[1].centre(), nalgebra::Point3::new(-1.0, 0.0, -3.0));

@@ -17,7 +17,7 @@ pub(in crate::rig) const TEXT: &str = r#"{
 ]}"#;
 
 #[test]
-fn centimetres_become_metres_and_points_land_where_k_r_and_t_put_them() {
+fn centimetres_become_metres_and_points_project_by_k_r_and_t() {
     let found = load_text(TEXT, &Hints::default()).unwrap();
     let camera = &found.rig.cameras()[0];
     assert_eq!((camera.name(), camera.size()), ("00_00", (1920, 1080)));
@@ -31,6 +31,7 @@ fn centimetres_become_metres_and_points_land_where_k_r_and_t_put_them() {
 fn a_camera_without_a_resolution_takes_the_hint() {
     let text = TEXT.replace("\"resolution\": [1920, 1080],", "");
     assert_eq!(load_text(&text, &HINTS).unwrap().rig.cameras()[1].size(), (640, 480));
+
     assert_refused(load_text(&text, &Hints::default()), &["\"00_00\": expected to know the size"]);
 }
 
@@ -45,6 +46,7 @@ fn bad_files_are_refused_by_line_and_key() {
         with("\"K\": [[1600, 0, 940]", "\"K\": [[1600, 0]"),
         &["line 5, `cameras[0].K`: expected rows of 2 numbers like the first, found 3"],
     );
+
     assert_refused(with("[300]", "[NaN]"), &["line 8, `cameras[0].t`: expected finite numbers, found NaN"]);
     assert_refused(
         with("\"t\":", "\"x\":"),
@@ -54,7 +56,9 @@ fn bad_files_are_refused_by_line_and_key() {
         with("0.001, 0.002, 0.05", "0.001"),
         &["line 11, `cameras[1].distCoef`: expected 0, 4, 5, 8, 12 or 14", "found 3"],
     );
+
     assert_refused(with("[0, -1, 0]", "[0, -1.5, 0]"), &["line 12, `cameras[1].R`", "determinant 1.5"]);
+
     assert_refused(with("00_01", "00_00"), &["camera \"00_00\": line 9", "on line 4 too"]);
     assert_refused(with("1600, 0", "16, 0"), &["\"00_00\": expected a focal length"]);
     assert_refused(

@@ -23,7 +23,7 @@ fn load(text: &str) -> Result<Calibration> {
 }
 
 #[test]
-fn a_camera_looks_backwards_along_its_third_axis_in_pixels_of_64() {
+fn the_third_axis_points_backwards_and_64_units_are_a_pixel() {
     let found = load(TEXT).unwrap();
     let camera = &found.rig.cameras()[0];
     assert_eq!((camera.name(), camera.size()), ("26580", (1920, 1088)));
@@ -32,8 +32,8 @@ fn a_camera_looks_backwards_along_its_third_axis_in_pixels_of_64() {
 }
 
 #[test]
-fn cameras_that_film_nothing_or_are_off_are_left_out_with_a_note() {
-    assert_eq!(load(TEXT).unwrap().notes, ["camera 12059 is left out: it films no video"]);
+fn cameras_without_video_or_calibration_are_left_out_with_a_note() {
+    assert_eq!(load(TEXT).unwrap().notes, ["camera 12059 is left out: it records no video"]);
     let marker = TEXT.replace("Miqus Video", "Oqus 700");
     assert_refused(load(&marker), &["line 11, <camera>: expected a <fov_marker> in it, found none"]);
     let off = marker.replace("active=\"1\" serial=\"12059\"", "active=\"0\" serial=\"12059\"");
@@ -41,21 +41,22 @@ fn cameras_that_film_nothing_or_are_off_are_left_out_with_a_note() {
 }
 
 #[test]
-fn what_is_cut_off_and_scaled_away_moves_the_principal_point() {
+fn crop_and_scale_move_the_principal_point() {
     let cut = TEXT.replace("left=\"0\" top=\"0\"", "left=\"100\" top=\"60\"");
     let rig = load(&cut).unwrap().rig;
     assert_eq!(rig.cameras()[0].size(), (1820, 1028));
     assert_sees(&rig.cameras()[0], [0.1, 0.2, 1.0], 860.5, 484.5);
+
     let half =
         cut.replace("viewrotation=\"0\">\n<fov", "viewrotation=\"90\" video_resolution=\"540p\">\n<fov");
     let found = load(&half).unwrap();
     assert_eq!(found.rig.cameras()[0].size(), (910, 514));
     assert_sees(&found.rig.cameras()[0], [0.5, 0.2, 1.0], 850.0 * 0.4 / 2.0 + 860.5 / 2.0, 484.5 / 2.0);
-    assert!(found.notes.iter().any(|note| note.contains("turned by 90 degrees")));
+    assert!(found.notes.iter().any(|note| note.contains("rotated by 90 degrees")));
 }
 
 #[test]
-fn distortion_is_opencvs() {
+fn distortion_coefficients_go_to_their_places_in_opencvs_order() {
     let text = TEXT
         .replace("Distortion1=\"0\"", "Distortion1=\"0.1\"")
         .replace("Distortion3=\"0\"", "Distortion3=\"0.3\"");
@@ -77,6 +78,7 @@ fn bad_files_are_refused_by_line() {
         with("right=\"1919\"", "right=\"-5\""),
         &["line 5, <fov_video>: expected an image of 1 to"],
     );
+
     assert_refused(with("108800", "1088"), &["\"26580\": expected a focal length"]);
     assert_refused(with("Oqus 300+", "Miqus Video"), &["line 11"]);
     let twice = TEXT.replace("12059\" model=\"Oqus 300+", "26580\" model=\"Miqus Video");

@@ -12,7 +12,7 @@
 //! distortion_coefficients: { rows: 1, cols: 5, data: [-0.1, 0.01, 0, 0, 0] }
 //! ```
 //!
-//! ROS keeps no poses in files: they are transforms. They are read from `<file's stem>_pose.yaml`, or by camera from
+//! ROS keeps poses as transforms, not in files. They are read from `<file's stem>_pose.yaml`, or by camera from
 //! `poses.yaml` beside it, as tf2 and geometry_msgs print them, possibly under `transform` (or as a `pose`, with
 //! `position` and `orientation`):
 //!
@@ -22,11 +22,11 @@
 //!   rotation: { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }
 //! ```
 //!
-//! It is the pose *of the camera's optical frame in the world*, `world_from_cam`, as `tf2_echo world
-//! left_optical_frame` prints it: metres, and axes x right, y down, z forward. (A frame `left_link` has x forward and is
-//! another.) A file is a camera, a folder of such files is a rig; a camera is called `camera_name`, or as its file.
-//! Pixel *centres* are whole numbers. `rectification_matrix` and `projection_matrix` are passed over: images are taken
-//! as they come from the camera. Source: the documentation of sensor_msgs/CameraInfo, REP 103 and REP 104.
+//! This is the pose *of the camera's optical frame in the world*, `world_from_cam`, as `tf2_echo world
+//! left_optical_frame` prints it: metres, and axes x right, y down, z forward. (A frame `left_link` has x forward and
+//! differs.) A file is a camera, a folder of such files is a rig; a camera is called `camera_name`, or else like its
+//! file. Pixel *centres* are whole numbers. `rectification_matrix` and `projection_matrix` are ignored: images are
+//! taken as they come from the camera. Source: the documentation of sensor_msgs/CameraInfo, REP 103 and REP 104.
 
 mod pose;
 
@@ -42,7 +42,7 @@ pub(super) const FORMAT: Format = Format {
     read,
 };
 
-/// Whether a text is a `camera_info`; that of OpenCV's calibration sample has the same keys and OpenCV's tags.
+/// Whether a text is a `camera_info`. The files of OpenCV's calibration sample have the same keys, but OpenCV's tags.
 fn recognise(text: &str) -> bool {
     let has =
         |key: &str| text.lines().any(|line| line.split_once(':').is_some_and(|(found, _)| found == key));
@@ -75,6 +75,7 @@ fn files(folder: &Source) -> Vec<PathBuf> {
     folder.files().iter().filter(is_one).cloned().collect()
 }
 
+/// Adds the path to an error that names no file yet.
 fn at(path: &Path, error: Error) -> Error {
     match error {
         Error::File { .. } => error,
@@ -82,7 +83,7 @@ fn at(path: &Path, error: Error) -> Error {
     }
 }
 
-/// The camera in the file at `path`, which is what was opened or lies in it.
+/// The camera in the file at `path`, which is the opened file or lies in the opened folder.
 fn camera(source: &Source, path: &Path, text: &str) -> Result<RawCamera> {
     let document = document::parse(text)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -90,10 +91,12 @@ fn camera(source: &Source, path: &Path, text: &str) -> Result<RawCamera> {
         Some(entry) => entry.text()?.to_owned(),
         None => stem.clone().into_owned(),
     };
+
     let fail = |e| match e {
         Error::File { .. } => e,
         other => Error::camera(&name, other),
     };
+
     let size = size(&document).map_err(fail)?;
     let matrix = first_of(&document, &["camera_matrix", "K", "k"], "give fx 0 cx 0 fy cy 0 0 1 in pixels")
         .map_err(fail)?;
@@ -126,7 +129,7 @@ fn lens(document: &Node) -> Result<RawLens> {
         .lens(model)
 }
 
-/// The first of the keys that there is.
+/// The first of `keys` that exists; else an error that asks for the first one.
 fn first_of<'a>(document: &'a Node, keys: &[&str], next_step: &str) -> Result<document::Entry<'a>> {
     let found = keys.iter().find_map(|key| document.entry(key));
     found.map_or_else(|| document.require(keys[0], next_step), Ok)

@@ -3,7 +3,7 @@ use crate::rig::Rig;
 use crate::rig::testing::{Folder, assert_refused};
 use nalgebra::{Point3, Vector3};
 
-/// After what camera_calibration writes.
+/// A file in the form that camera_calibration writes.
 pub(in crate::rig) const INFO: &str = "image_width: 640
 image_height: 480
 camera_name: left
@@ -26,7 +26,7 @@ projection_matrix:
   data: [480.0, 0.0, 319.5, 0.0, 0.0, 480.0, 239.5, 0.0, 0.0, 0.0, 1.0, 0.0]
 ";
 
-/// A message as it is printed: long lists, and the names of its fields.
+/// A message in the form that `rostopic echo` prints: long lists, and the names of its fields.
 pub(in crate::rig) const MESSAGE: &str = "header:
   seq: 1
   frame_id: left
@@ -42,7 +42,7 @@ binning_x: 0
 height: 1
 ";
 
-/// Two metres up, looking along the world's x axis: the optical frame's z is the world's x, its x the world's -y.
+/// A camera 2 m up that looks along the world's x axis: the optical frame's z is the world's x, its x the world's -y.
 pub(in crate::rig) const POSE: &str =
     "translation: {x: 1.0, y: 0.0, z: 2.0}\nrotation:\n  x: -0.5\n  y: 0.5\n  z: -0.5\n  w: 0.5\n";
 
@@ -53,7 +53,7 @@ fn with_pose(info: &str, pose: &str) -> Result<Rig> {
 }
 
 #[test]
-fn a_camera_stands_where_its_optical_frame_is_in_the_world() {
+fn the_pose_is_the_optical_frame_in_the_world() {
     let indented = POSE.replace('\n', "\n  ");
     let poses = [
         POSE.to_owned(),
@@ -64,6 +64,7 @@ fn a_camera_stands_where_its_optical_frame_is_in_the_world() {
             indented.replace("translation", "position").replace("rotation", "orientation")
         ),
     ];
+
     for pose in poses {
         let rig = with_pose(INFO, &pose).unwrap();
         let camera = &rig.cameras()[0];
@@ -72,13 +73,13 @@ fn a_camera_stands_where_its_optical_frame_is_in_the_world() {
         assert!((camera.forward() - Vector3::x()).norm() < 1e-12);
         let pixel = camera.project(&Point3::new(3.0, 0.0, 2.0)).unwrap();
         assert!((pixel.u - 320.0).abs() < 1e-9 && (pixel.v - 240.0).abs() < 1e-9);
-        // What lies above appears above.
+        // A higher point appears higher in the image.
         assert!(camera.project(&Point3::new(3.0, 0.0, 2.1)).unwrap().v < 240.0);
     }
 }
 
 #[test]
-fn a_printed_message_is_read_and_its_rectification_passed_over() {
+fn a_printed_message_is_read_and_its_rectification_ignored() {
     let rig = with_pose(MESSAGE, POSE).unwrap();
     let camera = &rig.cameras()[0];
     assert_eq!((camera.name(), camera.size()), ("left", (640, 480)));
@@ -93,6 +94,7 @@ fn a_folder_is_a_rig_with_its_poses_in_one_file() {
     folder.write("b.yaml", &INFO.replace("camera_name: left\n", ""));
     let indented = POSE.replace('\n', "\n  ");
     folder.write("poses.yaml", &format!("left:\n  {indented}\nb:\n  transform: {{translation: {{x: 0, y: 0, z: 0}}, rotation: {{x: 0, y: 0, z: 0, w: 1}}}}\n"));
+
     let calibration = folder.load().unwrap();
     assert_eq!(calibration.format, FORMAT.name);
     let [left, b] = calibration.rig.cameras() else { panic!("{calibration:?}") };
@@ -103,7 +105,7 @@ fn a_folder_is_a_rig_with_its_poses_in_one_file() {
 }
 
 #[test]
-fn without_a_pose_it_says_what_to_add() {
+fn the_error_about_a_missing_pose_says_what_to_add() {
     let folder = Folder::new();
     let parts = [
         "cam.yaml: camera \"left\": expected its pose in cam_pose.yaml",
@@ -114,7 +116,7 @@ fn without_a_pose_it_says_what_to_add() {
 }
 
 #[test]
-fn faults_name_the_file_and_the_line() {
+fn errors_name_the_file_and_the_line() {
     let infos = [
         (
             INFO.replace("plumb_bob", "fov"),
@@ -132,6 +134,7 @@ fn faults_name_the_file_and_the_line() {
         (INFO.replacen("500.0", "5e9", 1), "expected a focal length of 0.1 to 100 image widths"),
         (INFO[..INFO.find("0.01").unwrap()].into(), "left.yaml: line "),
     ];
+
     let poses = [
         (
             POSE.replace("w: 0.5", "w: 0.9"),
@@ -151,6 +154,7 @@ fn faults_name_the_file_and_the_line() {
         ),
         (POSE[..20].into(), "left_pose.yaml: line "),
     ];
+
     let all = infos.iter().map(|(text, part)| (text.as_str(), POSE, part));
     for (info, pose, part) in all.chain(poses.iter().map(|(text, part)| (INFO, text.as_str(), part))) {
         assert_refused(with_pose(info, pose), &[part]);

@@ -16,7 +16,7 @@ fn message(text: &str) -> String {
     Rig::from_toml(text).unwrap_err().to_string()
 }
 
-/// The error of the sample with `line`'s key set to another value.
+/// The error for the sample with the value of `line`'s key replaced.
 fn message_with(line: &str) -> String {
     let key = line.split_whitespace().next().unwrap();
     let lines = CAMERA.lines().map(|old| if old.starts_with(key) { line } else { old });
@@ -41,7 +41,7 @@ fn a_file_is_read_with_its_pixel_centres_moved_by_one_half() {
 }
 
 #[test]
-fn cameras_come_in_the_files_order_and_metadata_is_none() {
+fn cameras_keep_the_files_order_and_metadata_is_no_camera() {
     let table =
         |title: &str| CAMERA.replace("[cam_0]", title).replace("left", &title.replace(['[', ']'], ""));
     let text = ["[metadata]\nerror = 0.1", &table("[cam_10]"), &table("[b]"), &table("[cam_2]")].join("\n");
@@ -51,7 +51,7 @@ fn cameras_come_in_the_files_order_and_metadata_is_none() {
 }
 
 #[test]
-fn a_camera_without_a_name_is_called_like_its_table() {
+fn a_camera_without_a_name_is_named_after_its_table() {
     let rig = Rig::from_toml(&CAMERA.replace("name = \"left\"", "")).unwrap();
     assert_eq!(rig.cameras()[0].name(), "cam_0");
 }
@@ -66,10 +66,12 @@ fn writing_and_reading_gives_the_same_rig() {
             .replace("[-0.1, 0.01, 0.0, 1e-4, 0]", lens[i % lens.len()])
             .replace("1.5, 0.2", &format!("{i}e-1, 3.0"))
     });
+
     let rig = Rig::from_toml(&tables.collect::<String>()).unwrap();
     let text = rig.to_toml();
     let again = Rig::from_toml(&text).unwrap();
     assert!(text.contains("[cam_00]") && text.contains("[cam_11]") && text.contains("[metadata]"));
+
     for (a, b) in rig.cameras().iter().zip(again.cameras()) {
         assert_eq!((a.name(), a.size(), a.lens()), (b.name(), b.size(), b.lens()));
         // Roundings of the half pixel and of the way from quaternion to rotation vector and back.
@@ -86,6 +88,7 @@ fn a_rotation_may_be_a_vector_a_column_or_a_matrix() {
     let row = |r: usize| format!("[{:.5}, {:.5}, {:.5}]", m[(r, 0)], m[(r, 1)], m[(r, 2)]);
     let matrix = format!("[{}, {}, {}]", row(0), row(1), row(2));
     // The matrix is rounded to five digits, the others are exact.
+
     for (rotation, tolerance) in
         [("[1.5, 0.2, -0.3]", 1e-15), ("[[1.5], [0.2], [-0.3]]", 1e-15), (&matrix, 2e-5)]
     {
@@ -106,7 +109,7 @@ fn sizes_may_be_written_as_whole_floats() {
 }
 
 #[test]
-fn faults_name_line_camera_table_key_and_next_step() {
+fn errors_name_line_camera_table_key_and_next_step() {
     let place = ["camera \"left\"", "table [cam_0]"];
     for (line, parts) in [
         ("matrix = [[1, 0], [0, 1]]", ["line 5", "`matrix`", "expected 3 x 3 numbers, found 2 x 2", "write"]),
@@ -145,7 +148,7 @@ fn a_missing_key_is_named_with_the_tables_line() {
 }
 
 #[test]
-fn faults_of_the_whole_file_are_told() {
+fn errors_of_the_whole_file_are_reported() {
     assert_contains(&message("[cam_0]\nsize = [1,\nmatrix"), &["line 3", "expected TOML"]);
     assert_contains(&message("[cam_0]\nsize = 1\nsize = 2"), &["line 3", "duplicate"]);
     assert_contains(&message(""), &["at least one camera"]);

@@ -1,4 +1,4 @@
-//! Calibrations that are cut off or were changed at random: every reader answers with a rig or an error.
+//! Every reader returns a rig or an error for calibrations that are cut off or changed at random.
 
 use super::{Calibration, Hints};
 use crate::Result;
@@ -7,10 +7,10 @@ use crate::sample::testing::Lcg;
 
 const CUTS: usize = 24;
 const MUTATIONS: usize = 60;
-/// Of the formats that are in several files, which are written to disk for each mutation.
+/// Mutations of formats in several files, which are written to disk each time.
 const MUTATIONS_ON_DISK: usize = 40;
 
-/// What stands in for a word: numbers at the ends of their range and beyond, and marks of the notations.
+/// Replacements of a word: numbers at the ends of their range and beyond, and syntax characters of the notations.
 const WORDS: [&str; 20] = [
     "nan",
     "inf",
@@ -34,12 +34,13 @@ const WORDS: [&str; 20] = [
     "\u{e9}",
 ];
 
-/// `bytes` with a few bytes, a stretch or a word of them changed, removed or doubled.
+/// `bytes` with a few random changes: a bit flipped, a stretch removed or doubled, a byte inserted, a word replaced.
 fn mutated(bytes: &[u8], random: &mut Lcg) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for _ in 0..=random.below(3) {
         let at = random.below(bytes.len().max(1));
         let end = (at + 1 + random.below(40)).min(bytes.len());
+
         match random.below(6) {
             0 => bytes.iter_mut().skip(at).take(1).for_each(|byte| *byte ^= 1 << random.below(7)),
             1 => drop(bytes.drain(at..end)),
@@ -51,6 +52,7 @@ fn mutated(bytes: &[u8], random: &mut Lcg) -> Vec<u8> {
             _ => {
                 let is_break = |byte: &u8| !(byte.is_ascii_alphanumeric() || b".-+_".contains(byte));
                 let start = bytes[..at].iter().rposition(is_break).map_or(0, |gap| gap + 1);
+
                 let end = bytes[at..].iter().position(is_break).map_or(bytes.len(), |gap| at + gap);
                 drop(bytes.splice(start..end, WORDS[random.below(WORDS.len())].bytes()));
             }
@@ -59,9 +61,9 @@ fn mutated(bytes: &[u8], random: &mut Lcg) -> Vec<u8> {
     bytes
 }
 
-/// That it is a rig that describes itself, or an error about the file.
+/// Asserts that the result is a rig that describes itself, or an error about the file.
 #[track_caller]
-fn assert_answers(found: Result<Calibration>, name: &str) {
+fn assert_rig_or_error(found: Result<Calibration>, name: &str) {
     match found {
         Ok(found) => assert_eq!(found.rig.describe().lines().count(), found.rig.len()),
         Err(e) => assert!(e.to_string().starts_with(name), "{e}"),
@@ -73,8 +75,8 @@ fn a_calibration_cut_off_anywhere_is_a_rig_or_an_error() {
     for Sample { name, text } in single_files() {
         for cut in 0..CUTS {
             let bytes = &text.as_bytes()[..text.len() * cut / CUTS];
-            assert_answers(Calibration::parse(name, bytes, &HINTS), name);
-            assert_answers(Calibration::parse(name, bytes, &Hints::default()), name);
+            assert_rig_or_error(Calibration::parse(name, bytes, &HINTS), name);
+            assert_rig_or_error(Calibration::parse(name, bytes, &Hints::default()), name);
         }
     }
 }
@@ -84,7 +86,10 @@ fn a_calibration_changed_at_random_is_a_rig_or_an_error() {
     let mut random = Lcg::new(1);
     for Sample { name, text } in single_files() {
         for _ in 0..MUTATIONS {
-            assert_answers(Calibration::parse(name, &mutated(text.as_bytes(), &mut random), &HINTS), name);
+            assert_rig_or_error(
+                Calibration::parse(name, &mutated(text.as_bytes(), &mut random), &HINTS),
+                name,
+            );
         }
     }
 }
@@ -99,9 +104,10 @@ fn a_folder_with_a_file_changed_at_random_is_a_rig_or_an_error() {
             for (name, text) in files {
                 std::fs::write(folder.path().join(name), text).unwrap();
             }
+
             let (name, text) = files[random.below(files.len())];
             std::fs::write(folder.path().join(name), mutated(text.as_bytes(), &mut random)).unwrap();
-            assert_answers(Calibration::load(folder.path(), &HINTS), &path);
+            assert_rig_or_error(Calibration::load(folder.path(), &HINTS), &path);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Cameras that are connected now, through `ffmpeg`.
+//! Live cameras, read through `ffmpeg`.
 
 use super::ffmpeg::Ffmpeg;
 use super::{CancelHandle, Frame, ReadOptions, Source};
@@ -7,17 +7,17 @@ use image::RgbImage;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// What to ask of a camera.
+/// The settings requested from a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeviceOptions {
     /// ffmpeg's name for the kind of device. Default: `v4l2`, Linux's cameras.
     pub format: String,
-    /// Width and height, in pixels: those at which the camera is calibrated. Default: what the camera gives.
+    /// Width and height in pixels: the size at which the camera is calibrated. Default: the camera's own.
     pub size: Option<(u32, u32)>,
-    /// Images a second. Default: what the camera gives.
+    /// Images per second. Default: the camera's own.
     pub rate: Option<f64>,
-    /// ffmpeg's name for how images travel, such as `mjpeg`; many cameras give their full size only so. Default: what
-    /// the camera gives.
+    /// ffmpeg's name for the transfer format of images, such as `mjpeg`, which many cameras require for their full
+    /// size. Default: the camera's own.
     pub pixels: Option<String>,
 }
 
@@ -28,6 +28,7 @@ impl Default for DeviceOptions {
 }
 
 impl DeviceOptions {
+    /// The options before `-i` on ffmpeg's command line.
     fn input(&self) -> Vec<String> {
         let size = self.size.map(|(width, height)| format!("{width}x{height}"));
         let options = [
@@ -41,29 +42,29 @@ impl DeviceOptions {
     }
 }
 
-/// A live camera. Its images are numbered from 0 and carry the time of their arrival.
+/// A live camera. Its images are numbered from 0 and carry the time of their arrival in seconds.
 ///
-/// It never ends by itself. An image that arrives late, on a slow line, carries a late time: bounds for sets of several
-/// cameras must allow for it.
+/// The stream never ends by itself. An image that is delayed in transfer carries a late time; the time bound of a
+/// [`Synchroniser`](super::Synchroniser) must allow for it.
 #[derive(Debug)]
 pub struct Device {
     path: PathBuf,
-    reading: ReadOptions,
+    read_options: ReadOptions,
     rate: Option<f64>,
     epoch: Instant,
-    /// `None` once it has failed.
+    /// `None` after a failure.
     ffmpeg: Option<Ffmpeg>,
     first: Option<(RgbImage, f64)>,
     next: u32,
 }
 
 impl Device {
-    /// Opens the camera `device`, such as `/dev/video0`, and waits for its first image. Times count from `epoch`; give
-    /// all cameras of a rig the same.
+    /// Opens the camera `device`, such as `/dev/video0`, and waits for its first image. Times count from `epoch`; use
+    /// the same for all cameras of a rig.
     ///
     /// # Errors
-    /// No `ffmpeg`; a device that is missing, in use, or refuses what it is asked for, with what ffmpeg says of it; a
-    /// camera that gives another size than the one it was asked for; a rate that is not positive.
+    /// `ffmpeg` is not installed; a device that is missing, in use, or refuses the settings, with ffmpeg's messages; a
+    /// camera that delivers another size than requested; a rate that is not positive.
     pub fn open(device: impl Into<PathBuf>, options: &DeviceOptions, epoch: Instant) -> Result<Self> {
         let path = device.into();
         if let Some(rate) = options.rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
@@ -71,9 +72,12 @@ impl Device {
                 "expected a positive number of images per second, found {rate}"
             )));
         }
+
         let input = options.input();
         let input: Vec<_> = input.iter().map(String::as_str).collect();
         let mut ffmpeg = Ffmpeg::start(&path, &input, "", path.as_os_str())?;
+
+        // A camera that opens may still deliver nothing, so wait for an image.
         let Some(image) = ffmpeg.next_picture()? else {
             let problem = format!(
                 "expected a camera that gives images, found none; {}; check that it is connected, that no other \
@@ -82,15 +86,17 @@ impl Device {
             );
             return Err(Error::file(path, problem));
         };
+
         let first = Some((image, epoch.elapsed().as_secs_f64()));
-        let reading = ReadOptions { size: options.size, ..ReadOptions::default() };
-        let device = Self { path, reading, rate: options.rate, epoch, ffmpeg: Some(ffmpeg), first, next: 0 };
+        let read_options = ReadOptions { size: options.size, ..ReadOptions::default() };
+        let device =
+            Self { path, read_options, rate: options.rate, epoch, ffmpeg: Some(ffmpeg), first, next: 0 };
         device.first.iter().try_for_each(|(image, _)| device.check_size(image))?;
         Ok(device)
     }
 
     fn check_size(&self, image: &RgbImage) -> Result<()> {
-        self.reading.check_size(&self.path, "", image.dimensions())
+        self.read_options.check_size(&self.path, "", image.dimensions())
     }
 
     fn picture(&mut self) -> Result<(RgbImage, f64)> {
@@ -108,7 +114,7 @@ impl Device {
     fn lost(&self, said: &str) -> Error {
         Error::file(
             &self.path,
-            format!("expected image {}, found that the camera is gone; {said}", self.next),
+            format!("expected image {}, found that the camera is disconnected; {said}", self.next),
         )
     }
 }
@@ -133,7 +139,7 @@ impl Source for Device {
     }
 
     fn cancel_handle(&self) -> CancelHandle {
-        self.ffmpeg.as_ref().map(Ffmpeg::stopper).unwrap_or_default()
+        self.ffmpeg.as_ref().map(Ffmpeg::cancel_handle).unwrap_or_default()
     }
 }
 
@@ -143,7 +149,7 @@ mod tests {
     use super::super::{ReadAhead, WhenFull};
     use super::*;
 
-    /// A camera that never stops, drawn by ffmpeg itself.
+    /// A test pattern from ffmpeg that never ends.
     fn endless() -> Device {
         let options = DeviceOptions { format: "lavfi".into(), ..DeviceOptions::default() };
         Device::open("testsrc=s=32x24", &options, Instant::now()).unwrap()
@@ -171,6 +177,7 @@ mod tests {
         let mut device = endless();
         let process = device.ffmpeg.as_ref().unwrap().process_id();
         assert!(device.next_frame().unwrap().is_ok());
+
         assert!(is_running(process));
         drop(device);
         assert!(!is_running(process));
@@ -190,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reader_that_waits_for_nobody_ends_too() {
+    fn dropping_a_blocked_reader_ends_its_process() {
         let device = endless();
         let process = device.ffmpeg.as_ref().unwrap().process_id();
         drop(ReadAhead::spawn("live", device, 1, WhenFull::Wait).unwrap());
@@ -202,12 +209,12 @@ mod tests {
         let mut device = endless();
         device.cancel_handle().stop();
         let lost = std::iter::from_fn(|| device.next_frame()).find(Result::is_err).unwrap();
-        assert_says(lost, &["testsrc", "camera is gone", "ffmpeg said"]);
+        assert_says(lost, &["testsrc", "camera is disconnected", "ffmpeg said"]);
         assert!(device.next_frame().is_none());
     }
 
     #[test]
-    fn a_camera_that_is_absent_or_of_another_size_is_told() {
+    fn a_missing_camera_and_an_invalid_rate_are_errors() {
         let open = |path: &str, options: &DeviceOptions| Device::open(path, options, Instant::now());
         let absent = open("/dev/video-none", &DeviceOptions::default());
         assert_says(absent, &["/dev/video-none", "found none", "ffmpeg said", "No such file", "connected"]);
@@ -216,14 +223,14 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_is_asked_for_its_size_and_rate() {
+    fn size_rate_and_format_are_passed_to_ffmpeg() {
         let options = DeviceOptions {
             size: Some((640, 480)),
             rate: Some(29.97),
             pixels: Some("mjpeg".into()),
             ..DeviceOptions::default()
         };
-        let asked = options.input().join(" ");
-        assert_eq!(asked, "-f v4l2 -input_format mjpeg -video_size 640x480 -framerate 29.97");
+        let arguments = options.input().join(" ");
+        assert_eq!(arguments, "-f v4l2 -input_format mjpeg -video_size 640x480 -framerate 29.97");
     }
 }

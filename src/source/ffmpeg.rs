@@ -1,4 +1,4 @@
-//! `ffmpeg` as a process of its own: pictures on its standard output, complaints on its standard error.
+//! `ffmpeg` as a child process: pictures from its standard output, messages from its standard error.
 
 use super::CancelHandle;
 use crate::lock::lock;
@@ -12,38 +12,39 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 
-/// So many lines of what ffmpeg complains of are kept, the last ones.
+/// How many of ffmpeg's last messages are kept.
 const LINES_KEPT: usize = 4;
 
-/// A running ffmpeg. It ends when this is dropped, and leaves no process behind.
+/// A running ffmpeg process; dropping it ends the process.
 #[derive(Debug)]
 pub(super) struct Ffmpeg {
-    /// The file or device that it reads.
+    /// The file or device that ffmpeg reads.
     path: PathBuf,
     child: Arc<Mutex<Child>>,
     pictures: BufReader<ChildStdout>,
-    /// Empties the pipe of complaints, without which ffmpeg would wait once it is full.
-    complaints: Option<JoinHandle<Vec<String>>>,
+    /// The thread that drains the pipe of messages; ffmpeg would block if the pipe were full.
+    messages: Option<JoinHandle<Vec<String>>>,
 }
 
 /// How ffmpeg ended.
 pub(super) struct End {
     pub(super) success: bool,
-    /// The last lines on its standard error.
-    pub(super) complaints: Vec<String>,
+    /// The last lines of its standard error.
+    pub(super) messages: Vec<String>,
 }
 
 impl Ffmpeg {
-    /// Starts `ffmpeg` on `path`; `input` is what stands before `-i` on its command line, `filter` goes before the
-    /// numbering of the pictures.
+    /// Starts `ffmpeg` on `path`; `input` are the options before `-i`, and `filter` is applied before the pictures are
+    /// renumbered.
     ///
-    /// The pictures are numbered anew, at a rate that does not matter: ffmpeg's own clock would drop and repeat
-    /// pictures where a file's rate and its time stamps disagree. Each comes as a ppm, whose header says how large it
-    /// is: devices do not always give the size that they were asked for, and phones' videos are turned.
+    /// The pictures are renumbered at an arbitrary rate: ffmpeg's own clock would drop and repeat pictures where a
+    /// file's rate and its time stamps disagree. Each picture is a ppm, whose header has its size: devices do not
+    /// always deliver the requested size, and phones' videos are rotated.
     pub(super) fn start(path: &Path, input: &[&str], filter: &str, name: &OsStr) -> Result<Self> {
         let filter = format!("{filter}settb=1/25,setpts=N");
         let before = ["-nostdin", "-hide_banner", "-loglevel", "error"];
         let after = ["-map", "0:v:0", "-vf", &filter, "-r", "25", "-f", "image2pipe", "-c:v", "ppm"];
+
         let mut command = Command::new("ffmpeg");
         command
             .args(before)
@@ -58,22 +59,23 @@ impl Ffmpeg {
     fn run(path: &Path, command: &mut Command) -> Result<Self> {
         let piped = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = piped.spawn().map_err(|e| cannot_start("ffmpeg", path, &e))?;
-        let (Some(out), Some(errors)) = (child.stdout.take(), child.stderr.take()) else {
+        let (Some(out), Some(stderr)) = (child.stdout.take(), child.stderr.take()) else {
             return Err(Error::file(path, "expected ffmpeg's output, found none"));
         };
+
         let child = Arc::new(Mutex::new(child));
-        let complaints =
-            std::thread::Builder::new().name("ffmpeg's errors".into()).spawn(|| last_lines(errors));
+        let messages =
+            std::thread::Builder::new().name("ffmpeg's stderr".into()).spawn(|| last_lines(stderr));
         let pictures = BufReader::with_capacity(1 << 16, out);
-        // Made before a thread may fail to start, so that the process ends then.
-        let mut ffmpeg = Self { path: path.to_owned(), child, pictures, complaints: None };
-        let complaints =
-            complaints.map_err(|e| Error::file(path, format!("expected to start a thread, found: {e}")))?;
-        ffmpeg.complaints = Some(complaints);
+        // Constructed before a failed thread returns, so that dropping it ends the process.
+        let mut ffmpeg = Self { path: path.to_owned(), child, pictures, messages: None };
+        let messages =
+            messages.map_err(|e| Error::file(path, format!("expected to start a thread, found: {e}")))?;
+        ffmpeg.messages = Some(messages);
         Ok(ffmpeg)
     }
 
-    /// The next picture, `None` when ffmpeg has ended or broke off; [`end`](Self::end) tells which.
+    /// The next picture; `None` when ffmpeg has ended or failed, which [`end`](Self::end) distinguishes.
     pub(super) fn next_picture(&mut self) -> Result<Option<RgbImage>> {
         let Some((width, height)) = self.header()? else { return Ok(None) };
         let mut bytes = vec![0; width as usize * height as usize * 3];
@@ -93,10 +95,11 @@ impl Ffmpeg {
                 return Ok(None);
             }
         }
+
         let size = lines[1].trim().split_once(' ');
         let size = size.and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
-        let sound = |size: &(u32, u32)| size.0 <= 65_535 && size.1 <= 65_535;
-        match size.filter(sound) {
+        let is_valid = |size: &(u32, u32)| size.0 <= 65_535 && size.1 <= 65_535;
+        match size.filter(is_valid) {
             Some(size) if lines[0].trim() == "P6" && lines[2].trim() == "255" => Ok(Some(size)),
             _ => Err(self.unreadable(&format!("a picture that begins {:?}", lines.concat()))),
         }
@@ -106,18 +109,18 @@ impl Ffmpeg {
         Error::file(&self.path, format!("expected pictures from ffmpeg, found: {found}"))
     }
 
-    /// Waits until ffmpeg, whose pictures have ended, is gone.
+    /// Waits for the process to end, after its last picture.
     pub(super) fn end(&mut self) -> End {
         let success = lock(&self.child).wait().is_ok_and(|status| status.success());
-        let complaints = self.complaints.take().map(|thread| thread.join().unwrap_or_default());
-        End { success, complaints: complaints.unwrap_or_default() }
+        let messages = self.messages.take().map(|thread| thread.join().unwrap_or_default());
+        End { success, messages: messages.unwrap_or_default() }
     }
 
-    /// Ends ffmpeg, and so a read that waits for it.
-    pub(super) fn stopper(&self) -> CancelHandle {
+    /// A handle that ends ffmpeg, and with it a read that waits for a picture.
+    pub(super) fn cancel_handle(&self) -> CancelHandle {
         let child = Arc::clone(&self.child);
         CancelHandle::new(move || {
-            // Fails only where it has ended.
+            // Fails only if the process has ended already.
             let _ = lock(&child).kill();
         })
     }
@@ -136,16 +139,16 @@ impl Drop for Ffmpeg {
 }
 
 impl End {
-    /// What ffmpeg complained of, or that it said nothing.
+    /// ffmpeg's messages, or that there were none.
     pub(super) fn quoted(&self) -> String {
-        match self.complaints.as_slice() {
+        match self.messages.as_slice() {
             [] => "ffmpeg said nothing".into(),
             lines => format!("ffmpeg said: {}", lines.join("; ")),
         }
     }
 }
 
-/// What to say where `program` does not start.
+/// The error if `program` does not start.
 pub(super) fn cannot_start(program: &str, path: &Path, e: &std::io::Error) -> Error {
     let problem = match e.kind() {
         ErrorKind::NotFound => format!(
@@ -157,21 +160,22 @@ pub(super) fn cannot_start(program: &str, path: &Path, e: &std::io::Error) -> Er
     Error::file(path, problem)
 }
 
-/// A path as ffmpeg takes it: one with a colon would be a protocol, one with a dash an option.
+/// A path in the form that ffmpeg takes for a file: otherwise a colon would make it a protocol and a dash an option.
 pub(super) fn file_name(path: &Path) -> OsString {
     let mut name = OsString::from("file:");
     name.push(path);
     name
 }
 
-/// The last lines of a program's complaints, without the addresses that ffmpeg puts before them, alike ones once.
-pub(super) fn last_lines(errors: impl Read) -> Vec<String> {
+/// The last lines of a program's messages, without ffmpeg's memory addresses, and repeated lines once.
+pub(super) fn last_lines(stderr: impl Read) -> Vec<String> {
     let mut kept = VecDeque::new();
-    let mut errors = BufReader::new(errors);
+    let mut stderr = BufReader::new(stderr);
     let mut line = Vec::new();
-    while errors.read_until(b'\n', &mut line).is_ok_and(|read| read > 0) {
+    while stderr.read_until(b'\n', &mut line).is_ok_and(|read| read > 0) {
         let text = String::from_utf8_lossy(&line);
         let text = without_address(text.trim());
+
         if !text.is_empty() && kept.back() != Some(&text) {
             kept.push_back(text);
             if kept.len() > LINES_KEPT {
@@ -183,11 +187,11 @@ pub(super) fn last_lines(errors: impl Read) -> Vec<String> {
     kept.into()
 }
 
-/// `[h264 @ 0x55d0] error` becomes `h264: error`.
+/// Turns `[h264 @ 0x55d0] error` into `h264: error`.
 fn without_address(line: &str) -> String {
     let parts = line.strip_prefix('[').and_then(|rest| rest.split_once(" @ 0x"));
-    match parts.and_then(|(who, rest)| Some((who, rest.split_once("] ")?.1))) {
-        Some((who, what)) => format!("{who}: {what}"),
+    match parts.and_then(|(component, rest)| Some((component, rest.split_once("] ")?.1))) {
+        Some((component, message)) => format!("{component}: {message}"),
         None => line.into(),
     }
 }
@@ -204,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_picture_is_no_picture() {
+    fn output_that_is_not_a_picture_is_an_error() {
         let read = |output: &str| {
             let mut command = Command::new("printf");
             Ffmpeg::run(Path::new("clip.mp4"), command.arg(output)).unwrap().next_picture()
@@ -212,7 +216,7 @@ mod tests {
         assert_says(read("GIF89a\\n1 1\\n255\\nabc"), &["clip.mp4", "GIF89a"]);
         assert_says(read("P6\\n99999 1\\n255\\nabc"), &["99999"]);
         assert_says(read("P6\\n-1 1\\n255\\nabc"), &["-1"]);
-        // Ended, or broken off within a picture.
+        // The stream ends, between pictures or within one.
         for cut in ["", "P6\\n", "P6\\n2 2\\n255\\nabc"] {
             assert_eq!(read(cut).unwrap(), None, "{cut}");
         }
@@ -220,14 +224,14 @@ mod tests {
     }
 
     #[test]
-    fn the_last_complaints_are_kept_and_alike_ones_once() {
+    fn the_last_messages_are_kept_and_repeated_ones_once() {
         let text = "1\n2\n\n[h264 @ 0x55d0c] broken\n[h264 @ 0x55d0d] broken\n[AVIOContext] odd\n5\n";
         assert_eq!(last_lines(text.as_bytes()), ["2", "h264: broken", "[AVIOContext] odd", "5"]);
         assert_eq!(last_lines(&b"\xff"[..]), ["\u{fffd}"]);
     }
 
     #[test]
-    fn a_program_that_complains_more_than_a_pipe_holds_does_not_hang() {
+    fn a_program_with_more_messages_than_a_pipe_holds_does_not_hang() {
         let mut command = Command::new("sh");
         command.args(["-c", "seq 100000 >&2; exit 3"]);
         let mut ffmpeg = Ffmpeg::run(Path::new("clip.mp4"), &mut command).unwrap();

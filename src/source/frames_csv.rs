@@ -1,6 +1,6 @@
-//! `frames.csv`: when the images of a recording were taken.
+//! `frames.csv`, the times of a recording's images.
 //!
-//! Text, a line for each frame, the first line names the columns:
+//! The file is text with one line per frame; the first line names the columns:
 //!
 //! ```text
 //! frame,left,right          or, with one time for all cameras:     frame,time
@@ -9,9 +9,10 @@
 //! 2,,12.083
 //! ```
 //!
-//! `frame` is the number of an image: that of its file name, or its position in the video from 0. The other columns
-//! are named as the cameras and hold seconds on a clock that all cameras share; an empty cell says that this camera has
-//! no such image. Within a column the times grow. Empty lines are passed over. Names with a comma are not possible.
+//! `frame` is the number of an image: the number in its file name, or its position in the video from 0. The other
+//! columns are named after the cameras and hold seconds on a clock that all cameras share; an empty cell means that
+//! this camera has no such image. Times increase within a column. Empty lines are ignored. Names with a comma are not
+//! possible.
 
 use crate::{Error, Result};
 use std::collections::BTreeMap;
@@ -21,11 +22,12 @@ use std::path::Path;
 /// The file's name in the folder of a recording.
 pub const NAME: &str = "frames.csv";
 
-/// Reads the times of `cameras`, in seconds by frame number, one table per camera in their order.
+/// Reads the times of `cameras` in seconds by frame number: one table per camera, in the order of `cameras`.
 ///
 /// # Errors
 /// A file that cannot be read; a camera without a column, a line with another number of cells than columns, a frame
-/// that is no number or listed twice, a time that is no number or does not grow. The message names the line.
+/// that is not a number or is listed twice, a time that is not a number or does not increase. The message names the
+/// line.
 pub fn load(path: impl AsRef<Path>, cameras: &[&str]) -> Result<Vec<BTreeMap<u32, f64>>> {
     let path = path.as_ref();
     let text = std::fs::read_to_string(path)
@@ -36,9 +38,11 @@ pub fn load(path: impl AsRef<Path>, cameras: &[&str]) -> Result<Vec<BTreeMap<u32
 fn parse(text: &str, cameras: &[&str]) -> std::result::Result<Vec<BTreeMap<u32, f64>>, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+
     let heading = lines.next().map_or("", |(_, line)| line);
     let names: Vec<_> = heading.split(',').map(str::trim).collect();
     let columns = columns(&names, cameras)?;
+
     let mut times = vec![BTreeMap::new(); cameras.len()];
     for (index, line) in lines {
         let cells: Vec<_> = line.split(',').map(str::trim).collect();
@@ -46,9 +50,11 @@ fn parse(text: &str, cameras: &[&str]) -> std::result::Result<Vec<BTreeMap<u32, 
         if cells.len() != names.len() {
             return Err(at(format!("expected {} cells, one per column, found {}", names.len(), cells.len())));
         }
+
         let frame = cells[0]
             .parse()
             .map_err(|_| at(format!("expected the number of a frame, found \"{}\"", cells[0])))?;
+
         for (of_camera, &column) in times.iter_mut().zip(&columns) {
             enter(of_camera, frame, names[column], cells[column]).map_err(at)?;
         }
@@ -56,7 +62,7 @@ fn parse(text: &str, cameras: &[&str]) -> std::result::Result<Vec<BTreeMap<u32, 
     Ok(times)
 }
 
-/// The column of each camera.
+/// The index of each camera's column.
 fn columns(names: &[&str], cameras: &[&str]) -> std::result::Result<Vec<usize>, String> {
     if names[0] != "frame" {
         return Err(format!(
@@ -64,10 +70,11 @@ fn columns(names: &[&str], cameras: &[&str]) -> std::result::Result<Vec<usize>, 
             names.join(",")
         ));
     }
-    let of_all = (names.len() == 2 && names[1] == "time").then_some(1);
+    let shared = (names.len() == 2 && names[1] == "time").then_some(1);
+
     let column = |camera: &&str| {
         let own = names.iter().skip(1).position(|name| name == camera).map(|at| at + 1);
-        own.or(of_all).ok_or_else(|| {
+        own.or(shared).ok_or_else(|| {
             format!(
                 "line 1: expected a column \"{camera}\", found \"{}\"; name them as the cameras",
                 names.join(",")
@@ -77,6 +84,7 @@ fn columns(names: &[&str], cameras: &[&str]) -> std::result::Result<Vec<usize>, 
     cameras.iter().map(column).collect()
 }
 
+/// Adds the time in a cell to a camera's table; an empty cell adds nothing.
 fn enter(
     times: &mut BTreeMap<u32, f64>,
     frame: u32,
@@ -88,9 +96,12 @@ fn enter(
     }
     let time = cell.parse().ok().filter(|time: &f64| time.is_finite());
     let time = time.ok_or_else(|| format!("column \"{name}\": expected seconds, found \"{cell}\""))?;
+
     if times.insert(frame, time).is_some() {
         return Err(format!("expected each frame once, found frame {frame} again; remove one"));
     }
+
+    // Lines may be in any order, so compare with the neighbours on both sides.
     let before = times.range(..frame).next_back().filter(|&(_, &before)| before >= time);
     let after =
         times.range((Bound::Excluded(frame), Bound::Unbounded)).next().filter(|&(_, &after)| after <= time);
@@ -116,16 +127,16 @@ mod tests {
     }
 
     #[test]
-    fn one_column_of_times_serves_all_cameras() {
+    fn a_single_column_time_applies_to_all_cameras() {
         let times = parse("frame,time\n5,0.5\n", &["left", "right"]).unwrap();
         assert_eq!(times, [BTreeMap::from([(5, 0.5)]), BTreeMap::from([(5, 0.5)])]);
-        // A camera of that name is not everybody's clock.
+        // With further columns, `time` is a camera's name and not the shared clock.
         assert!(parse("frame,time,left\n5,0.5,1\n", &["left", "right"]).is_err());
     }
 
     #[test]
-    fn faults_name_the_line_and_what_was_found() {
-        let faults: [(&str, &[&str]); 9] = [
+    fn errors_name_the_line_and_what_was_found() {
+        let cases: [(&str, &[&str]); 9] = [
             ("", &["line 1", "\"frame\""]),
             ("time,frame\n", &["line 1", "\"time,frame\""]),
             ("frame,left\n", &["line 1", "column \"right\"", "\"frame,left\""]),
@@ -136,11 +147,11 @@ mod tests {
             ("frame,left,right\n0,1,1\n0,2,2\n", &["line 3", "frame 0 again"]),
             ("frame,left,right\n0,1,1\n1,1,2\n", &["line 3", "\"left\"", "grow", "1 for frame 1", "frame 0"]),
         ];
-        for (text, parts) in faults {
+        for (text, parts) in cases {
             let message = parse(text, &["left", "right"]).unwrap_err();
             parts.iter().for_each(|part| assert!(message.contains(part), "{message:?} lacks {part:?}"));
         }
-        // The greatest number has no successor to look for.
+        // The largest frame number has no successor.
         assert!(parse("frame,time\n4294967295,1\n", &["left"]).is_ok());
     }
 }

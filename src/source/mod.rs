@@ -1,4 +1,4 @@
-//! Where colour images come from: folders, video files, live devices.
+//! Sources of colour images: folders, video files, live devices.
 //!
 //! ```text
 //!   ImageFolder ─┐                             ┌► ImageSet: an image of each camera,
@@ -7,19 +7,19 @@
 //!   your own                   each)     ┘
 //! ```
 //!
-//! A [`Source`] gives one camera's images in order, each with its number and its time in seconds. [`ReadAhead`] reads
-//! it on a thread of its own into a bounded queue; a slow reader makes it wait (recordings: nothing is lost) or makes
-//! it drop the oldest image and count it (live: what is shown is fresh). [`Synchroniser`] puts the images of several
-//! cameras together by their times.
+//! A [`Source`] yields one camera's images in order, each with its number and its time in seconds. [`ReadAhead`] reads
+//! it on a thread of its own into a bounded queue. If the queue is full, it waits (for recordings, so that nothing is
+//! lost) or drops and counts the oldest image (for live cameras, so that the images are fresh). [`Synchroniser`]
+//! groups the images of several cameras by their times.
 //!
-//! Videos and devices are read by the program `ffmpeg`, whose codecs are those that people have; it is started as a
-//! process of its own and ended when its source is dropped. Folders need nothing.
+//! Videos and devices are read by the program `ffmpeg`, which supports all common codecs; it runs as a child process
+//! and ends when its source is dropped. Folders need no other program.
 //!
 //! # Times
 //!
 //! An image's time is listed ([`Times::Listed`], [`frames_csv`]), or its number divided by a rate ([`Times::Rate`], a
-//! video's own rate), or, of a live device, when it arrived. All cameras of a set need the same clock: the devices of
-//! one program share the instant from which they count.
+//! video's own rate), or, for a live device, the time of its arrival. All cameras of a set need the same clock: the
+//! devices of one program share the instant from which they count.
 
 mod device;
 mod ffmpeg;
@@ -47,41 +47,41 @@ use std::path::Path;
 /// An image of one camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// Its number in its source: that of the file name, or the position in the video from 0.
+    /// The image's number in its source: the number in the file name, or the position in the video from 0.
     pub number: u32,
-    /// When it was taken, in seconds.
+    /// The time of exposure, in seconds.
     pub time: f64,
-    /// What the camera saw.
+    /// The pixels.
     pub image: RgbImage,
 }
 
 /// Images of one camera, in the order in which they were taken.
 ///
-/// Implement it for a camera with a library of its own; everything else here then works with it.
+/// Implement it for a camera with its own library; everything else in this module then works with it.
 pub trait Source: Send {
-    /// The next image, `None` after the last. May wait for a camera.
+    /// The next image; `None` after the last. It may wait for a camera.
     ///
     /// # Errors
-    /// An image that cannot be read. Those before it are good, and reading may go on with the ones after it; `None`
-    /// follows where it cannot.
+    /// An image that cannot be read. Reading may continue with the images after it; if it cannot, `None` follows.
     fn next_frame(&mut self) -> Option<Result<Frame>>;
 
-    /// How many images are still to come, where that is known.
+    /// How many images remain, if known.
     fn frames_left(&self) -> Option<u32> {
         None
     }
 
-    /// The seconds from one image to the next, where that is known.
+    /// The seconds from one image to the next, if known.
     fn period(&self) -> Option<f64> {
         None
     }
 
-    /// What somebody should know who has read all images without an error; a sentence each.
+    /// Remarks after the last image, such as damaged images; one sentence each.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// What ends a [`next_frame`](Self::next_frame) that waits on another thread. Needed only where it may wait long.
+    /// A handle that ends a waiting [`next_frame`](Self::next_frame) from another thread; needed only where it may
+    /// wait long.
     fn cancel_handle(&self) -> CancelHandle {
         CancelHandle::default()
     }
@@ -109,12 +109,12 @@ impl<S: Source + ?Sized> Source for Box<S> {
     }
 }
 
-/// Ends what a [`Source`] waits for, from another thread.
+/// Cancels a waiting [`Source`] from another thread.
 #[derive(Default)]
 pub struct CancelHandle(Option<Box<dyn Fn() + Send + Sync>>);
 
 impl CancelHandle {
-    /// Calls `stop`, which must not wait for the source.
+    /// A handle that calls `stop`, which must not wait for the source.
     pub fn new(stop: impl Fn() + Send + Sync + 'static) -> Self {
         Self(Some(Box::new(stop)))
     }
@@ -132,18 +132,19 @@ impl std::fmt::Debug for CancelHandle {
     }
 }
 
-/// How to read a folder or a video.
+/// Options for reading a folder or a video.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Width and height that the images must have, in pixels: those at which the camera is calibrated.
+    /// Width and height that the images must have, in pixels: the size at which the camera is calibrated.
     pub size: Option<(u32, u32)>,
-    /// The number of the first image; earlier ones are passed over.
+    /// The number of the first image; earlier ones are skipped.
     pub first: u32,
-    /// When the images were taken. Default: a video's own rate, 30 a second for folders.
+    /// The images' times. Default: a video's own rate, 30 images per second for folders.
     pub times: Option<Times>,
 }
 
 impl ReadOptions {
+    /// Compares an image's size with the expected one; `what` begins the error message.
     fn check_size(&self, path: &Path, what: &str, found: (u32, u32)) -> Result<()> {
         match self.size {
             Some((w, h)) if (w, h) != found => Err(Error::file(

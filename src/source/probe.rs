@@ -1,4 +1,4 @@
-//! What a video's header says, from `ffprobe`.
+//! Reads a video's header with `ffprobe`.
 
 use super::ffmpeg::{cannot_start, file_name, last_lines};
 use crate::{Error, Result};
@@ -6,26 +6,26 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// Of a video file.
+/// The header of a video file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Header {
-    /// Images a second.
+    /// Images per second, if known.
     pub(super) rate: Option<f64>,
-    /// How many images the header promises; not every format does.
+    /// The number of images by the header; not every format has it.
     pub(super) frames: Option<u32>,
 }
 
-/// Reads the header of the video at `path`, not the video.
+/// Reads the header of the video at `path` without decoding it.
 pub(super) fn header(path: &Path) -> Result<Header> {
     let stream = probe(path, "stream=avg_frame_rate,r_frame_rate,nb_frames", &[])?;
     let rate = |key| stream.get(key).and_then(|text| ratio(text));
-    // The mean: of an AVI whose fields count as frames ffprobe guesses half the rate, of a phone's video, whose rate
-    // varies, the least common multiple.
+    // The mean rate comes first: the other one is half the rate for an AVI whose fields count as frames, and the least
+    // common multiple for a phone's video with a varying rate.
     let rate = rate("avg_frame_rate").or_else(|| rate("r_frame_rate"));
     Ok(Header { rate, frames: stream.get("nb_frames").and_then(|text| text.parse().ok()) })
 }
 
-/// How many images the file does hold, decodable or not: reads all of it.
+/// The number of images in the file, decodable or not; reads the whole file.
 pub(super) fn packets(path: &Path) -> Result<Option<u32>> {
     let stream = probe(path, "stream=nb_read_packets", &["-count_packets"])?;
     Ok(stream.get("nb_read_packets").and_then(|text| text.parse().ok()))
@@ -36,6 +36,7 @@ fn probe(path: &Path, entries: &str, options: &[&str]) -> Result<BTreeMap<String
     let mut command = Command::new("ffprobe");
     command.args(["-v", "error", "-select_streams", "v:0"]).args(options).args(["-show_entries", entries]);
     command.args(["-of", "default=noprint_wrappers=1"]).arg(file_name(path));
+
     let output = command.output().map_err(|e| cannot_start("ffprobe", path, &e))?;
     let text = String::from_utf8_lossy(&output.stdout);
     let keys: BTreeMap<_, _> =
@@ -43,12 +44,13 @@ fn probe(path: &Path, entries: &str, options: &[&str]) -> Result<BTreeMap<String
     if output.status.success() && !keys.is_empty() {
         return Ok(keys);
     }
-    let said = last_lines(&output.stderr[..]);
-    let found = if said.is_empty() { "no stream of images".into() } else { said.join("; ") };
+
+    let messages = last_lines(&output.stderr[..]);
+    let found = if messages.is_empty() { "no stream of images".into() } else { messages.join("; ") };
     Err(Error::file(path, format!("expected a video that ffmpeg can read, found: {found}")))
 }
 
-/// `30000/1001`; `None` for `0/0`, which stands for unknown.
+/// Parses a ratio such as `30000/1001`; `None` for `0/0`, which means unknown.
 fn ratio(text: &str) -> Option<f64> {
     let (above, below) = text.split_once('/')?;
     let ratio = above.parse::<f64>().ok()? / below.parse::<f64>().ok()?;

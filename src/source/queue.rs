@@ -1,4 +1,4 @@
-//! A bounded queue between a thread that reads images and one that wants them.
+//! A bounded queue between a thread that reads images and their consumer.
 
 use super::Frame;
 use crate::Result;
@@ -7,18 +7,19 @@ use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// What a thread that reads does when nobody takes what it has read.
+/// What a reading thread does when the queue is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WhenFull {
-    /// It waits: nothing is lost. For recordings.
+    /// Wait, so that nothing is lost; for recordings.
     Wait,
-    /// It drops the oldest image and counts it: what is taken next is fresh. For live cameras.
+    /// Drop the oldest image and count it, so that the next image is fresh; for live cameras.
     DropOldest,
 }
 
+/// The queue, with one producer and one consumer.
 pub(super) struct Queue {
     state: Mutex<State>,
-    /// The queue has become longer, shorter, or has ended.
+    /// Notified when the queue becomes longer or shorter, or ends.
     changed: Condvar,
     depth: usize,
     when_full: WhenFull,
@@ -28,17 +29,17 @@ pub(super) struct Queue {
 struct State {
     frames: VecDeque<Result<Frame>>,
     dropped: u64,
-    /// Nothing more will come; this is to be known about what came.
+    /// The source's notes, once it has ended.
     ended: Option<Vec<String>>,
-    /// Nobody will take anything more.
+    /// Set when the consumer has been dropped.
     closed: bool,
 }
 
-/// What a queue had to give.
+/// The result of [`Queue::pop`].
 pub(super) enum Taken {
     Frame(Result<Frame>),
     Ended,
-    /// Nothing until the deadline.
+    /// No frame arrived before the deadline.
     Timeout,
 }
 
@@ -47,7 +48,7 @@ impl Queue {
         Self { state: Mutex::default(), changed: Condvar::new(), depth, when_full }
     }
 
-    /// Puts a frame in; false if nobody wants it any more.
+    /// Appends a frame; false if the consumer has been dropped.
     pub(super) fn put(&self, frame: Result<Frame>) -> bool {
         let mut state = lock(&self.state);
         while state.frames.len() >= self.depth && !state.closed {
@@ -56,6 +57,7 @@ impl Queue {
             }
             state = self.wait(state);
         }
+
         if !state.closed {
             state.frames.push_back(frame);
             self.changed.notify_all();
@@ -63,17 +65,19 @@ impl Queue {
         !state.closed
     }
 
+    /// Marks the end of the source, with its notes.
     pub(super) fn end(&self, notes: Vec<String>) {
         lock(&self.state).ended = Some(notes);
         self.changed.notify_all();
     }
 
+    /// Marks that the consumer takes no more frames.
     pub(super) fn disconnect(&self) {
         lock(&self.state).closed = true;
         self.changed.notify_all();
     }
 
-    /// The next frame, for which it waits until `deadline` at most.
+    /// The next frame, for which it waits until `deadline` at most, or without limit if that is `None`.
     pub(super) fn pop(&self, deadline: Option<Instant>) -> Taken {
         let mut state = lock(&self.state);
         loop {
@@ -81,9 +85,11 @@ impl Queue {
                 self.changed.notify_all();
                 return Taken::Frame(frame);
             }
+
             if state.ended.is_some() {
                 return Taken::Ended;
             }
+
             state = match deadline.map(|deadline| deadline.saturating_duration_since(Instant::now())) {
                 None => self.wait(state),
                 Some(left) if left.is_zero() => return Taken::Timeout,
@@ -108,7 +114,7 @@ impl Queue {
 }
 
 impl State {
-    /// Drops and counts the oldest image. Errors stay: each is told once, and none may be lost.
+    /// Drops and counts the oldest image; false if there is none. Errors stay: each has to be reported once.
     fn drop_oldest(&mut self) -> bool {
         let oldest = self.frames.iter().position(Result::is_ok);
         self.dropped += u64::from(oldest.is_some());

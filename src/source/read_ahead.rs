@@ -1,4 +1,4 @@
-//! A source on a thread of its own.
+//! A source that is read on a thread of its own.
 
 use super::queue::{Queue, Taken, WhenFull};
 use super::{CancelHandle, Frame, Source};
@@ -7,9 +7,9 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Reads a source on a thread of its own, some images ahead.
+/// Reads a source on a thread of its own, a bounded number of images ahead.
 ///
-/// Errors name the view. Dropping it ends the thread and what the source waits for.
+/// Errors name the view. Dropping it ends the thread and cancels a waiting source.
 ///
 /// ```no_run
 /// use ode_visual_hull::source::{ImageFolder, ReadAhead, ReadOptions, WhenFull};
@@ -26,15 +26,15 @@ pub struct ReadAhead {
     frames_left: Option<u32>,
     period: Option<f64>,
     queue: Arc<Queue>,
-    stopper: CancelHandle,
+    cancel_handle: CancelHandle,
     thread: Option<JoinHandle<()>>,
 }
 
 impl ReadAhead {
-    /// Starts to read `source`, whose view is called `name`, at most `depth` images ahead.
+    /// Starts to read `source` for the view `name`, at most `depth` images ahead.
     ///
     /// # Errors
-    /// A depth of zero; a system without room for another thread.
+    /// A depth of zero; a system that cannot start another thread.
     pub fn spawn(
         name: impl Into<String>,
         source: impl Source + 'static,
@@ -45,14 +45,16 @@ impl ReadAhead {
         if depth == 0 {
             return Err(Error::argument("expected to read at least one image ahead, found 0"));
         }
+
         let queue = Arc::new(Queue::new(depth, when_full));
         let (frames_left, period) = (source.frames_left(), source.period());
-        let stopper = source.cancel_handle();
+        let cancel_handle = source.cancel_handle();
         let reader = Reader { name: name.clone(), queue: Arc::clone(&queue), source };
+
         let thread = std::thread::Builder::new().name(format!("reads {name}")).spawn(move || reader.run());
         let thread =
             thread.map_err(|e| Error::view(&name, format!("expected to start a thread, found: {e}")))?;
-        Ok(Self { name, frames_left, period, queue, stopper, thread: Some(thread) })
+        Ok(Self { name, frames_left, period, queue, cancel_handle, thread: Some(thread) })
     }
 
     /// The view's name.
@@ -60,26 +62,27 @@ impl ReadAhead {
         &self.name
     }
 
-    /// How many images the source had when it was opened, where that is known.
+    /// How many images the source had when it was opened, if known.
     pub fn frames_expected(&self) -> Option<u32> {
         self.frames_left
     }
 
-    /// The seconds from one image to the next, where that is known.
+    /// The seconds from one image to the next, if known.
     pub fn period(&self) -> Option<f64> {
         self.period
     }
 
-    /// How many images were dropped because nobody took them in time; always 0 for [`WhenFull::Wait`].
+    /// How many images were dropped because the queue was full; always 0 for [`WhenFull::Wait`].
     pub fn dropped(&self) -> u64 {
         self.queue.dropped()
     }
 
-    /// What the source has to say after its last image, see [`Source::notes`].
+    /// The source's remarks after its last image, see [`Source::notes`].
     pub fn notes(&self) -> Vec<String> {
         self.queue.notes()
     }
 
+    /// The next frame, for which it waits until `deadline` at most.
     pub(super) fn take_until(&self, deadline: Option<Instant>) -> Taken {
         self.queue.pop(deadline)
     }
@@ -99,9 +102,9 @@ impl Iterator for ReadAhead {
 impl Drop for ReadAhead {
     fn drop(&mut self) {
         self.queue.disconnect();
-        self.stopper.stop();
+        self.cancel_handle.stop();
         if let Some(thread) = self.thread.take() {
-            // It has told of its panic as an error.
+            // A panic has been reported as an error already.
             let _ = thread.join();
         }
     }
@@ -113,7 +116,7 @@ impl std::fmt::Debug for ReadAhead {
     }
 }
 
-/// What runs on the thread.
+/// The state of the reading thread; dropping it ends the queue, after a panic too.
 struct Reader<S: Source> {
     name: String,
     queue: Arc<Queue>,
@@ -187,7 +190,7 @@ mod tests {
         let ahead = ReadAhead::spawn("left", fed.clone(), 2, WhenFull::Wait).unwrap();
         fed.wait_until_starved();
         drop(ahead);
-        // And one whose thread waits for room.
+        // A reader whose thread waits because the queue is full ends as well.
         let full = Fed::with((0..9).map(|n| Ok(frame(n, 0.0))));
         drop(ReadAhead::spawn("left", full, 1, WhenFull::Wait).unwrap());
     }

@@ -1,4 +1,4 @@
-//! Images of several cameras, put together by their times.
+//! Groups the images of several cameras by their times.
 
 use super::queue::Taken;
 use super::{Frame, ReadAhead};
@@ -6,20 +6,20 @@ use crate::{Error, Result};
 use image::RgbImage;
 use std::time::{Duration, Instant};
 
-/// What the cameras saw at one time.
+/// The images of all cameras at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImageSet {
-    /// An image of each camera, in the streams' order; `None` of a camera that has none at this time.
+    /// One image per camera, in the streams' order; `None` for a camera without one at this time.
     pub images: Vec<Option<Frame>>,
     /// The mean of the images' times, in seconds.
     pub time: f64,
-    /// From the earliest image to the latest, in seconds; at most the synchroniser's bound.
+    /// The time from the earliest image to the latest, in seconds; at most the synchroniser's bound.
     pub time_spread: f64,
 }
 
 impl ImageSet {
-    /// Images that all cameras took at one instant, `time` in seconds: an image of each, in the cameras' order, all
-    /// with the number `number`.
+    /// A set of images taken at the same `time` in seconds: one per camera, in the cameras' order, all with the number
+    /// `number`.
     pub fn simultaneous(number: u32, time: f64, images: impl IntoIterator<Item = RgbImage>) -> Self {
         let frame = |image| Some(Frame { number, time, image });
         Self { images: images.into_iter().map(frame).collect(), time, time_spread: 0.0 }
@@ -30,26 +30,25 @@ impl ImageSet {
         self.images.iter().all(Option::is_some)
     }
 
-    /// The cameras without an image.
+    /// The indices of the cameras without an image.
     pub fn missing(&self) -> impl Iterator<Item = usize> {
         (0..self.images.len()).filter(|&camera| self.images[camera].is_none())
     }
 
-    /// The number of the image of the first camera that has one.
+    /// The image number of the first camera that has an image; 0 for a set without images.
     pub fn number(&self) -> u32 {
         self.images.iter().flatten().next().map_or(0, |frame| frame.number)
     }
 }
 
-/// Puts the images of several streams together into sets, in the order of time.
+/// Groups the images of several streams into sets, in the order of time.
 ///
-/// A set begins with the earliest image that is left, and takes of every other stream the next image if it is within
-/// the bound after that one. So with a bound of half a period no image can fit two sets. A camera that has no such
-/// image is missing from the set, which is given all the same: no image is left out of all sets but those that come
-/// [too late](Self::set_patience).
+/// A set begins with the earliest remaining image, at time t, and takes the next image of every other stream if its
+/// time is at most t + bound. With a bound of half a period no image can fit two sets. A set is returned even if
+/// cameras are missing from it; only images that arrive [too late](Self::set_patience) are in no set.
 ///
-/// An error of a stream takes the place of a set; what the other streams have read is kept, and comes with the sets
-/// that follow.
+/// An error of a stream is returned in place of a set; images already read from other streams are kept for the
+/// following sets.
 ///
 /// ```no_run
 /// use ode_visual_hull::source::{ReadAhead, ReadOptions, Synchroniser, Video, WhenFull};
@@ -61,7 +60,7 @@ impl ImageSet {
 /// let streams = streams.into_iter().collect::<Result<Vec<_>, _>>()?;
 /// for set in Synchroniser::new(streams, 0.5 / 30.0)? {
 ///     let set = set?;
-///     println!("{} s, within {} s; without {:?}", set.time, set.spread, set.missing().collect::<Vec<_>>());
+///     println!("{} s, within {} s; without {:?}", set.time, set.time_spread, set.missing().collect::<Vec<_>>());
 /// }
 /// # Ok::<(), ode_visual_hull::Error>(())
 /// ```
@@ -70,17 +69,18 @@ pub struct Synchroniser {
     streams: Vec<Stream>,
     bound: f64,
     patience: Option<Duration>,
-    /// The end of the last set that was given without waiting for somebody.
+    /// The latest time that the last set covered; a stalled stream's images up to it are late.
     emitted_until: f64,
 }
 
 #[derive(Debug)]
+/// One camera's stream and its next image.
 struct Stream {
     reader: ReadAhead,
     head: Head,
-    /// The time of the last image that it gave.
+    /// The time of the last image read from it.
     last: f64,
-    /// It has let a set pass without a sign, and is not waited for until it gives one.
+    /// The stream has missed a set within the allowed time, and is not waited for until it delivers again.
     stalled: bool,
     late: u64,
 }
@@ -94,7 +94,7 @@ enum Head {
 }
 
 impl Synchroniser {
-    /// Sets of the images of `streams` whose times lie within `bound` seconds; half a period suits cameras that are
+    /// Groups images of `streams` whose times differ by at most `bound` seconds. Half a period suits cameras that are
     /// triggered together.
     ///
     /// # Errors
@@ -106,6 +106,7 @@ impl Synchroniser {
         if !(bound.is_finite() && bound >= 0.0) {
             return Err(Error::argument(format!("expected a bound of 0 or more seconds, found {bound}")));
         }
+
         let stream = |ahead| Stream {
             reader: ahead,
             head: Head::Unread,
@@ -117,11 +118,11 @@ impl Synchroniser {
         Ok(Self { streams, bound, patience: None, emitted_until: f64::NEG_INFINITY })
     }
 
-    /// How long a set that has images waits for a camera that gives none: for live cameras, of which one may stall.
-    /// Default `None`: for ever, as suits recordings.
+    /// How long a set that has images waits for a camera that delivers none, for live cameras, which may stall.
+    /// Default `None`: without limit, which suits recordings.
     ///
-    /// A camera that lets a set pass is not waited for again until it gives an image. Images that come when their set
-    /// has been given are [counted](Self::late) and dropped.
+    /// A camera that misses a set is not waited for again until it delivers an image. Images of sets that have been
+    /// returned already are [counted](Self::late) and dropped.
     pub fn set_patience(&mut self, patience: Option<Duration>) {
         self.patience = patience;
     }
@@ -131,30 +132,35 @@ impl Synchroniser {
         self.streams.iter().map(|stream| &stream.reader)
     }
 
-    /// The bound, in seconds.
+    /// The largest time between the images of a set, in seconds.
     pub fn bound(&self) -> f64 {
         self.bound
     }
 
-    /// How many images of the stream at position `stream` came when their set had been given; 0 where there is none.
+    /// How many images of the stream at index `stream` arrived after their set was returned; 0 if there is no such
+    /// stream.
     pub fn late(&self, stream: usize) -> u64 {
         self.streams.get(stream).map_or(0, |stream| stream.late)
     }
 
-    /// How many images of the stream at position `stream` were dropped because nobody took them; 0 where there is none.
+    /// How many images of the stream at index `stream` were dropped because its queue was full; 0 if there is no such
+    /// stream.
     pub fn dropped(&self, stream: usize) -> u64 {
         self.streams.get(stream).map_or(0, |stream| stream.reader.dropped())
     }
 
-    /// Waits until of each stream is known what comes next, or patience ends while another has an image.
+    /// Waits until the next image of each stream is known, or until the patience ends while another stream has an
+    /// image.
     fn fill_heads(&mut self) -> Result<()> {
         loop {
             let deadline = self.patience.map(|patience| Instant::now() + patience);
-            let is_alone = !self.streams.iter().any(|stream| matches!(stream.head, Head::Read(_)));
+
+            let none_read = !self.streams.iter().any(|stream| matches!(stream.head, Head::Read(_)));
             for stream in &mut self.streams {
-                let deadline = if stream.stalled && !is_alone { Some(Instant::now()) } else { deadline };
+                let deadline = if stream.stalled && !none_read { Some(Instant::now()) } else { deadline };
                 stream.read_head(deadline, self.emitted_until)?;
             }
+
             let has = |state: fn(&Head) -> bool| self.streams.iter().any(|stream| state(&stream.head));
             if has(|head| matches!(head, Head::Read(_))) || !has(|head| matches!(head, Head::Unread)) {
                 return Ok(());
@@ -164,6 +170,7 @@ impl Synchroniser {
 }
 
 impl Stream {
+    /// Reads the next image; images up to the time `passed` of a stalled stream are counted as late.
     fn read_head(&mut self, deadline: Option<Instant>, passed: f64) -> Result<()> {
         while matches!(self.head, Head::Unread) {
             match self.reader.take_until(deadline) {
@@ -172,6 +179,7 @@ impl Stream {
                     self.stalled = true;
                     return Ok(());
                 }
+
                 Taken::Frame(frame) => {
                     let frame = self.check(frame?)?;
                     if self.stalled && frame.time <= passed {
@@ -186,6 +194,7 @@ impl Stream {
         Ok(())
     }
 
+    /// Refuses an image whose time does not increase.
     fn check(&mut self, frame: Frame) -> Result<Frame> {
         let (number, time, last) = (frame.number, frame.time, self.last);
         if time.is_finite() && time > last {
@@ -205,7 +214,7 @@ impl Stream {
         }
     }
 
-    /// Its next image, if that is taken until `end`.
+    /// The stream's next image, if its time is at most `end`.
     fn take_until(&mut self, end: f64) -> Option<Frame> {
         if self.time().is_none_or(|time| time > end) {
             return None;
@@ -224,10 +233,13 @@ impl Iterator for Synchroniser {
         if let Err(e) = self.fill_heads() {
             return Some(Err(e));
         }
+
         let begin = self.streams.iter().filter_map(Stream::time).min_by(f64::total_cmp)?;
         let end = begin + self.bound;
         let images: Vec<_> = self.streams.iter_mut().map(|stream| stream.take_until(end)).collect();
         self.emitted_until = end;
+
+        // images
         let times = || images.iter().flatten().map(|frame: &Frame| frame.time);
         let spread = times().fold(begin, f64::max) - begin;
         let time = times().map(|time| time - begin).sum::<f64>() / times().count() as f64 + begin;

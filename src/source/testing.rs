@@ -1,4 +1,4 @@
-//! What the tests of several sources need.
+//! Folders, images and sources for the tests of this module.
 
 use super::{CancelHandle, Frame, Source};
 use crate::Result;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, Condvar, Mutex};
 
-/// A folder of its own for one test, gone when it ends.
+/// A temporary folder for one test, removed when it is dropped.
 pub struct Folder(PathBuf);
 
 impl Folder {
@@ -30,7 +30,7 @@ impl Drop for Folder {
     }
 }
 
-/// An image of one grey.
+/// An image of a uniform grey value.
 pub fn grey_image(value: u8, (width, height): (u32, u32)) -> RgbImage {
     RgbImage::from_pixel(width, height, Rgb([value; 3]))
 }
@@ -45,7 +45,7 @@ pub fn assert_says<T>(result: Result<T>, parts: &[&str]) {
     parts.iter().for_each(|part| assert!(message.contains(part), "{message:?} lacks {part:?}"));
 }
 
-/// Makes a video of `frames` images of one grey each, 10, 12, 14, .., at 25 a second, without loss.
+/// Writes a lossless video of `frames` uniform images with grey values 10, 12, 14, .., at 25 images per second.
 pub fn write_video(path: &Path, frames: u32, (width, height): (u32, u32)) {
     let source = format!("color=black:s={width}x{height}:r=25,format=gray,geq=lum=10+2*N");
     let done = Command::new("ffmpeg")
@@ -57,7 +57,7 @@ pub fn write_video(path: &Path, frames: u32, (width, height): (u32, u32)) {
     assert!(done.success());
 }
 
-/// A source that gives what the test hands it, and waits for more until it is told that there is none.
+/// A source that yields the frames that the test sends, and waits for more until the test ends it.
 #[derive(Clone, Default)]
 pub struct Fed(Arc<(Mutex<Feed>, Condvar)>);
 
@@ -69,7 +69,7 @@ struct Feed {
 }
 
 impl Fed {
-    /// Gives `frames` and ends.
+    /// A source that yields `frames` and ends.
     pub fn with(frames: impl IntoIterator<Item = Result<Frame>>) -> Self {
         let fed = Self::default();
         frames.into_iter().for_each(|frame| fed.send(frame));
@@ -87,7 +87,7 @@ impl Fed {
         self.0.1.notify_all();
     }
 
-    /// Returns when all that was given has been taken and somebody waits for more.
+    /// Waits until all frames have been taken and a reader waits for more.
     pub fn wait_until_starved(&self) {
         let feed = self.0.0.lock().unwrap();
         let starved = |feed: &mut Feed| !(feed.frames.is_empty() && feed.blocks);

@@ -1,4 +1,4 @@
-//! When images were taken.
+//! The times of images.
 
 use crate::{Error, Result};
 use std::collections::BTreeMap;
@@ -7,9 +7,9 @@ use std::sync::Arc;
 /// The times of a source's images, by their numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Times {
-    /// So many images a second, number 0 at 0 s.
+    /// Images per second; image 0 is at 0 s.
     Rate(f64),
-    /// Seconds, listed by number.
+    /// Seconds, by image number.
     Listed(Arc<BTreeMap<u32, f64>>),
 }
 
@@ -25,7 +25,7 @@ impl Times {
         }
     }
 
-    /// The time of image `number`, in seconds; what is wrong where none is listed.
+    /// The time of image `number` in seconds; an error text if none is listed.
     pub(crate) fn of(&self, number: u32) -> std::result::Result<f64, String> {
         match self {
             Self::Rate(rate) => Ok(f64::from(number) / rate),
@@ -44,12 +44,13 @@ impl Times {
         }
     }
 
-    /// The seconds from one image to the next; of listed ones the median.
+    /// The seconds from one image to the next; the median for listed times.
     pub(super) fn period(&self) -> Option<f64> {
         match self {
             Self::Rate(rate) => Some(1.0 / rate),
             Self::Listed(listed) => {
                 let times: Vec<f64> = listed.values().copied().collect();
+
                 let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
                 steps.sort_by(f64::total_cmp);
                 steps.get(steps.len() / 2).copied()

@@ -1,4 +1,4 @@
-//! Video files, through `ffmpeg`.
+//! Video files, read through `ffmpeg`.
 
 use super::ffmpeg::{Ffmpeg, file_name};
 use super::probe::{self, Header};
@@ -9,17 +9,17 @@ use std::path::{Path, PathBuf};
 
 /// The images of a video file of any kind that the installed `ffmpeg` reads.
 ///
-/// They are numbered from 0 as they are decoded, none left out or repeated to suit a clock. A video that was taken
-/// upright is turned as its header says. Times come from the number and the video's mean rate, unless they are listed.
+/// They are numbered from 0 as they are decoded; none is dropped or repeated to match a clock. A video taken upright
+/// is rotated as its header says. Times are listed, or follow from the number and the video's mean rate.
 #[derive(Debug)]
 pub struct Video {
     path: PathBuf,
-    reading: ReadOptions,
+    options: ReadOptions,
     times: Times,
     header: Header,
     /// `None` after the last image.
     ffmpeg: Option<Ffmpeg>,
-    /// Read already, when it was opened.
+    /// The first image, which is decoded on opening.
     first: Option<RgbImage>,
     size: (u32, u32),
     next: u32,
@@ -30,47 +30,51 @@ impl Video {
     /// Opens the video at `path` and decodes its first image.
     ///
     /// # Errors
-    /// No `ffmpeg`; a file that is missing or that it cannot read, with what it says; a video of another size than
-    /// `reading` asks for, or without its first image; a rate that is not positive, or neither told nor given.
-    pub fn open(path: impl AsRef<Path>, reading: ReadOptions) -> Result<Self> {
+    /// `ffmpeg` is not installed; a file that is missing or unreadable, with ffmpeg's messages; a video of another
+    /// size than in `options`, or without its first image; a rate that is not positive, or neither in the header nor
+    /// in `options`.
+    pub fn open(path: impl AsRef<Path>, options: ReadOptions) -> Result<Self> {
         let path = path.as_ref().to_owned();
         if !path.is_file() {
             return Err(Error::file(path, "expected a video file, found none; check the path"));
         }
         let header = probe::header(&path)?;
-        let Some(times) = reading.times.clone().or(header.rate.map(Times::Rate)) else {
+        let Some(times) = options.times.clone().or(header.rate.map(Times::Rate)) else {
             return Err(Error::file(
                 path,
                 "expected a rate in the header, found none; give the rate or the times",
             ));
         };
         times.check()?;
-        let filter = match reading.first {
+
+        let filter = match options.first {
             0 => String::new(),
             first => format!("select=gte(n\\,{first}),"),
         };
+
         let mut ffmpeg = Ffmpeg::start(&path, &[], &filter, &file_name(&path))?;
         let Some(first) = ffmpeg.next_picture()? else {
-            let (end, number) = (ffmpeg.end(), reading.first);
+            let (end, number) = (ffmpeg.end(), options.first);
             let problem = format!("expected an image as frame {number}, found none; {}", end.quoted());
             return Err(Error::file(path, problem));
         };
+
         let size = first.dimensions();
-        reading.check_size(&path, "", size)?;
-        let next = reading.first;
+        options.check_size(&path, "", size)?;
+        let next = options.first;
         let (ffmpeg, first) = (Some(ffmpeg), Some(first));
-        Ok(Self { path, reading, times, header, ffmpeg, first, size, next, notes: Vec::new() })
+        Ok(Self { path, options, times, header, ffmpeg, first, size, next, notes: Vec::new() })
     }
 
-    /// How many images a second the video at `path` has, as far as its header tells.
+    /// The images per second of the video at `path`, if its header has the rate.
     ///
     /// # Errors
-    /// No `ffprobe`, which comes with ffmpeg; a file that it cannot read.
+    /// `ffprobe`, which comes with ffmpeg, is not installed; a file that it cannot read.
     pub fn rate(path: impl AsRef<Path>) -> Result<Option<f64>> {
         Ok(probe::header(path.as_ref())?.rate)
     }
 
-    /// Width and height of its images, in pixels.
+    /// Width and height of the images, in pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size
     }
@@ -82,17 +86,19 @@ impl Video {
         }
     }
 
-    /// What is to be said after the last image; an error where it came too early.
+    /// Closes the video after the last image: notes about it, or an error if it ended too early.
     fn end(&mut self) -> Result<()> {
         let Some(mut ffmpeg) = self.ffmpeg.take() else { return Ok(()) };
         let (end, found, path) = (ffmpeg.end(), self.next, &self.path);
         let kept = "the images before are good";
+
         if !end.success {
             let problem = format!("expected frame {found}, found an end; {}; {kept}", end.quoted());
             return Err(Error::file(path, problem));
         }
+
         if let Some(promised) = self.header.frames.filter(|&promised| found < promised) {
-            // Encoders that leave out images that look like the last one still count them.
+            // Some encoders leave out images that repeat the last one but count them in the header.
             if probe::packets(path)?.is_some_and(|held| held < promised) {
                 let problem = format!(
                     "expected {promised} images as its header says, found an end after {found}; {}; copy the file \
@@ -101,6 +107,7 @@ impl Video {
                 );
                 return Err(Error::file(path, problem));
             }
+
             let left_out = promised - found;
             self.notes.push(format!(
                 "{}: its header counts {promised} images, of which {left_out} only repeat others and are left out; the \
@@ -108,7 +115,8 @@ impl Video {
                 path.display()
             ));
         }
-        if !end.complaints.is_empty() {
+
+        if !end.messages.is_empty() {
             self.notes.push(format!("{}: some images may be damaged: {}", path.display(), end.quoted()));
         }
         Ok(())
@@ -117,7 +125,7 @@ impl Video {
     fn frame(&mut self, image: RgbImage) -> Result<Frame> {
         let number = self.next;
         self.next += 1;
-        self.reading.check_size(&self.path, &format!("frame {number}: "), image.dimensions())?;
+        self.options.check_size(&self.path, &format!("frame {number}: "), image.dimensions())?;
         let time = self.times.of(number).map_err(|problem| Error::file(&self.path, problem))?;
         Ok(Frame { number, time, image })
     }
@@ -148,7 +156,7 @@ impl Source for Video {
     }
 
     fn cancel_handle(&self) -> CancelHandle {
-        self.ffmpeg.as_ref().map(Ffmpeg::stopper).unwrap_or_default()
+        self.ffmpeg.as_ref().map(Ffmpeg::cancel_handle).unwrap_or_default()
     }
 }
 

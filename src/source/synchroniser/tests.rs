@@ -10,21 +10,23 @@ fn streams<S: Source + 'static>(sources: impl IntoIterator<Item = S>) -> Vec<Rea
         .collect()
 }
 
-/// Sources of images at these times.
+/// One stream per list, with images at these times in seconds.
 fn at(times: &[&[f64]]) -> Vec<ReadAhead> {
     streams(times.iter().map(|times| Fed::with((0..).zip(*times).map(|(n, &time)| Ok(frame(n, time))))))
 }
 
+/// The times of a set's images.
 fn times(set: &ImageSet) -> Vec<Option<f64>> {
     set.images.iter().map(|frame| frame.as_ref().map(|frame| frame.time)).collect()
 }
 
+/// The times of all sets' images.
 fn sets(streams: Vec<ReadAhead>, bound: f64) -> Vec<Vec<Option<f64>>> {
     Synchroniser::new(streams, bound).unwrap().map(|set| times(&set.unwrap())).collect()
 }
 
 #[test]
-fn images_within_the_bound_are_a_set_and_every_image_is_in_one() {
+fn images_within_the_bound_form_a_set_and_every_image_is_in_one() {
     let streams = at(&[&[0.0, 1.0, 2.0, 3.0], &[0.2, 1.4, 3.1], &[0.9, 2.1, 2.9]]);
     let (some, none) = (Some, None);
     assert_eq!(
@@ -39,14 +41,14 @@ fn images_within_the_bound_are_a_set_and_every_image_is_in_one() {
 }
 
 #[test]
-fn the_bound_itself_is_within_the_bound() {
+fn a_difference_equal_to_the_bound_is_within_it() {
     assert_eq!(sets(at(&[&[1.0], &[1.5]]), 0.5).len(), 1);
     assert_eq!(sets(at(&[&[1.0], &[1.51]]), 0.5).len(), 2);
     assert_eq!(sets(at(&[&[1.0, 2.0], &[1.0, 2.0]]), 0.0).len(), 2);
 }
 
 #[test]
-fn a_set_tells_its_time_its_spread_and_who_is_missing() {
+fn a_set_has_its_time_its_spread_and_the_missing_cameras() {
     let mut synchroniser = Synchroniser::new(at(&[&[2.0], &[10.0, 11.0], &[10.5]]), 0.5).unwrap();
     let first = synchroniser.next().unwrap().unwrap();
     assert_eq!((first.is_complete(), first.missing().collect::<Vec<_>>()), (false, vec![1, 2]));
@@ -66,7 +68,7 @@ fn streams_of_unequal_length_end_with_flagged_sets() {
 
 #[test]
 fn no_image_is_in_two_sets_or_in_none() {
-    // Every 3 ms to 11 ms an image, in each stream on its own.
+    // Independent streams with steps of 3 ms to 11 ms.
     let mut state = 1_u64;
     let mut random = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -81,9 +83,11 @@ fn no_image_is_in_two_sets_or_in_none() {
             .collect::<Vec<f64>>()
     };
     let (a, b, c) = (stream(), stream(), stream());
+
     let synchroniser = Synchroniser::new(at(&[&a, &b, &c]), 0.004).unwrap();
-    let mut seen = [const { Vec::new() }; 3];
+    let mut collected = [const { Vec::new() }; 3];
     let mut last = 0.0;
+
     for set in synchroniser.map(Result::unwrap) {
         let present: Vec<f64> = times(&set).into_iter().flatten().collect();
         let (least, greatest) =
@@ -91,16 +95,17 @@ fn no_image_is_in_two_sets_or_in_none() {
         assert!(greatest - least <= 0.004 && set.time_spread == greatest - least, "{set:?}");
         assert!((least..=greatest).contains(&set.time) && least > last, "{set:?}");
         last = least;
-        times(&set).into_iter().zip(&mut seen).for_each(|(time, seen)| seen.extend(time));
+        times(&set).into_iter().zip(&mut collected).for_each(|(time, stream)| stream.extend(time));
     }
-    assert_eq!(seen, [a, b, c]);
+
+    assert_eq!(collected, [a, b, c]);
 }
 
 #[test]
-fn an_error_of_one_stream_costs_its_image_alone() {
+fn an_error_of_one_stream_loses_only_that_image() {
     let broken = [Ok(frame(0, 0.0)), Err(Error::argument("corrupt")), Ok(frame(2, 2.0))];
-    let sound = (0..3).map(|n| Ok(frame(n, f64::from(n))));
-    let mut synchroniser = Synchroniser::new(streams([Fed::with(sound), Fed::with(broken)]), 0.5).unwrap();
+    let valid = (0..3).map(|n| Ok(frame(n, f64::from(n))));
+    let mut synchroniser = Synchroniser::new(streams([Fed::with(valid), Fed::with(broken)]), 0.5).unwrap();
     assert!(synchroniser.next().unwrap().unwrap().is_complete());
     assert_says(synchroniser.next().unwrap(), &["view \"b\"", "corrupt"]);
     let rest: Vec<_> = synchroniser.map(|set| times(&set.unwrap())).collect();
@@ -108,7 +113,7 @@ fn an_error_of_one_stream_costs_its_image_alone() {
 }
 
 #[test]
-fn times_that_do_not_grow_are_errors() {
+fn times_that_do_not_increase_are_errors() {
     for bad in [1.0, 0.5, f64::NAN, f64::INFINITY] {
         let mut synchroniser = Synchroniser::new(at(&[&[0.0, 1.0, bad, 3.0]]), 0.5).unwrap();
         let mut next = || synchroniser.next().unwrap();
@@ -120,33 +125,36 @@ fn times_that_do_not_grow_are_errors() {
 
 #[test]
 fn a_camera_that_stalls_is_flagged_and_its_late_images_are_counted() {
-    let (lively, stalled) = (Fed::default(), Fed::default());
-    let mut synchroniser = Synchroniser::new(streams([lively.clone(), stalled.clone()]), 0.5).unwrap();
+    let (running, stalled) = (Fed::default(), Fed::default());
+    let mut synchroniser = Synchroniser::new(streams([running.clone(), stalled.clone()]), 0.5).unwrap();
     synchroniser.set_patience(Some(Duration::from_millis(1)));
     let mut next = || {
         let set = synchroniser.next().unwrap().unwrap();
         (times(&set), synchroniser.late(1))
     };
-    (0..2).for_each(|n| lively.send(Ok(frame(n, f64::from(n)))));
-    // Else the lively one, too, might let a set pass.
-    lively.wait_until_starved();
+
+    (0..2).for_each(|n| running.send(Ok(frame(n, f64::from(n)))));
+    // Ensures that the running stream does not miss a set.
+    running.wait_until_starved();
     assert_eq!(next(), (vec![Some(0.0), None], 0));
     assert_eq!(next(), (vec![Some(1.0), None], 0));
-    // Two images come when their sets have been given; then it is in step again.
+
+    // Two images arrive after their sets; the third one is in time again.
     stalled.wait_until_starved();
     (0..3).for_each(|n| stalled.send(Ok(frame(n, f64::from(n)))));
     stalled.wait_until_starved();
-    lively.send(Ok(frame(2, 2.0)));
-    lively.wait_until_starved();
+    running.send(Ok(frame(2, 2.0)));
+    running.wait_until_starved();
     assert_eq!(next(), (vec![Some(2.0), Some(2.0)], 2));
-    lively.end();
+
+    running.end();
     stalled.end();
     assert!(synchroniser.next().is_none());
     assert_eq!((synchroniser.late(0), synchroniser.late(7), synchroniser.dropped(0)), (0, 0, 0));
 }
 
 #[test]
-fn no_streams_or_a_bound_that_is_none_are_refused() {
+fn an_empty_list_of_streams_and_an_invalid_bound_are_refused() {
     assert_says(Synchroniser::new(Vec::new(), 0.1), &["at least one", "none"]);
     for bound in [-0.1, f64::NAN, f64::INFINITY] {
         assert_says(Synchroniser::new(at(&[&[]]), bound), &["bound", &bound.to_string()]);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::process::Command;
 use std::sync::Arc;
 
+/// All images of a video, the error that ends it, and its notes.
 fn all(mut video: Video) -> (Vec<Frame>, Option<Error>, Vec<String>) {
     let mut frames = Vec::new();
     loop {
@@ -35,7 +36,7 @@ fn every_image_of_a_video_comes_once_in_order_with_its_time() {
     assert_eq!((frames.len(), error, notes), (40, None, vec![]));
     for (number, frame) in (0..).zip(&frames) {
         assert_eq!((frame.number, frame.time), (number, f64::from(number) / 25.0));
-        // The codec is lossless; grey becomes colour exactly.
+        // The codec is lossless, and the conversion from grey to colour is exact.
         assert_eq!(frame.image, grey_image(10 + 2 * number as u8, (32, 24)), "{number}");
     }
 }
@@ -46,21 +47,21 @@ fn a_video_may_be_read_from_the_middle() {
     let path = folder.path("clip.mkv");
     write_video(&path, 10, (16, 8));
     let times = Times::Listed(Arc::new(BTreeMap::from([(7, 1.0), (8, 1.5), (9, 2.5)])));
-    let reading = ReadOptions { first: 7, times: Some(times), ..ReadOptions::default() };
-    let (frames, error, _) = all(Video::open(&path, reading.clone()).unwrap());
+    let options = ReadOptions { first: 7, times: Some(times), ..ReadOptions::default() };
+    let (frames, error, _) = all(Video::open(&path, options.clone()).unwrap());
     assert_eq!(error, None);
     assert_eq!(
         frames.iter().map(|frame| (frame.number, frame.time)).collect::<Vec<_>>(),
         [(7, 1.0), (8, 1.5), (9, 2.5)]
     );
     assert_eq!(frames[0].image, grey_image(24, (16, 8)));
-    let beyond = ReadOptions { first: 10, ..reading };
+    let beyond = ReadOptions { first: 10, ..options };
     assert_says(Video::open(&path, beyond), &["clip.mkv", "frame 10", "found none"]);
 }
 
 #[test]
-fn a_rate_that_the_time_stamps_belie_drops_and_repeats_nothing() {
-    // 20 images whose stamps lie anywhere: ffmpeg's own clock would make 58 of them.
+fn time_stamps_that_disagree_with_the_rate_drop_and_repeat_nothing() {
+    // 20 images with irregular time stamps: ffmpeg's own clock would produce 58 images.
     let folder = Folder::new("stamps");
     let path = folder.path("clip.mkv");
     let source = "color=black:s=16x8:r=25,format=gray,geq=lum=10+2*N,setpts=PTS+floor(N/7)/TB";
@@ -76,29 +77,31 @@ fn a_video_of_another_size_is_refused_with_both_sizes() {
     let folder = Folder::new("size");
     let path = folder.path("clip.avi");
     write_video(&path, 2, (32, 24));
-    let reading = ReadOptions { size: Some((64, 48)), ..ReadOptions::default() };
-    assert_says(Video::open(&path, reading), &["clip.avi", "64 x 48", "found 32 x 24", "calibrate"]);
+    let options = ReadOptions { size: Some((64, 48)), ..ReadOptions::default() };
+    assert_says(Video::open(&path, options), &["clip.avi", "64 x 48", "found 32 x 24", "calibrate"]);
 }
 
 #[test]
-fn a_video_taken_upright_is_turned() {
-    let folder = Folder::new("turned");
-    let (lying, turned) = (folder.path("lying.mp4"), folder.path("turned.mp4"));
-    ffmpeg(&["-f", "lavfi", "-i", "testsrc=s=32x24:r=25", "-frames:v", "2", "-c:v", "mpeg4"], &lying);
-    let source = lying.to_str().unwrap();
-    ffmpeg(&["-i", source, "-c", "copy", "-metadata:s:v:0", "rotate=90"], &turned);
-    assert_eq!(Video::open(&lying, ReadOptions::default()).unwrap().size(), (32, 24));
-    assert_eq!(Video::open(&turned, ReadOptions::default()).unwrap().size(), (24, 32));
+fn a_video_taken_upright_is_rotated() {
+    let folder = Folder::new("portrait");
+    let (landscape, portrait) = (folder.path("landscape.mp4"), folder.path("portrait.mp4"));
+    ffmpeg(&["-f", "lavfi", "-i", "testsrc=s=32x24:r=25", "-frames:v", "2", "-c:v", "mpeg4"], &landscape);
+    let source = landscape.to_str().unwrap();
+    ffmpeg(&["-i", source, "-c", "copy", "-metadata:s:v:0", "rotate=90"], &portrait);
+    assert_eq!(Video::open(&landscape, ReadOptions::default()).unwrap().size(), (32, 24));
+    assert_eq!(Video::open(&portrait, ReadOptions::default()).unwrap().size(), (24, 32));
 }
 
 #[test]
-fn a_video_that_is_cut_off_gives_its_images_and_then_says_so() {
+fn a_truncated_video_yields_its_images_and_then_an_error() {
     let folder = Folder::new("cut");
     let path = folder.path("clip.avi");
     ffmpeg(&["-f", "lavfi", "-i", "testsrc2=s=160x120:r=25", "-frames:v", "40", "-c:v", "ffv1"], &path);
     let (whole, ..) = all(Video::open(&path, ReadOptions::default()).unwrap());
+
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+
     let (frames, error, _) = all(Video::open(&path, ReadOptions::default()).unwrap());
     assert!((10..30).contains(&frames.len()), "{}", frames.len());
     assert_eq!(frames[..frames.len() - 1], whole[..frames.len() - 1]);
@@ -107,27 +110,30 @@ fn a_video_that_is_cut_off_gives_its_images_and_then_says_so() {
 }
 
 #[test]
-fn a_video_with_a_damaged_middle_says_so() {
+fn a_video_with_a_damaged_middle_is_reported() {
     let folder = Folder::new("damaged");
     let path = folder.path("clip.avi");
     ffmpeg(&["-f", "lavfi", "-i", "testsrc=s=64x48:r=25", "-frames:v", "40", "-c:v", "mpeg4"], &path);
+
     let mut bytes = std::fs::read(&path).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle..middle + 600].fill(0x5a);
     std::fs::write(&path, &bytes).unwrap();
+
     let (frames, error, notes) = all(Video::open(&path, ReadOptions::default()).unwrap());
     assert!(frames.len() > 15, "{}", frames.len());
-    let told = notes.into_iter().chain(error.map(|e| e.to_string())).collect::<Vec<_>>().join("\n");
-    assert!(told.contains("clip.avi") && told.contains("ffmpeg said"), "{told}");
+    let reported = notes.into_iter().chain(error.map(|e| e.to_string())).collect::<Vec<_>>().join("\n");
+    assert!(reported.contains("clip.avi") && reported.contains("ffmpeg said"), "{reported}");
 }
 
 #[test]
-fn what_is_no_video_is_refused_with_what_ffmpeg_says() {
+fn files_that_are_not_videos_are_refused_with_ffmpegs_message() {
     let folder = Folder::new("foreign");
     assert_says(
         Video::open(folder.path("none.mp4"), ReadOptions::default()),
         &["none.mp4", "found none", "path"],
     );
+
     let path = folder.path("notes: today.mp4");
     std::fs::write(&path, "not a video").unwrap();
     assert_says(Video::open(&path, ReadOptions::default()), &["notes: today.mp4", "Invalid data"]);
@@ -136,11 +142,13 @@ fn what_is_no_video_is_refused_with_what_ffmpeg_says() {
         Video::open(&path, ReadOptions::default()),
         &["notes: today.mp4", "a video that ffmpeg can read"],
     );
+
     let sound = folder.path("sound.wav");
     ffmpeg(&["-f", "lavfi", "-i", "sine=d=0.1"], &sound);
     assert_says(Video::open(&sound, ReadOptions::default()), &["sound.wav", "no stream of images"]);
-    let (path, reading) =
+
+    let (path, options) =
         (folder.path("clip.avi"), ReadOptions { times: Some(Times::Rate(-1.0)), ..ReadOptions::default() });
     write_video(&path, 1, (8, 8));
-    assert_says(Video::open(&path, reading), &["positive", "-1"]);
+    assert_says(Video::open(&path, options), &["positive", "-1"]);
 }

@@ -1,9 +1,9 @@
-//! The one error of the crate.
+//! The error type of the crate.
 
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// What went wrong, where, and what to do next.
+/// An error that says what went wrong, where, and what to do next.
 ///
 /// Every message names the file, the view or the argument, what was expected and what was found.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -12,7 +12,7 @@ pub enum Error {
     /// A file could not be read, written or understood.
     #[error("{}: {problem}", path.display())]
     File {
-        /// The file, as it was given.
+        /// The path of the file, as passed by the caller.
         path: PathBuf,
         /// Expected, found, next step.
         problem: String,
@@ -36,20 +36,20 @@ pub enum Error {
     /// An argument is out of its range.
     #[error("{0}")]
     Argument(String),
-    /// A calibration does not tell what it has to, and the [`Hints`](crate::rig::Hints) did not either.
+    /// A calibration lacks necessary information, and the [`Hints`](crate::rig::Hints) do not give it.
     #[error("{error}")]
     MissingHint {
-        /// What the hints should tell.
+        /// The missing information.
         what: MissingHint,
-        /// The rest of it.
+        /// The error with its message.
         error: Box<Error>,
     },
-    /// ODE is missing, closed, or refused.
+    /// ODE is missing, closed, or refused the call.
     #[error("ODE: {0}")]
     Ode(String),
 }
 
-/// What a calibration may leave out, and [`Hints`](crate::rig::Hints) can tell.
+/// Information that a calibration may lack and [`Hints`](crate::rig::Hints) can give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MissingHint {

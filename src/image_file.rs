@@ -1,4 +1,4 @@
-//! Image files, read and written with the crate's errors.
+//! Reads and writes image files with the crate's errors.
 
 use crate::{Error, Result};
 use image::{DynamicImage, ImageBuffer, ImageFormat, ImageReader, PixelWithColorType};
@@ -10,28 +10,29 @@ use std::path::{Path, PathBuf};
 
 const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
 
-/// The image in a file; its content, not its name, says in which format it is.
+/// Reads an image file. The content, not the name, determines the format.
 pub(crate) fn read(path: &Path) -> Result<DynamicImage> {
-    open(path)?.decode().map_err(|e| none(path, &e))
+    open(path)?.decode().map_err(|e| unreadable(path, &e))
 }
 
-/// Width and height of the image in a file, from its header.
+/// Width and height of an image file in pixels, from its header.
 pub(crate) fn size(path: &Path) -> Result<(u32, u32)> {
-    open(path)?.into_dimensions().map_err(|e| none(path, &e))
+    open(path)?.into_dimensions().map_err(|e| unreadable(path, &e))
 }
 
 fn open(path: &Path) -> Result<ImageReader<BufReader<File>>> {
-    ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(|e| none(path, &e))
+    ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(|e| unreadable(path, &e))
 }
 
-fn none(path: &Path, found: &dyn std::fmt::Display) -> Error {
+/// The error about a file that is not an image.
+fn unreadable(path: &Path, found: &dyn std::fmt::Display) -> Error {
     Error::file(
         path,
-        format!("expected an image (png, jpeg or pnm), found: {found}; put a whole one in its place"),
+        format!("expected an image (png, jpeg or pnm), found: {found}; replace it by an intact one"),
     )
 }
 
-/// Writes a PNG, whole or not at all: under another name first, under which it is not read.
+/// Writes a PNG atomically: to a temporary name first, which readers ignore.
 pub(crate) fn write_png<P, C>(path: &Path, image: &ImageBuffer<P, C>) -> Result<()>
 where
     P: PixelWithColorType<Subpixel = u8>,
@@ -40,7 +41,7 @@ where
     write_pngs([(path, image)])
 }
 
-/// Writes PNGs, all of them or, where one cannot be written, none.
+/// Writes several PNGs: all of them, or none if one cannot be written.
 pub(crate) fn write_pngs<'a, P, C>(
     files: impl IntoIterator<Item = (&'a Path, &'a ImageBuffer<P, C>)>,
 ) -> Result<()>
@@ -58,7 +59,7 @@ where
     parts.persist()
 }
 
-/// Files that are written, but do not bear their names yet. Those that never will are removed.
+/// Files written under temporary names. Those that are not renamed in the end are removed.
 #[derive(Default)]
 struct Parts(VecDeque<(PathBuf, PathBuf)>);
 
@@ -83,18 +84,20 @@ impl Parts {
 impl Drop for Parts {
     fn drop(&mut self) {
         for (part, _) in &self.0 {
-            // One that could not be made cannot be removed either.
+            // Fails if the file could not be created.
             let _ = std::fs::remove_file(part);
         }
     }
 }
 
-/// The image files of a folder whose names are numbers and one of the suffixes, by number; none where there is no folder.
+/// The image files of a folder whose names are a number and one of the suffixes, by number; empty if there is no such
+/// folder.
 pub(crate) fn numbered(folder: &Path, suffixes: &[&str]) -> Result<BTreeMap<u32, PathBuf>> {
     let mut files = BTreeMap::new();
     if !folder.is_dir() {
         return Ok(files);
     }
+
     let fail = |e: std::io::Error| Error::file(folder, format!("expected a readable folder, found: {e}"));
     for entry in std::fs::read_dir(folder).map_err(fail)? {
         let path = entry.map_err(fail)?.path();
@@ -108,6 +111,7 @@ pub(crate) fn numbered(folder: &Path, suffixes: &[&str]) -> Result<BTreeMap<u32,
     Ok(files)
 }
 
+/// The number in the name of an image file.
 fn frame_of(path: &Path, suffix: &str) -> Option<u32> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     let stem = path.file_stem()?.to_str()?.strip_suffix(suffix)?;

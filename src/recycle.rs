@@ -1,6 +1,6 @@
-//! Memory of lists that is used again.
+//! Reuse of the memory of lists.
 
-/// The memory of `list`, empty, for elements that differ in their lifetimes alone.
+/// An empty list in the memory of `list`, for elements that differ only in their lifetimes.
 pub(crate) fn recycle<T, U>(mut list: Vec<T>) -> Vec<U> {
     list.clear();
     // Collected in place: there is no element to convert.

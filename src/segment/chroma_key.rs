@@ -1,6 +1,6 @@
-//! A room of one colour.
+//! Segmentation against a background of one colour.
 
-// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+// An indexed loop over several arrays reads as one operation per lane, and compiles to vector instructions.
 #![allow(clippy::needless_range_loop)]
 
 use super::Segmenter;
@@ -13,15 +13,15 @@ use crate::silhouette::bit_image::{WORD, pack};
 use crate::{Error, Result};
 use image::RgbImage;
 
-/// The colour of the room, and how far from it a pixel is still the room's.
+/// The colour of the background and its tolerances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Key {
-    /// Red, green, blue of the cloth or paint where the light is bright. It must not be grey.
+    /// Red, green, blue of the cloth or paint in bright light. It must not be grey.
     pub colour: [u8; 3],
-    /// How far the hue may be from the key's, as an angle in radians, below a quarter turn. Default 0.5.
+    /// The largest angle between a pixel's hue and the key's, in radians, above 0 and below pi/2. Default 0.5.
     pub hue_tolerance: f64,
-    /// The room's least colourfulness, as a share of the key's, above 0 and below 1. Default 0.25: cloth of a quarter
-    /// of the light is still the room.
+    /// The smallest chroma of the background as a share of the key's, above 0 and below 1. Default 0.25: cloth in a
+    /// quarter of the light is still background.
     pub least_chroma: f64,
 }
 
@@ -32,10 +32,10 @@ impl Key {
     }
 }
 
-/// A room of one colour, green or any other: what has that colour is the room, whatever the light on it.
+/// A background of one colour, green or any other, recognised by its hue in any light.
 ///
-/// No image of the empty room is needed, the camera may move, and shadows are the room's, since they keep its hue. But
-/// everything that is seen must be of that colour, and nothing of the subject.
+/// It needs no image of the empty scene, the camera may move, and shadows count as background, since they keep its
+/// hue. But everything behind the subject must have that colour, and no part of the subject may.
 ///
 /// ```
 /// use image::{Rgb, RgbImage};
@@ -55,10 +55,10 @@ impl Key {
 pub struct ChromaKey {
     test: HueTest,
     cleanup: Cleanup,
-    outline: CoverageMatte,
+    matte: CoverageMatte,
 }
 
-/// The key's direction in the plane of blueness and redness, and the cone around it.
+/// The key's direction in the plane of blue and red chroma, and the cone around it.
 #[derive(Debug, Clone, Copy)]
 struct HueTest {
     direction: [f32; 2],
@@ -66,14 +66,14 @@ struct HueTest {
     slope: f32,
 }
 
-/// Below this colourfulness a key is grey.
+/// A key with less chroma than this, in grey levels, counts as grey.
 const GREY: f64 = 24.0;
 
 impl ChromaKey {
     /// A segmenter for this key.
     ///
     /// # Errors
-    /// A key that is nearly grey, a tolerance out of its range.
+    /// A key that is nearly grey, or a tolerance out of its range.
     pub fn new(key: Key) -> Result<Self> {
         let Key { colour, hue_tolerance, least_chroma } = key;
         let [blue, red] = chroma(colour.map(f32::from)).map(f64::from);
@@ -83,6 +83,7 @@ impl ChromaKey {
                 "expected a colourful key, found the nearly grey {colour:?}; use a clean plate for a grey room"
             )));
         }
+
         let is_between = |value: f64, most: f64| value > 0.0 && value < most;
         if !is_between(hue_tolerance, std::f64::consts::FRAC_PI_2) || !is_between(least_chroma, 1.0) {
             return Err(Error::argument(format!(
@@ -90,12 +91,13 @@ impl ChromaKey {
                  0 and 1, found {hue_tolerance} and {least_chroma}"
             )));
         }
+
         let test = HueTest {
             direction: [blue / strength, red / strength].map(|c| c as f32),
             least: (least_chroma * strength) as f32,
             slope: hue_tolerance.tan() as f32,
         };
-        Ok(Self { test, cleanup: Cleanup::default(), outline: CoverageMatte::default() })
+        Ok(Self { test, cleanup: Cleanup::default(), matte: CoverageMatte::default() })
     }
 
     /// Sets how masks are cleaned up.
@@ -109,21 +111,22 @@ impl ChromaKey {
 }
 
 impl Segmenter for ChromaKey {
-    /// As the trait says; images may be of any size.
+    /// Segments an image of any size.
     fn segment_packed(&mut self, image: &RgbImage, mask: &mut PackedMask) -> Result<()> {
-        let bits = &mut self.outline.raw;
+        let bits = &mut self.matte.raw;
         bits.resize(image.width() as usize, image.height() as usize);
         let (stride, row) = (bits.stride().max(1), 3 * image.width().max(1) as usize);
         for (bits, image) in bits.words_mut().chunks_exact_mut(stride).zip(image.as_raw().chunks_exact(row)) {
             key_row(image, &self.test, bits);
         }
         let colours = Colours { image: image.as_raw(), background: None };
-        self.outline.compute(colours, &self.cleanup, mask);
+        self.matte.compute(colours, &self.cleanup, mask);
         Ok(())
     }
 }
 
-/// How much bluer and redder than grey of the same luma (with weights of a quarter, a half and a quarter).
+/// The chroma: how much bluer and redder a colour is than the grey of the same luma (with weights of a quarter, a half
+/// and a quarter).
 #[inline(always)]
 fn chroma([red, green, blue]: [f32; 3]) -> [f32; 2] {
     let luma = 0.25 * red + 0.5 * green + 0.25 * blue;
@@ -153,8 +156,8 @@ fn key_word(image: &[u8; BYTES], test: &HueTest) -> u64 {
         let [blue, red] = chroma([channel(0), channel(1), channel(2)]);
         let along = blue * test.direction[0] + red * test.direction[1];
         let across = red * test.direction[0] - blue * test.direction[1];
-        let is_room = (along >= test.least) & (across.abs() <= test.slope * along);
-        is_subject[k] = if is_room { 0 } else { 255 };
+        let is_background = (along >= test.least) & (across.abs() <= test.slope * along);
+        is_subject[k] = if is_background { 0 } else { 255 };
     }
     let [bits] = pack(&[is_subject]);
     bits

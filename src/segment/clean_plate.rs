@@ -1,4 +1,4 @@
-//! Background subtraction against images of the empty room.
+//! Background subtraction against images of the empty scene.
 
 use super::cleanup::Cleanup;
 use super::coverage_matte::{Colours, CoverageMatte};
@@ -10,18 +10,18 @@ use crate::silhouette::PackedMask;
 use crate::{Error, Result};
 use image::RgbImage;
 
-/// The empty room of one fixed camera, against which its images are compared.
+/// Background subtraction for one fixed camera, against an image of the scene without the subject (a clean plate).
 ///
 /// ```
 /// use image::{Rgb, RgbImage};
 /// use ode_visual_hull::segment::{CleanPlate, Segmenter, Thresholds};
 ///
-/// let room = RgbImage::from_pixel(64, 48, Rgb([90, 140, 100]));
-/// let mut image = room.clone();
+/// let background = RgbImage::from_pixel(64, 48, Rgb([90, 140, 100]));
+/// let mut image = background.clone();
 /// for (x, y) in (20..30).flat_map(|x| (10..40).map(move |y| (x, y))) {
 ///     image.put_pixel(x, y, Rgb([200, 60, 50]));
 /// }
-/// let mask = CleanPlate::new(&room, Thresholds::default())?.segment(&image)?;
+/// let mask = CleanPlate::new(&background, Thresholds::default())?.segment(&image)?;
 /// assert_eq!((mask.get_pixel(25, 20).0, mask.get_pixel(5, 20).0), ([255], [0]));
 /// # Ok::<(), ode_visual_hull::Error>(())
 /// ```
@@ -36,7 +36,7 @@ pub struct CleanPlate {
 }
 
 impl CleanPlate {
-    /// From one image of the empty room.
+    /// A segmenter from one image of the empty scene.
     ///
     /// # Errors
     /// A threshold that is negative or not finite.
@@ -44,16 +44,18 @@ impl CleanPlate {
         Self::from_empty(std::slice::from_ref(plate), thresholds)
     }
 
-    /// From several images of the empty room: their mean has less noise, and each pixel's noise is known.
+    /// A segmenter from several images of the empty scene: their mean has less noise than one image, and each pixel's
+    /// noise is measured.
     ///
     /// # Errors
     /// No image, images of several sizes, a threshold that is negative or not finite.
     pub fn from_empty(frames: &[RgbImage], thresholds: Thresholds) -> Result<Self> {
         let Some(first) = frames.first() else {
-            return Err(Error::argument("expected at least one image of the empty room, found none"));
+            return Err(Error::argument("expected at least one image of the empty scene, found none"));
         };
         thresholds.check()?;
         frames.iter().try_for_each(|frame| check_size(first.dimensions(), frame.dimensions()))?;
+
         let plate = Plate::mean(frames);
         Ok(Self {
             background: plate.background(&thresholds),
@@ -65,28 +67,29 @@ impl CleanPlate {
         })
     }
 
-    /// Brings the plate up to date by `frames` of the recording itself, taken at moments far apart: where nine tenths of
-    /// them agree to a few grey levels, what they show is the room, whatever the plate says.
+    /// Updates the plate by `frames` of the recording itself, taken at times far apart: where nine tenths of them
+    /// agree to a few grey levels, their median replaces the plate's colour.
     ///
-    /// So a plate may be older than the recording, or somebody may stand in it. For subjects that move about: one
-    /// that stays where it is would become the room.
+    /// This handles a plate that is older than the recording or shows a person. It is for subjects that move about:
+    /// one that stays in place would become background.
     ///
     /// # Errors
     /// Fewer than five frames, or one of another size than the plate.
     pub fn refined_with(mut self, frames: &[RgbImage]) -> Result<Self> {
         if frames.len() < 5 {
             return Err(Error::argument(format!(
-                "expected at least 5 frames to mend a clean plate by, found {}; take them from moments far apart",
+                "expected at least 5 frames to refine a clean plate, found {}; take them from moments far apart",
                 frames.len()
             )));
         }
+
         frames.iter().try_for_each(|frame| check_size(self.background.size, frame.dimensions()))?;
         self.plate.refine_with(frames);
         self.background = self.plate.background(&self.thresholds);
         Ok(self)
     }
 
-    /// Sets what counts as a shadow; `None`: a shadow counts as the subject.
+    /// Sets the model of shadows; with `None` a shadow counts as the subject.
     ///
     /// # Errors
     /// A number out of its range.

@@ -1,4 +1,4 @@
-//! What a person would correct in a mask: ragged edges, gaps, specks and holes.
+//! Correction of masks: ragged edges, gaps, specks and holes.
 
 use super::morphology::Morphology;
 use super::regions::Regions;
@@ -7,7 +7,7 @@ use crate::silhouette::bit_image::BitImage;
 use crate::{Error, Result};
 use image::GrayImage;
 
-/// How a mask is cleaned up, in this order: opening, closing, holes, small regions, margin.
+/// The steps of a mask's clean-up, in this order: opening, closing, holes, small regions, margin.
 ///
 /// ```
 /// use image::{GrayImage, Luma};
@@ -22,23 +22,23 @@ use image::GrayImage;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cleanup {
-    /// Parts of the subject less than about twice this wide go (an opening, by an octagon). Default 1: noise of single
-    /// pixels and lines; parts that are two pixels wide are lost too.
+    /// Parts of the subject narrower than about twice this are removed (an opening by an octagon), in pixels. Default
+    /// 1, which removes noise of single pixels and lines, and parts that are two pixels wide.
     pub open_px: u32,
-    /// Gaps less than about twice this wide close (a closing). Default 2; less for
-    /// images in which limbs are but a few pixels apart.
+    /// Gaps narrower than about twice this are closed (a closing by an octagon), in pixels. Default 2; choose less for
+    /// images in which limbs are only a few pixels apart.
     pub close_px: u32,
-    /// A smaller hole is filled, in pixels of area. Default 100: holes that a person makes, between arm and side, are
-    /// larger in all but their last moment.
+    /// Holes smaller than this are filled, in pixels of area. Default 100: the holes between a person's arm and side
+    /// are larger except just before they close.
     pub smallest_hole_px: u32,
-    /// A smaller separate region of the subject is dropped, in pixels of area. Default 40.
+    /// Separate regions of the subject smaller than this are dropped, in pixels of area. Default 40.
     pub smallest_region_px: u32,
-    /// And one of less than this share of the largest region's area, 0 to 1. Default 0.3: a person is one piece,
-    /// and what else differs is a reflection, or a thing that was moved. 1 leaves the largest alone; choose 0.02 where
-    /// masks come in pieces, or several people are to be seen.
+    /// Regions smaller than this share of the largest region's area are dropped too, from 0 to 1. Default 0.3: a
+    /// person is one region, and others are reflections or objects that were moved. With 1 only the largest remains;
+    /// choose 0.02 for masks in pieces or for several people.
     pub smallest_region_share: f64,
-    /// At last the subject grows by so many pixels on all sides. Default 0. A hull lacks whatever any of its silhouettes
-    /// lacks: where that is worse than a hull that is too large, a margin makes silhouettes conservative.
+    /// The subject finally grows by this many pixels on all sides. Default 0. A hull lacks whatever any of its
+    /// silhouettes lacks: if that is worse than a hull that is too large, a margin makes silhouettes conservative.
     pub margin_px: u32,
 }
 
@@ -56,7 +56,7 @@ impl Default for Cleanup {
 }
 
 impl Cleanup {
-    /// Nothing is changed.
+    /// No clean-up.
     pub const NONE: Self = Self {
         open_px: 0,
         close_px: 0,
@@ -66,18 +66,22 @@ impl Cleanup {
         margin_px: 0,
     };
 
-    /// Cleans up a mask from elsewhere. Pixels whose side changes become 0 or 255, the others keep their coverage.
+    /// Cleans up any mask in place. Pixels that change sides become 0 or 255, the others keep their coverage.
     ///
     /// # Errors
     /// A share that is not from 0 to 1.
     pub fn apply(&self, mask: &mut GrayImage) -> Result<()> {
         self.check()?;
+
         let before = PackedMask::new(&*mask);
         let mut bits = before.subject().clone();
         Cleaner::default().clean(self, &mut bits);
+
         for (after, before) in bits.words_mut().iter_mut().zip(before.subject().words()) {
             *after ^= before;
         }
+
+        // A set bit is now a pixel that changes sides.
         let width = mask.width() as usize;
         let bytes: &mut [u8] = mask;
         bits.for_each(|x, y| {
@@ -87,7 +91,7 @@ impl Cleanup {
         Ok(())
     }
 
-    /// # Errors
+    /// Checks the share.
     /// A share that is not from 0 to 1.
     pub(super) fn check(&self) -> Result<()> {
         if (0.0..=1.0).contains(&self.smallest_region_share) {
@@ -100,7 +104,7 @@ impl Cleanup {
     }
 }
 
-/// The memory in which masks are cleaned up.
+/// Buffers for the clean-up of masks.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Cleaner {
     pub(super) morphology: Morphology,
@@ -108,18 +112,21 @@ pub(super) struct Cleaner {
 }
 
 impl Cleaner {
+    /// Applies the clean-up to `bits`.
     pub(super) fn clean(&mut self, cleanup: &Cleanup, bits: &mut BitImage) {
         let Self { morphology, regions } = self;
         morphology.shrink(bits, cleanup.open_px);
         morphology.grow(bits, cleanup.open_px);
         morphology.grow(bits, cleanup.close_px);
         morphology.shrink(bits, cleanup.close_px);
+
         if cleanup.smallest_hole_px > 1 {
             regions.fill_holes(bits, cleanup.smallest_hole_px);
         }
         if cleanup.smallest_region_px > 1 || cleanup.smallest_region_share > 0.0 {
             regions.drop_small(bits, cleanup.smallest_region_px, cleanup.smallest_region_share);
         }
+
         morphology.grow(bits, cleanup.margin_px);
     }
 }

@@ -1,8 +1,8 @@
-//! Coverage at the outline: how much of a pixel shows the subject.
+//! Coverage along the outline: the share of a pixel that the subject covers.
 //!
 //! ```text
-//!   room  room  | .3  | subject       the colour of a pixel that the outline crosses lies between the room's and
-//!   room  | .1  | .8  | subject       the subject's: as far along as the subject covers it
+//!   backgr. backgr. | .3  | subject    the colour of a pixel that the outline crosses lies between the
+//!   backgr. | .1    | .8  | subject    background's and the subject's, in proportion to the coverage
 //! ```
 
 use super::cleanup::{Cleaner, Cleanup};
@@ -10,28 +10,30 @@ use super::morphology::StructuringElement;
 use crate::silhouette::bit_image::BitImage;
 use crate::silhouette::{PackedMask, SUBJECT};
 
-/// Squared grey levels between room and subject, below which a colour between them tells nothing.
+/// The smallest squared distance between background and subject, in grey levels, at which a colour between them gives
+/// a coverage.
 const LEAST_CONTRAST: f32 = 30.0 * 30.0;
 
-/// How far light at the outline may be from the room's as it was learnt, as ratios.
+/// Bounds of the light at the outline relative to the learnt background, as a ratio.
 const LIGHT: (f32, f32) = (0.4, 1.5);
 
-/// From bits to a mask, in memory that is used again.
+/// Computes a mask with coverage from segmented bits, in reused buffers.
 #[derive(Debug, Clone, Default)]
 pub(super) struct CoverageMatte {
-    /// The pixels that look like the subject: written by whoever segments.
+    /// The pixels that differ from the background; each segmenter writes them.
     pub(super) raw: BitImage,
-    /// The same, cleaned up.
+    /// The pixels of the subject after the clean-up.
     pub(super) subject: BitImage,
     cleaner: Cleaner,
-    /// The subject without its outline, and the room without its own.
+    /// The subject's pixels away from the outline.
     core: BitImage,
+    /// The background's pixels away from the outline.
     outside: BitImage,
-    /// The pixels whose coverage is asked.
-    grown: BitImage,
+    /// The pixels along the outline, whose coverage is computed.
+    outline: BitImage,
 }
 
-/// An image, and the room behind the subject where it is known.
+/// An image and, where known, the background's colours, 3 bytes per pixel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Colours<'a> {
     pub(super) image: &'a [u8],
@@ -39,14 +41,15 @@ pub(super) struct Colours<'a> {
 }
 
 impl CoverageMatte {
-    /// The mask of `raw`: cleaned up, 255 inside, 0 outside, coverage along the outline.
+    /// Computes the mask of `raw`: cleaned up, 255 inside, 0 outside, coverage along the outline.
     pub(super) fn compute(&mut self, colours: Colours, cleanup: &Cleanup, mask: &mut PackedMask) {
         self.subject.copy(&self.raw);
         self.cleaner.clean(cleanup, &mut self.subject);
         self.find_outline();
-        let Self { subject, core, outside, grown, .. } = self;
+
+        let Self { subject, core, outside, outline, .. } = self;
         mask.take_bits(subject, |cover| {
-            grown.for_each(|x, y| {
+            outline.for_each(|x, y| {
                 let Some(covered) = coverage(&colours, core, outside, x, y) else { return };
                 let byte = (255.0 * covered + 0.5) as u8;
                 cover(x, y, if subject.get(x, y) { byte } else { byte.min(SUBJECT - 1) });
@@ -54,65 +57,72 @@ impl CoverageMatte {
         });
     }
 
-    /// Finds the pixels on both sides of the outline, `grown`, and those well within and well outside the subject.
+    /// Finds the pixels on both sides of the outline, and those away from it inside (`core`) and outside.
     fn find_outline(&mut self) {
-        let Self { raw, subject, cleaner, core, outside, grown } = self;
+        let Self { raw, subject, cleaner, core, outside, outline } = self;
         let morphology = &mut cleaner.morphology;
         morphology.step_into(subject, StructuringElement::Square, true, core);
-        morphology.step_into(subject, StructuringElement::Square, false, grown);
-        outside.copy(grown);
+        morphology.step_into(subject, StructuringElement::Square, false, outline);
+
+        outside.copy(outline);
         let last = outside.last_word();
         let stride = outside.stride().max(1);
         for (k, word) in outside.words_mut().iter_mut().enumerate() {
             *word = !*word & if k % stride + 1 == stride { last } else { u64::MAX };
         }
-        // On both sides of the outline; where the clean-up has decided against the colour, the colour tells nothing.
-        for (k, word) in grown.words_mut().iter_mut().enumerate() {
+
+        // Keep both sides of the outline, except pixels that the clean-up has changed: their colour is misleading.
+        for (k, word) in outline.words_mut().iter_mut().enumerate() {
             *word &= !core.words()[k] & !(raw.words()[k] ^ subject.words()[k]);
         }
     }
 }
 
-/// How far the colour of a pixel has gone from the room's to the subject's near by, 0 to 1; `None` where these are
-/// not to be had, or too much alike.
+/// The coverage of a pixel, 0 to 1: the position of its colour between the nearby colours of background and subject.
+/// `None` if one of these is unknown or they are too similar.
 #[inline]
 fn coverage(colours: &Colours, core: &BitImage, outside: &BitImage, x: usize, y: usize) -> Option<f32> {
     let subject = Sum::around(colours.image, core, x, y);
-    let here = Sum::around(colours.image, outside, x, y);
+    let background = Sum::around(colours.image, outside, x, y);
+
     let at = 3 * (y * core.width() + x);
     let pixel = |bytes: &[u8]| [0, 1, 2].map(|c| f32::from(bytes[at + c]));
     let subject = subject.mean()?;
-    let room = match colours.background {
-        None => here.mean()?,
-        Some(room) => {
-            // The light on it may have changed, most of all in the subject's shadow.
-            let learnt = Sum::around(room, outside, x, y);
-            let colour = pixel(room);
+
+    let behind = match colours.background {
+        None => background.mean()?,
+        Some(plate) => {
+            // The light may have changed since the background was learnt, above all in the subject's shadow.
+            let learnt = Sum::around(plate, outside, x, y);
+            let colour = pixel(plate);
             [0, 1, 2].map(|c| {
-                let light = (here.sum[c] as f32 + 1.0) / (learnt.sum[c] as f32 + 1.0);
+                let light = (background.sum[c] as f32 + 1.0) / (learnt.sum[c] as f32 + 1.0);
                 colour[c] * light.clamp(LIGHT.0, LIGHT.1)
             })
         }
     };
+
     let own = pixel(colours.image);
     let (mut along, mut square) = (0.0, 0.0);
     for c in 0..3 {
-        let way = subject[c] - room[c];
-        along += (own[c] - room[c]) * way;
-        square += way * way;
+        let step = subject[c] - behind[c];
+        along += (own[c] - behind[c]) * step;
+        square += step * step;
     }
+
     (square >= LEAST_CONTRAST).then(|| (along / square).clamp(0.0, 1.0))
 }
 
-/// Colours added up.
+/// A sum of colours.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sum {
     sum: [u32; 3],
+    /// The number of pixels added.
     count: u32,
 }
 
 impl Sum {
-    /// Of the pixels in a 5x5 window that are set in `bits`.
+    /// The sum over the pixels in the 5x5 window around (x, y) that are set in `bits`.
     #[inline]
     fn around(colours: &[u8], bits: &BitImage, x: usize, y: usize) -> Self {
         let mut sum = Self::default();

@@ -1,6 +1,6 @@
-//! Which pixels of an image differ from the empty room by more than noise and shadows.
+//! Finds the pixels of an image that differ from the background by more than noise and shadows.
 
-// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+// An indexed loop over several arrays reads as one operation per lane, and compiles to vector instructions.
 #![allow(clippy::needless_range_loop)]
 
 use super::shadows::{Limits, Shadows};
@@ -8,26 +8,26 @@ use crate::math::vectorised;
 use crate::silhouette::bit_image::{BitImage, WORD, pack};
 use image::RgbImage;
 
-/// The empty room as one camera sees it: a colour for each pixel, and how far each channel may be from it. Channels
-/// lie side by side, as in an image.
+/// The background of one camera: a colour for each pixel, and bounds for each channel. Channels are interleaved as in
+/// an image.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BackgroundBounds {
     pub(super) size: (u32, u32),
     pub(super) colour: Vec<u8>,
-    /// The least and the greatest value that is still the room's.
+    /// The least and the greatest value of each channel that still count as background.
     pub(super) least: Vec<u8>,
     pub(super) greatest: Vec<u8>,
 }
 
 impl BackgroundBounds {
-    /// A room without pixels' values yet.
+    /// A background of zeros, to be filled by [`set`](Self::set).
     pub(super) fn new(size: (u32, u32)) -> Self {
         let channels = 3 * size.0 as usize * size.1 as usize;
         let zeros = || vec![0; channels];
         Self { size, colour: zeros(), least: zeros(), greatest: zeros() }
     }
 
-    /// Sets one pixel's colour, and the grey levels that its channels may be from it.
+    /// Sets one pixel's colour and the tolerance of its channels, in grey levels.
     pub(super) fn set(&mut self, pixel: usize, colour: [u8; 3], tolerance: u8) {
         for (c, value) in colour.into_iter().enumerate() {
             let at = 3 * pixel + c;
@@ -37,8 +37,8 @@ impl BackgroundBounds {
         }
     }
 
-    /// Sets the bits of the pixels of `image`, which has the room's size, that are not the room's: neither within its
-    /// tolerances nor in its shadows.
+    /// Sets the bits of the pixels of `image` that are neither within the background's tolerances nor in its shadows.
+    /// The image has the background's size.
     pub(super) fn differences(&self, image: &RgbImage, shadows: Option<&Shadows>, bits: &mut BitImage) {
         let width = self.size.0 as usize;
         bits.resize(width, self.size.1 as usize);
@@ -46,25 +46,27 @@ impl BackgroundBounds {
         if stride == 0 {
             return;
         }
+
         let limits = shadows.map(Shadows::limits);
         let rows = bits.words_mut().chunks_exact_mut(stride).zip(image.as_raw().chunks_exact(3 * width));
         for (y, (bits, image)) in rows.enumerate() {
-            let part = 3 * width * y..3 * width * (y + 1);
-            differ(image, &self.least[part.clone()], &self.greatest[part.clone()], bits);
+            let row = 3 * width * y..3 * width * (y + 1);
+            differ(image, &self.least[row.clone()], &self.greatest[row.clone()], bits);
             if let Some(limits) = &limits {
-                shade(image, &self.colour[part], limits, bits);
+                shade(image, &self.colour[row], limits, bits);
             }
         }
     }
 }
 
 vectorised! {
-    /// Sets the bits of the pixels of a row of which any channel lies outside its bounds.
+    /// Sets the bits of the pixels of a row with any channel outside its bounds.
     fn differ(image: &[u8], least: &[u8], greatest: &[u8], bits: &mut [u64]) {
         for (k, bits) in bits.iter_mut().enumerate() {
             let start = 3 * WORD * k;
             let end = (start + 3 * WORD).min(image.len());
             let (image, least, greatest) = (&image[start..end], &least[start..end], &greatest[start..end]);
+
             *bits = match (full_word(image), full_word(least), full_word(greatest)) {
                 (Some(image), Some(least), Some(greatest)) => differ_word(image, least, greatest),
                 _ => differ_word(&padded(image), &padded(least), &padded(greatest)),
@@ -73,10 +75,11 @@ vectorised! {
     }
 }
 
-/// Bytes of as many pixels as a word has.
+/// The bytes of one word's pixels.
 pub(super) const BYTES: usize = 3 * WORD;
 
-/// The bytes of a whole word's pixels; `None` at the end of a row.
+/// The bytes as a full word's pixels; `None` at the end of a row.
+/// The bytes of a row's last pixels, filled up with zeros to a full word.
 #[inline(always)]
 pub(super) fn full_word(bytes: &[u8]) -> Option<&[u8; BYTES]> {
     bytes.try_into().ok()
@@ -95,53 +98,62 @@ fn differ_word(image: &[u8; BYTES], least: &[u8; BYTES], greatest: &[u8; BYTES])
     for k in 0..BYTES {
         outside[k] = if image[k] < least[k] || image[k] > greatest[k] { 255 } else { 0 };
     }
+
+    // The first of a pixel's three bytes gathers its channels.
     let mut any = [0u8; BYTES];
     for k in 0..BYTES {
         any[k] = outside[k] | outside[k + 1] | outside[k + 2];
     }
+
     let mut pixels = [0u8; WORD];
     for k in 0..WORD {
         pixels[k] = any[3 * k];
     }
+
     let [bits] = pack(&[pixels]);
     bits
 }
 
 vectorised! {
-    /// Takes away the bits of the pixels of a row that are the room in a shadow, or in a little more light.
-    fn shade(image: &[u8], room: &[u8], limits: &Limits, bits: &mut [u64]) {
+    /// Clears the bits of the pixels of a row that are background in a shadow or in slightly more light.
+    fn shade(image: &[u8], background: &[u8], limits: &Limits, bits: &mut [u64]) {
         for (k, bits) in bits.iter_mut().enumerate() {
             if *bits == 0 {
                 continue;
             }
+
             let start = BYTES * k;
             let end = (start + BYTES).min(image.len());
-            let (image, room) = (&image[start..end], &room[start..end]);
-            let shaded = match (full_word(image), full_word(room)) {
-                (Some(image), Some(room)) => shaded_word(image, room, limits),
-                _ => shaded_word(&padded(image), &padded(room), limits),
+            let (image, background) = (&image[start..end], &background[start..end]);
+
+            let shaded = match (full_word(image), full_word(background)) {
+                (Some(image), Some(background)) => shaded_word(image, background, limits),
+                _ => shaded_word(&padded(image), &padded(background), limits),
             };
             *bits &= !shaded;
         }
     }
 }
 
-/// `image` is the room times a ratio, and what is left over is small.
+/// The bits of the pixels that are the background's colour times an admissible ratio, with a small remainder.
 #[inline(always)]
-fn shaded_word(image: &[u8; BYTES], room: &[u8; BYTES], limits: &Limits) -> u64 {
+fn shaded_word(image: &[u8; BYTES], background: &[u8; BYTES], limits: &Limits) -> u64 {
     let mut shaded = [0u8; WORD];
     for k in 0..WORD {
         let channel = |bytes: &[u8; BYTES], c: usize| f32::from(bytes[3 * k + c]);
         let p = [channel(image, 0), channel(image, 1), channel(image, 2)];
-        let b = [channel(room, 0), channel(room, 1), channel(room, 2)];
+        let b = [channel(background, 0), channel(background, 1), channel(background, 2)];
+
         let product = p[0] * b[0] + p[1] * b[1] + p[2] * b[2];
         let square = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
         let own = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-        // The ratio is product / square, what is left over |p - ratio b|^2 = own - product^2 / square.
+
+        // The ratio is product / square, the squared remainder |p - ratio b|^2 = own - product^2 / square.
         let is_dimmed = product >= limits.darkest * square && product <= limits.brightest * square;
         let is_alike = (own - limits.chroma_squared) * square <= product * product;
         shaded[k] = if is_dimmed & is_alike { 255 } else { 0 };
     }
+
     let [bits] = pack(&[shaded]);
     bits
 }

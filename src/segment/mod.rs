@@ -1,19 +1,20 @@
-//! Colour images to silhouettes.
+//! Segmentation of colour images into silhouettes.
 //!
-//! | where the camera stands | what to take |
+//! | camera and scene | segmenter |
 //! |---|---|
-//! | fixed, and the room was photographed empty | [`CleanPlate`] |
-//! | fixed, a while is filmed empty, and the light changes slowly | [`RunningGaussian`] |
-//! | anywhere, before cloth or walls of one colour | [`ChromaKey`] |
-//! | in the dark, with a subject that is lit | a [`CleanPlate`] of black, without [`Shadows`] |
+//! | fixed, with images of the empty scene | [`CleanPlate`] |
+//! | fixed, with a video of the empty scene, and light that changes slowly | [`RunningGaussian`] |
+//! | fixed or moving, in front of cloth or walls of one colour | [`ChromaKey`] |
+//! | in the dark, with an illuminated subject | a [`CleanPlate`] of black, without [`Shadows`] |
 //!
-//! Each is a [`Segmenter`]: an image in, a mask out, 255 inside and 0 outside, or packed on its way into the hull. Along
-//! the outline the mask holds coverage: how far a pixel's colour has gone from the room's to the subject's near by. A [`Cleanup`] closes gaps and drops specks.
-//! The camera's exposure and white balance must be fixed, whatever is taken.
+//! Each is a [`Segmenter`]: it turns an image into a mask, 255 inside and 0 outside, or packed for the hull. Along the
+//! outline the mask holds coverage: the position of a pixel's colour between the nearby colours of background and
+//! subject. A [`Cleanup`] closes gaps and drops specks. The camera's exposure and white balance must be fixed in all
+//! cases.
 //!
-//! Whoever has masks, cut-out images with an alpha channel, or a folder of either needs none of this: the hull takes
-//! any [`image::GrayImage`] that is at least 128 on the subject, [`silhouette::load_mask`](crate::silhouette::load_mask) and
-//! [`recording`](crate::recording) read them.
+//! Existing masks, or cut-out images with an alpha channel, need no segmentation: the hull takes any
+//! [`image::GrayImage`] that is at least 128 on the subject; [`silhouette::load_mask`](crate::silhouette::load_mask)
+//! reads such a file and [`recording`](crate::recording) a folder of them.
 
 mod chroma_key;
 mod clean_plate;
@@ -39,20 +40,20 @@ use crate::silhouette::PackedMask;
 use crate::{Error, Result};
 use image::{GrayImage, RgbImage};
 
-/// A way from the colour images of one fixed camera to silhouettes.
+/// Segments the colour images of one fixed camera into silhouettes.
 pub trait Segmenter: Send + Sync {
-    /// Writes the silhouette in `image` into `mask`, which takes the image's size: subject and background, and coverage
+    /// Writes the silhouette in `image` into `mask`, which is resized to the image: subject, background, and coverage
     /// along the outline.
     ///
     /// # Errors
     /// An image of another size than this camera's.
     fn segment_packed(&mut self, image: &RgbImage, mask: &mut PackedMask) -> Result<()>;
 
-    /// Writes the silhouette in `image` into `mask`, which takes the image's size: 255 subject, 0 background, coverage
-    /// along the outline.
+    /// Writes the silhouette in `image` into `mask`, which is resized to the image: 255 subject, 0 background,
+    /// coverage along the outline.
     ///
     /// # Errors
-    /// As [`segment_packed`](Self::segment_packed).
+    /// All errors of [`segment_packed`](Self::segment_packed).
     fn segment_into(&mut self, image: &RgbImage, mask: &mut GrayImage) -> Result<()> {
         let mut packed = PackedMask::default();
         self.segment_packed(image, &mut packed)?;
@@ -60,10 +61,10 @@ pub trait Segmenter: Send + Sync {
         Ok(())
     }
 
-    /// The silhouette in `image`, a byte a pixel.
+    /// The silhouette in `image`, one byte per pixel.
     ///
     /// # Errors
-    /// As [`segment_packed`](Self::segment_packed).
+    /// All errors of [`segment_packed`](Self::segment_packed).
     fn segment(&mut self, image: &RgbImage) -> Result<GrayImage> {
         let mut mask = GrayImage::default();
         self.segment_into(image, &mut mask)?;
@@ -71,13 +72,13 @@ pub trait Segmenter: Send + Sync {
     }
 }
 
-/// Refuses an image of another size than the room's.
+/// Refuses an image of another size than the background's.
 fn check_size(expected: (u32, u32), found: (u32, u32)) -> Result<()> {
     if expected == found {
         return Ok(());
     }
     Err(Error::argument(format!(
-        "expected an image of {} x {} pixels, the size of the empty room's, found {} x {}; take both with the same \
+        "expected an image of {} x {} pixels, the size of the background's, found {} x {}; take both with the same \
          camera and settings",
         expected.0, expected.1, found.0, found.1
     )))

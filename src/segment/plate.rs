@@ -1,20 +1,22 @@
-//! The empty room's colours and their noise, from images of it.
+//! The background's colours and their noise, from images of the empty scene.
 
 use super::difference::BackgroundBounds;
 use crate::{Error, Result};
 use image::RgbImage;
 
-/// When a pixel counts as the subject.
+/// The thresholds above which a pixel counts as the subject: it must exceed all of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Thresholds {
-    /// A pixel differs from the clean plate when one of its channels differs by more than this many grey levels.
+    /// The difference of a channel from the clean plate, in grey levels.
     ///
-    /// Default 20: more than four deviations of the difference of two images with noise of 3 grey levels each.
+    /// Default 20: more than four standard deviations of the difference of two images with noise of 3 grey levels
+    /// each.
     pub difference: f64,
-    /// And by more than this many times the noise of that pixel, where several images of the room tell it. Default 4.
+    /// The difference of a channel in standard deviations of the pixel's noise, which several images of the empty
+    /// scene give. Default 4.
     pub deviations: f64,
-    /// And by more than an edge in the room's image brings forth that is displaced by this many pixels: compression,
-    /// a camera that shakes. Default 0.1.
+    /// The displacement of edges in the clean plate, in pixels, whose difference is tolerated: compression, or a
+    /// shaking camera. Default 0.1.
     pub edge_shift_px: f64,
 }
 
@@ -27,8 +29,8 @@ impl Default for Thresholds {
 impl Thresholds {
     pub(super) fn check(&self) -> Result<()> {
         let Self { difference, deviations, edge_shift_px } = *self;
-        let is_fine = |value: f64| value >= 0.0 && value.is_finite();
-        if [difference, deviations, edge_shift_px].into_iter().all(is_fine) {
+        let is_valid = |value: f64| value >= 0.0 && value.is_finite();
+        if [difference, deviations, edge_shift_px].into_iter().all(is_valid) {
             return Ok(());
         }
         Err(Error::argument(format!(
@@ -38,26 +40,28 @@ impl Thresholds {
     }
 }
 
-/// Frames of a recording agree on a pixel where this share of them is within so many grey levels of their median.
+/// The share of frames that must agree on a pixel's colour to replace the plate's.
 const AGREE_SHARE: f64 = 0.9;
+/// The largest distance of a channel from the median in frames that agree, in grey levels.
 const AGREE_LEVELS: u8 = 12;
 
-/// What images of the empty room say of each pixel.
+/// Colour and noise of each pixel of the empty scene.
 #[derive(Debug, Clone)]
 pub(super) struct Plate {
     size: (u32, u32),
-    /// The channels' means.
+    /// The mean of each channel.
     colours: Vec<[u8; 3]>,
-    /// The noisiest channel's deviation, in grey levels; zero where a single image cannot tell.
+    /// The standard deviation of the noisiest channel, in grey levels; zero if there is only one image.
     noise: Vec<f32>,
 }
 
 impl Plate {
-    /// Of frames of one size, of which there is one at least.
+    /// The mean of `frames`, which have one size; there is at least one.
     pub(super) fn mean(frames: &[RgbImage]) -> Self {
         let size = frames[0].dimensions();
         let n = frames.len() as f64;
         let pixels = 0..size.0 as usize * size.1 as usize;
+
         let mean_and_noise = |pixel: usize| {
             let mut noise = 0.0f64;
             let colour = [0, 1, 2].map(|c| {
@@ -69,11 +73,12 @@ impl Plate {
             });
             (colour, noise as f32)
         };
+
         let (colours, noise) = pixels.map(mean_and_noise).unzip();
         Self { size, colours, noise }
     }
 
-    /// Takes over the colours on which nearly all of `frames` agree.
+    /// Replaces the colours of pixels on which nearly all of `frames` agree by their median.
     pub(super) fn refine_with(&mut self, frames: &[RgbImage]) {
         let enough = (AGREE_SHARE * frames.len() as f64).ceil() as usize;
         let mut values = vec![0; frames.len()];
@@ -84,26 +89,28 @@ impl Plate {
                 }
                 *values.select_nth_unstable(frames.len() / 2).1
             });
+
             let agrees = |frame: &&RgbImage| {
                 let own = &frame.as_raw()[3 * pixel..];
                 (0..3).all(|c| own[c].abs_diff(median[c]) <= AGREE_LEVELS)
             };
+
             if frames.iter().filter(agrees).count() >= enough {
                 *colour = median;
             }
         }
     }
 
-    /// The room, with a tolerance for each pixel.
+    /// The background, with a tolerance for each pixel.
     pub(super) fn background(&self, thresholds: &Thresholds) -> BackgroundBounds {
-        let mut room = BackgroundBounds::new(self.size);
+        let mut background = BackgroundBounds::new(self.size);
         for (pixel, (&colour, &noise)) in self.colours.iter().zip(&self.noise).enumerate() {
             let edge = thresholds.edge_shift_px * f64::from(self.steepest(pixel));
             let noise = thresholds.deviations * f64::from(noise);
             let tolerance = thresholds.difference.max(noise) + edge;
-            room.set(pixel, colour, tolerance.round().min(255.0) as u8);
+            background.set(pixel, colour, tolerance.round().min(255.0) as u8);
         }
-        room
+        background
     }
 
     /// The largest step of a channel from a pixel to one of its four neighbours.
@@ -116,6 +123,7 @@ impl Plate {
             (x, y.saturating_sub(1)),
             (x, (y + 1).min(height - 1)),
         ];
+
         let own = self.colours[pixel];
         let steps = around.into_iter().flat_map(|(i, j)| {
             let other = self.colours[j * width + i];

@@ -1,6 +1,6 @@
-//! Background subtraction against a room that is learnt, and goes on being learnt.
+//! Background subtraction against a background that is learnt continuously.
 
-// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+// An indexed loop over several arrays reads as one operation per lane, and compiles to vector instructions.
 #![allow(clippy::needless_range_loop)]
 
 use super::cleanup::Cleanup;
@@ -13,22 +13,23 @@ use crate::silhouette::PackedMask;
 use crate::{Error, Result};
 use image::RgbImage;
 
-/// Every so manyth row is learnt from a frame, so many times as fast: cheaper, and no slower over the frames.
+/// Each frame updates every eighth row at an eightfold rate, which is cheaper and as fast over several frames.
 const STRIPES: usize = 8;
 
-/// Variances in squared grey levels: what is assumed at first, and the bounds.
+/// The initial variance, in squared grey levels.
 const FIRST_VARIANCE: f32 = 25.0;
+/// The bounds of the variance, in squared grey levels.
 const VARIANCES: (f32, f32) = (16.0, 100.0);
 
-/// How a room is learnt, and when a pixel is not the room's; the names are those of OpenCV's MOG2.
+/// How the background is learnt, and when a pixel differs from it; the names are those of OpenCV's MOG2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Learning {
-    /// About how many frames the room remembers: each moves the mean by one part of so many. Default 500.
+    /// The number of frames averaged: each moves the mean by 1/history of its difference. Default 500.
     pub history: u32,
-    /// A pixel differs when one of its channels is farther from the mean than the square root of this many
-    /// variances. Default 16: four deviations.
+    /// A pixel differs if the squared distance of a channel from its mean exceeds this many variances. Default 16:
+    /// four standard deviations.
     pub var_threshold: f64,
-    /// Whether the room in a shadow is still the room. Default true.
+    /// Whether shadows count as background. Default true.
     pub detect_shadows: bool,
 }
 
@@ -38,22 +39,22 @@ impl Default for Learning {
     }
 }
 
-/// Each channel of each pixel of the room as a Gaussian, mean and variance, that follows slow changes of the light.
+/// A Gaussian (mean and variance) for each channel of each background pixel, which follows slow changes of the light.
 ///
-/// It is the model of Cheung, Kanade, Bouguet and Holler, *A real time system for robust 3D voxel reconstruction of
-/// human motions* (CVPR 2000): learnt from empty frames, updated where a frame shows the room. What belongs to the
-/// subject, and what a shadow darkens, is not learnt, so that somebody who sits still does not fade.
+/// The model is that of Cheung, Kanade, Bouguet and Holler, *A real time system for robust 3D voxel reconstruction of
+/// human motions* (CVPR 2000): learnt from empty frames, updated where a frame shows the background. Pixels of the
+/// subject and of shadows are not learnt, so that a person who sits still does not fade into the background.
 ///
 /// ```
 /// use image::{Rgb, RgbImage};
 /// use ode_visual_hull::segment::{Learning, RunningGaussian, Segmenter};
 ///
-/// let room = RgbImage::from_pixel(64, 48, Rgb([90, 140, 100]));
+/// let background = RgbImage::from_pixel(64, 48, Rgb([90, 140, 100]));
 /// let mut segmenter = RunningGaussian::new(Learning::default())?;
 /// for _ in 0..10 {
-///     segmenter.learn(&room)?;
+///     segmenter.learn(&background)?;
 /// }
-/// let mut image = room;
+/// let mut image = background;
 /// for (x, y) in (20..30).flat_map(|x| (10..40).map(move |y| (x, y))) {
 ///     image.put_pixel(x, y, Rgb([200, 60, 50]));
 /// }
@@ -67,30 +68,30 @@ pub struct RunningGaussian {
     shadows: Option<Shadows>,
     cleanup: Cleanup,
     model: Model,
-    outline: CoverageMatte,
+    matte: CoverageMatte,
 }
 
-/// Means and variances, channels side by side, and the room that follows from them.
+/// Means and variances with interleaved channels, and the background derived from them.
 #[derive(Debug, Clone, Default)]
 struct Model {
-    room: BackgroundBounds,
+    background: BackgroundBounds,
     mean: Vec<f32>,
     variance: Vec<f32>,
-    /// Empty frames learnt.
+    /// The number of empty frames learnt.
     learnt: u32,
-    /// The stripe of rows whose turn it is.
+    /// The first row that the next frame updates.
     stripe: usize,
-    /// Whether each channel of a row may be learnt.
-    is_room: Vec<u8>,
-    /// The mask's bytes in a row.
+    /// Whether each channel of the current row may be learnt, 255 or 0.
+    is_background: Vec<u8>,
+    /// The current row of the mask.
     row_of_mask: Vec<u8>,
 }
 
 impl RunningGaussian {
-    /// A model that has seen nothing yet: [`learn`](Self::learn) comes next.
+    /// A model without a background; call [`learn`](Self::learn) next.
     ///
     /// # Errors
-    /// A history of no frames, a threshold that is not positive and finite.
+    /// A history of no frames, or a threshold that is not positive and finite.
     pub fn new(learning: Learning) -> Result<Self> {
         let Learning { history, var_threshold, detect_shadows } = learning;
         if history == 0 || !(var_threshold > 0.0 && var_threshold.is_finite()) {
@@ -104,23 +105,26 @@ impl RunningGaussian {
             shadows: detect_shadows.then(Shadows::default),
             cleanup: Cleanup::default(),
             model: Model::default(),
-            outline: CoverageMatte::default(),
+            matte: CoverageMatte::default(),
         })
     }
 
-    /// Learns from a frame of the empty room: the first ones count alike, up to the history.
+    /// Learns from a frame of the empty scene; the first frames, up to the history, have equal weight.
     ///
     /// # Errors
     /// A frame of another size than those before, or without pixels.
     pub fn learn(&mut self, empty: &RgbImage) -> Result<()> {
         if empty.is_empty() {
-            return Err(Error::argument("expected a frame of the empty room, found an image without pixels"));
+            return Err(Error::argument(
+                "expected a frame of the empty scene, found an image without pixels",
+            ));
         }
         if self.model.learnt == 0 {
             self.model.start_from(empty);
         } else {
-            check_size(self.model.room.size, empty.dimensions())?;
+            check_size(self.model.background.size, empty.dimensions())?;
         }
+
         let rate = 1.0 / (self.model.learnt + 1).min(self.learning.history) as f32;
         for y in 0..empty.height() as usize {
             self.model.learn_row(empty, None, y, rate, self.learning.var_threshold as f32);
@@ -129,7 +133,7 @@ impl RunningGaussian {
         Ok(())
     }
 
-    /// Sets what counts as a shadow; `None`: a shadow counts as the subject.
+    /// Sets the model of shadows; with `None` a shadow counts as the subject.
     ///
     /// # Errors
     /// A number out of its range.
@@ -150,18 +154,20 @@ impl RunningGaussian {
 }
 
 impl Segmenter for RunningGaussian {
-    /// As the trait says; and learns from what it takes for the room.
+    /// Segments an image, then learns from its background pixels.
     fn segment_packed(&mut self, image: &RgbImage, mask: &mut PackedMask) -> Result<()> {
-        let Self { learning, shadows, cleanup, model, outline } = self;
+        let Self { learning, shadows, cleanup, model, matte } = self;
         if model.learnt == 0 {
             return Err(Error::argument(
-                "expected to have learnt from at least one frame of the empty room, found none; call learn first",
+                "expected to have learnt from at least one frame of the empty scene, found none; call learn first",
             ));
         }
-        check_size(model.room.size, image.dimensions())?;
-        model.room.differences(image, shadows.as_ref(), &mut outline.raw);
-        let colours = Colours { image: image.as_raw(), background: Some(&model.room.colour) };
-        outline.compute(colours, cleanup, mask);
+
+        check_size(model.background.size, image.dimensions())?;
+        model.background.differences(image, shadows.as_ref(), &mut matte.raw);
+        let colours = Colours { image: image.as_raw(), background: Some(&model.background.colour) };
+        matte.compute(colours, cleanup, mask);
+
         let rate = (STRIPES as f32 / learning.history as f32).min(1.0);
         for y in (model.stripe..image.height() as usize).step_by(STRIPES) {
             model.learn_row(image, Some(mask), y, rate, learning.var_threshold as f32);
@@ -172,17 +178,18 @@ impl Segmenter for RunningGaussian {
 }
 
 impl Model {
+    /// Starts the means from a first frame.
     fn start_from(&mut self, empty: &RgbImage) {
-        self.room = BackgroundBounds::new(empty.dimensions());
-        // Everything is within the bounds.
-        self.room.greatest.fill(255);
+        self.background = BackgroundBounds::new(empty.dimensions());
+        // With these bounds every colour is within.
+        self.background.greatest.fill(255);
         self.mean = empty.iter().map(|&value| f32::from(value)).collect();
         self.variance = vec![FIRST_VARIANCE; self.mean.len()];
-        self.is_room = vec![255; 3 * empty.width() as usize];
+        self.is_background = vec![255; 3 * empty.width() as usize];
         self.row_of_mask = vec![0; empty.width() as usize];
     }
 
-    /// Row `y` of `image`, where `mask`, if any, and the bounds say that it shows the room.
+    /// Learns row `y` of `image` where `mask`, if any, and the bounds classify it as background.
     fn learn_row(
         &mut self,
         image: &RgbImage,
@@ -192,53 +199,56 @@ impl Model {
         threshold: f32,
     ) {
         let width = image.width() as usize;
+
         let row = 3 * width * y..3 * width * (y + 1);
-        let Self { room, mean, variance, is_room, row_of_mask, .. } = self;
-        let (colour, mean) = (&mut room.colour[row.clone()], &mut mean[row.clone()]);
-        let (least, greatest) = (&mut room.least[row.clone()], &mut room.greatest[row.clone()]);
+        let Self { background, mean, variance, is_background, row_of_mask, .. } = self;
+        let (colour, mean) = (&mut background.colour[row.clone()], &mut mean[row.clone()]);
+        let (least, greatest) = (&mut background.least[row.clone()], &mut background.greatest[row.clone()]);
         let (variance, image) = (&mut variance[row.clone()], &image.as_raw()[row]);
+
         match mask {
-            None => is_room.fill(255),
+            None => is_background.fill(255),
             Some(mask) => {
                 mask.write_row(y, row_of_mask);
-                shows_room(image, row_of_mask, least, greatest, is_room);
+                shows_background(image, row_of_mask, least, greatest, is_background);
             }
         }
-        learn(image, is_room, mean, variance, rate);
+
+        learn(image, is_background, mean, variance, rate);
         bound(mean, variance, threshold, colour, least, greatest);
     }
 }
 
 vectorised! {
-    /// Writes 255 where a channel is within its bounds and the mask of its pixel empty, else 0.
-    fn shows_room(image: &[u8], mask: &[u8], least: &[u8], greatest: &[u8], is_room: &mut [u8]) {
-        for (channels, &subject) in is_room.as_chunks_mut::<3>().0.iter_mut().zip(mask) {
+    /// Writes 255 where a channel is within its bounds and its pixel's mask is 0, else 0.
+    fn shows_background(image: &[u8], mask: &[u8], least: &[u8], greatest: &[u8], is_background: &mut [u8]) {
+        for (channels, &subject) in is_background.as_chunks_mut::<3>().0.iter_mut().zip(mask) {
             *channels = [if subject == 0 { 255 } else { 0 }; 3];
         }
-        let n = is_room.len();
+        let n = is_background.len();
         let (image, least, greatest) = (&image[..n], &least[..n], &greatest[..n]);
         for k in 0..n {
-            is_room[k] &= if least[k] <= image[k] && image[k] <= greatest[k] { 255 } else { 0 };
+            is_background[k] &= if least[k] <= image[k] && image[k] <= greatest[k] { 255 } else { 0 };
         }
     }
 }
 
 vectorised! {
-    /// Moves means and variances by `rate` towards what `image` shows.
-    fn learn(image: &[u8], is_room: &[u8], mean: &mut [f32], variance: &mut [f32], rate: f32) {
+    /// Moves means and variances by `rate` towards the values of `image`.
+    fn learn(image: &[u8], is_background: &[u8], mean: &mut [f32], variance: &mut [f32], rate: f32) {
         let n = image.len();
-        let (is_room, mean, variance) = (&is_room[..n], &mut mean[..n], &mut variance[..n]);
+        let (is_background, mean, variance) = (&is_background[..n], &mut mean[..n], &mut variance[..n]);
         for k in 0..n {
-            let rate = if is_room[k] != 0 { rate } else { 0.0 };
-            let off = f32::from(image[k]) - mean[k];
-            mean[k] += rate * off;
-            variance[k] = (variance[k] + rate * (off * off - variance[k])).clamp(VARIANCES.0, VARIANCES.1);
+            let rate = if is_background[k] != 0 { rate } else { 0.0 };
+            let deviation = f32::from(image[k]) - mean[k];
+            mean[k] += rate * deviation;
+            variance[k] = (variance[k] + rate * (deviation * deviation - variance[k])).clamp(VARIANCES.0, VARIANCES.1);
         }
     }
 }
 
 vectorised! {
-    /// Colours and bounds that follow from means and variances.
+    /// Computes colours and bounds from means and variances.
     fn bound(
         mean: &[f32],
         variance: &[f32],

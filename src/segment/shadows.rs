@@ -1,27 +1,28 @@
-//! When a pixel that differs from the room is the room in a shadow.
+//! The test whether a pixel that differs from the background is background in a shadow.
 
 use crate::{Error, Result};
 
-/// What a shadow may look like.
+/// A model of shadows on the background.
 ///
-/// A shadow dims a pixel and keeps its hue: its colour is the room's times a ratio below 1, and little is left over.
+/// A shadow dims a pixel and keeps its hue: its colour is the background's times a ratio below 1, with a small
+/// remainder.
 ///
 /// The test is that of Horprasert, Harwood and Davis, *A statistical approach for real-time robust background
 /// subtraction and shadow detection* (1999), in grey levels: the colour's distance from the line through black and the
-/// room's colour, and where along that line it lies. It costs the parts of the subject that look like a shadow on what is
-/// behind them; [`Cleanup`](super::Cleanup) closes such gaps where they are small.
+/// background's colour, and its position along that line. Parts of the subject that look like a shadow on the
+/// background behind them are lost; [`Cleanup`](super::Cleanup) closes such gaps if they are small.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shadows {
-    /// The deepest shadow, as a ratio to the unshaded room, 0 to 1. Default 0.75; MOG2 calls it the shadow threshold
-    /// and has 0.5.
+    /// The deepest shadow, as a ratio to the unshaded background, 0 to 1. Default 0.75; MOG2 calls it the shadow
+    /// threshold, with default 0.5.
     pub darkest: f64,
-    /// The brightest reflection or light that still counts as the room, at least 1. Default 1.2.
+    /// The brightest light that still counts as background, as a ratio of at least 1. Default 1.2.
     pub brightest: f64,
-    /// How far the colour may be from the room's times the ratio, in grey levels. Default 6.
+    /// The largest distance of the colour from the background's times the ratio, in grey levels. Default 6.
     pub hue_tolerance: f64,
 }
 
-/// Squares and ratios, ready to compare with.
+/// The thresholds in the form that the test compares with.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     pub(super) darkest: f32,
@@ -30,12 +31,12 @@ pub(super) struct Limits {
 }
 
 impl Shadows {
-    /// Of lamps on the ceiling or of daylight: soft, and hardly darker than three quarters of the room. What is darker is
-    /// the subject, also dark clothes before a grey wall. The default.
+    /// Soft shadows of ceiling lamps or daylight, hardly darker than three quarters of the background. Darker pixels
+    /// are the subject, such as dark clothes in front of a grey wall. The default.
     pub const SOFT: Self = Self { darkest: 0.75, brightest: 1.2, hue_tolerance: 6.0 };
 
-    /// Of a lamp or two: down to less than half of the room's light. The subject's colours must differ from the room's
-    /// in hue, or be brighter.
+    /// Deep shadows of one or two lamps, down to less than half of the background's light. The subject's colours must
+    /// differ from the background's in hue, or be brighter.
     pub const DEEP: Self = Self { darkest: 0.45, brightest: 1.2, hue_tolerance: 14.0 };
 }
 
@@ -46,7 +47,7 @@ impl Default for Shadows {
 }
 
 impl Shadows {
-    /// # Errors
+    /// Checks the ranges.
     /// A ratio outside its range, a tolerance that is negative or not finite.
     pub(super) fn check(&self) -> Result<()> {
         let Self { darkest, brightest, hue_tolerance } = *self;
@@ -56,11 +57,13 @@ impl Shadows {
                  {brightest}; 1 and 1 allow neither"
             )));
         }
+
         if !(hue_tolerance >= 0.0 && hue_tolerance.is_finite()) {
             return Err(Error::argument(format!(
                 "expected a shadow's hue tolerance of 0 grey levels or more, found {hue_tolerance}"
             )));
         }
+
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use image::Luma;
 use imageproc::region_labelling::{Connectivity, connected_components};
 use nalgebra::Point3;
 
-/// A person's mask, ragged and full of holes and specks; its width no multiple of a word.
+/// A person's mask with a ragged outline, holes and specks; its width is not a multiple of a word.
 fn ragged(seed: u64) -> GrayImage {
     let target = Point3::new(0.0, 0.0, 0.9);
     let camera = &layout::ring(1, 3.0, 0.9, target, (201, 147), 0.9).unwrap()[0];
@@ -15,8 +15,8 @@ fn ragged(seed: u64) -> GrayImage {
         flip_boundary(&mut mask, 0.4, 10 * seed + k).unwrap();
     }
     for k in 0..90u64 {
-        let place = (k.wrapping_mul(2654435761) ^ (seed * 977)) % (201 * 147);
-        let (x, y) = ((place % 201) as u32, (place / 201) as u32);
+        let index = (k.wrapping_mul(2654435761) ^ (seed * 977)) % (201 * 147);
+        let (x, y) = ((index % 201) as u32, (index / 201) as u32);
         let value = 255 - mask.get_pixel(x, y).0[0];
         mask.put_pixel(x, y, Luma([value]));
     }
@@ -33,8 +33,8 @@ fn mask_of(bits: &BitImage) -> GrayImage {
     mask.to_mask()
 }
 
-/// Regions of `kind` by imageproc: those of which `wanted` says so, by area and whether they reach the border, turn.
-fn turned(
+/// Inverts regions of the value `kind`, found by imageproc, for which `wanted(area, at_border, largest_area)` is true.
+fn inverted_regions(
     mask: &GrayImage,
     kind: u8,
     connectivity: Connectivity,
@@ -42,17 +42,19 @@ fn turned(
 ) -> GrayImage {
     let labels = connected_components(mask, connectivity, Luma([255 - kind]));
     let count = labels.iter().max().map_or(0, |&last| last as usize) + 1;
+
     let (mut areas, mut at_border) = (vec![0u32; count], vec![false; count]);
     for (x, y, label) in labels.enumerate_pixels() {
         let label = label.0[0] as usize;
         areas[label] += 1;
         at_border[label] |= x == 0 || y == 0 || x + 1 == mask.width() || y + 1 == mask.height();
     }
-    let most = areas.iter().skip(1).copied().max().unwrap_or(0);
+
+    let largest = areas.iter().skip(1).copied().max().unwrap_or(0);
     let mut mask = mask.clone();
     for (value, &label) in mask.iter_mut().zip(labels.iter()) {
         let label = label as usize;
-        if label != 0 && wanted(areas[label], at_border[label], most) {
+        if label != 0 && wanted(areas[label], at_border[label], largest) {
             *value = 255 - kind;
         }
     }
@@ -60,30 +62,40 @@ fn turned(
 }
 
 #[test]
-fn bits_and_bytes_are_the_same_mask() {
+fn converting_to_bits_and_back_keeps_the_mask() {
     for mask in [ragged(1), ragged(2), GrayImage::from_pixel(64, 3, Luma([255]))] {
         assert_eq!(mask_of(&to_bits(&mask)), mask);
     }
 }
 
 #[test]
-fn regions_are_those_of_a_plain_labelling() {
+fn regions_equal_those_of_an_independent_labelling() {
     for seed in 0..6 {
         let mask = ragged(seed);
         let mut bits = to_bits(&mask);
+
         let mut regions = Regions::default();
         regions.drop_small(&mut bits, 7, 0.001);
-        let small = |area: u32, _, most: u32| f64::from(area) < f64::max(7.0, 0.001 * f64::from(most));
-        assert_eq!(mask_of(&bits), turned(&mask, 255, Connectivity::Eight, small), "specks, seed {seed}");
+        let small = |area: u32, _, largest: u32| f64::from(area) < f64::max(7.0, 0.001 * f64::from(largest));
+        assert_eq!(
+            mask_of(&bits),
+            inverted_regions(&mask, 255, Connectivity::Eight, small),
+            "specks, seed {seed}"
+        );
+
         let mut bits = to_bits(&mask);
         regions.fill_holes(&mut bits, 9);
         let hole = |area: u32, at_border: bool, _| area < 9 && !at_border;
-        assert_eq!(mask_of(&bits), turned(&mask, 0, Connectivity::Four, hole), "holes, seed {seed}");
+        assert_eq!(
+            mask_of(&bits),
+            inverted_regions(&mask, 0, Connectivity::Four, hole),
+            "holes, seed {seed}"
+        );
     }
 }
 
 #[test]
-fn a_pixel_grows_into_an_octagon_and_what_grows_shrinks_back() {
+fn a_step_equals_its_definition_by_neighbours() {
     let mask = ragged(3);
     for (shape, inverted) in [
         (StructuringElement::Cross, false),
@@ -93,10 +105,12 @@ fn a_pixel_grows_into_an_octagon_and_what_grows_shrinks_back() {
     ] {
         let mut bits = to_bits(&mask);
         Morphology::default().step(&mut bits, shape, inverted);
+
         let is_subject = |x: i64, y: i64| {
             let inside = (0..201).contains(&x) && (0..147).contains(&y);
             if inside { mask.get_pixel(x as u32, y as u32).0[0] == 255 } else { inverted }
         };
+
         let expected = GrayImage::from_fn(201, 147, |x, y| {
             let around = (-1i64..=1).flat_map(|dy| (-1i64..=1).map(move |dx| (dx, dy)));
             let mut around = around.filter(|(dx, dy)| shape == StructuringElement::Square || dx * dy == 0);
@@ -108,34 +122,38 @@ fn a_pixel_grows_into_an_octagon_and_what_grows_shrinks_back() {
 }
 
 #[test]
-fn specks_go_and_holes_close_by_their_area() {
+fn specks_and_holes_are_removed_by_their_area() {
     let mut mask = GrayImage::new(60, 60);
     let mut paint = |left: u32, top: u32, size: u32, value: u8| {
         for (x, y) in (left..left + size).flat_map(|x| (top..top + size).map(move |y| (x, y))) {
             mask.put_pixel(x, y, Luma([value]));
         }
     };
+
     paint(20, 20, 30, 255);
     paint(2, 2, 3, 255); // a speck of 9
     paint(22, 22, 3, 0); // a hole of 9
     paint(35, 35, 8, 0); // a hole of 64
     let at =
         |mask: &GrayImage| [(30, 30), (3, 3), (23, 23), (38, 38)].map(|(x, y)| mask.get_pixel(x, y).0[0]);
+
     let cleaned = |area_px: u32| {
         let (smallest_region_px, smallest_hole_px) = (area_px, area_px);
         let mut mask = mask.clone();
         Cleanup { smallest_region_px, smallest_hole_px, ..Cleanup::NONE }.apply(&mut mask).unwrap();
         at(&mask)
     };
+
     assert_eq!(cleaned(10), [255, 0, 255, 0]);
-    assert_eq!(cleaned(9), [255, 255, 0, 0], "regions of just that area stay");
-    let mut alone = mask.clone();
-    Cleanup { smallest_region_share: 1.0, ..Cleanup::NONE }.apply(&mut alone).unwrap();
-    assert_eq!(at(&alone), [255, 0, 0, 0], "the largest alone");
+    assert_eq!(cleaned(9), [255, 255, 0, 0], "regions of exactly that area stay");
+
+    let mut largest = mask.clone();
+    Cleanup { smallest_region_share: 1.0, ..Cleanup::NONE }.apply(&mut largest).unwrap();
+    assert_eq!(at(&largest), [255, 0, 0, 0], "only the largest region");
 }
 
 #[test]
-fn coverage_stays_where_nothing_changes_its_side() {
+fn pixels_that_keep_their_side_keep_their_coverage() {
     let mut mask = GrayImage::from_fn(40, 40, |x, _| Luma([if x < 20 { 255 } else { 90 }]));
     let before = mask.clone();
     Cleanup::default().apply(&mut mask).unwrap();

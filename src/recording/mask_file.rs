@@ -1,9 +1,9 @@
-//! One camera's masks of all frames in one file, as run lengths.
+//! A file with the masks of all frames of one camera, as run lengths.
 //!
-//! The file begins with a mark. Then come records: a frame's number and the length of what follows in bytes, each as a
-//! number of 32 bits, the lower byte first, and a mask as [`PackedMask::encode`] writes it. Of two records of one frame the
-//! later one counts; one without any bytes takes the frame's mask away. A mark or a last record that is cut off, as where
-//! writing was interrupted, counts as not there.
+//! The file begins with a mark. Records follow: a frame's number and the length of the mask in bytes, each as a
+//! little-endian 32-bit number, and the mask as [`PackedMask::encode`] writes it. Of two records of one frame the
+//! later one counts; a record of length zero removes the frame's mask. A truncated mark or last record, as after an
+//! interrupted write, is ignored.
 
 use crate::silhouette::PackedMask;
 use crate::{Error, Result};
@@ -12,25 +12,25 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// What begins the file: its kind and version.
+/// The first bytes of the file: its kind and version.
 const MARK: [u8; 8] = *b"VHRMASK1";
 
-/// Bytes before a record's mask.
+/// The length of a record's head in bytes.
 const RECORD: usize = 8;
 
-/// The masks of one camera, which are read when they are asked for.
+/// The masks of one camera, which are read on request.
 #[derive(Debug, Clone)]
 pub(super) struct MaskFile {
     path: PathBuf,
-    /// For each frame where its mask begins, and its length in bytes.
+    /// The start and length in bytes of each frame's mask.
     places: BTreeMap<u32, (u64, u32)>,
-    /// Where the next record goes.
+    /// The position of the next record.
     end: u64,
-    /// The frame of a last record that is cut off.
+    /// The frame of a truncated last record.
     cut_off: Option<u32>,
 }
 
-/// Where a mask file ends, and the mask of a frame in it.
+/// The end of a mask file and the place of one frame's mask, to undo a write.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct State {
     frame: u32,
@@ -39,10 +39,10 @@ pub(super) struct State {
 }
 
 impl MaskFile {
-    /// The file at `path`, which need not be there yet.
+    /// Opens the file at `path`, which may not exist yet.
     ///
     /// # Errors
-    /// A file that cannot be read, or that is none of masks.
+    /// A file that cannot be read, or is not a mask file.
     pub(super) fn open(path: PathBuf) -> Result<Self> {
         let mut file = Self { path, places: BTreeMap::new(), end: 0, cut_off: None };
         let opened = match File::open(&file.path) {
@@ -61,7 +61,7 @@ impl MaskFile {
         Err(Error::file(&file.path, problem))
     }
 
-    /// Finds the records; returns whether the file is one of masks.
+    /// Lists the records; false if the file is not a mask file.
     fn list(&mut self, file: File) -> io::Result<bool> {
         let length = file.metadata()?.len();
         let mut file = BufReader::new(file);
@@ -70,12 +70,14 @@ impl MaskFile {
         if mark != MARK {
             return Ok(MARK.starts_with(&mark));
         }
+
         self.end = MARK.len() as u64;
         while self.end + RECORD as u64 <= length {
             let mut record = [0; RECORD];
             file.read_exact(&mut record)?;
             let [frame, bytes] = record.as_chunks().0 else { break };
             let (frame, bytes) = (u32::from_le_bytes(*frame), u32::from_le_bytes(*bytes));
+
             let start = self.end + RECORD as u64;
             if start + u64::from(bytes) > length {
                 self.cut_off = Some(frame);
@@ -84,10 +86,11 @@ impl MaskFile {
             file.seek_relative(i64::from(bytes))?;
             self.place(frame, start, bytes);
         }
+
         Ok(true)
     }
 
-    /// Takes note of a record.
+    /// Adds a record to the list.
     fn place(&mut self, frame: u32, start: u64, bytes: u32) {
         match bytes {
             0 => self.places.remove(&frame),
@@ -100,7 +103,7 @@ impl MaskFile {
         &self.path
     }
 
-    /// The frame whose mask is cut off at the file's end, if any is.
+    /// The frame of a truncated mask at the end of the file, if any.
     pub(super) fn cut_off(&self) -> Option<u32> {
         self.cut_off
     }
@@ -114,10 +117,10 @@ impl MaskFile {
         self.places.contains_key(&frame)
     }
 
-    /// The mask of a frame; `None` where it has none.
+    /// The mask of a frame, if it has one.
     ///
     /// # Errors
-    /// A file that cannot be read; bytes that are no mask.
+    /// A file that cannot be read; bytes that are not a mask.
     pub(super) fn read(&self, frame: u32) -> Result<Option<PackedMask>> {
         let Some(&(start, length)) = self.places.get(&frame) else { return Ok(None) };
         let mut bytes = vec![0; length as usize];
@@ -131,7 +134,7 @@ impl MaskFile {
         mask.map(Some).map_err(|e| Error::file(&self.path, format!("frame {frame}: {e}")))
     }
 
-    /// Appends the mask of a frame; without one, takes away what it has.
+    /// Appends the mask of a frame; `None` removes its mask.
     ///
     /// # Errors
     /// A mask that is too large to be coded; a file that cannot be written.
@@ -144,25 +147,28 @@ impl MaskFile {
         bytes.extend(frame.to_le_bytes());
         bytes.extend((coded.len() as u32).to_le_bytes());
         bytes.extend(&coded);
+
+        // {
         let write = || {
             let mut file = OpenOptions::new().create(true).write(true).truncate(false).open(&self.path)?;
-            // What is behind the last whole record was cut off.
+            // Remove a truncated last record.
             file.set_len(self.end)?;
             file.seek(SeekFrom::End(0))?;
             file.write_all(&bytes)
         };
+
         write().map_err(|e| Error::unwritten(&self.path, &e))?;
         self.cut_off = None;
         self.place(frame, self.end + (bytes.len() - coded.len()) as u64, coded.len() as u32);
         Ok(())
     }
 
-    /// Where the file stands for a frame, to come back to by [`Self::undo`].
+    /// The current state for one frame, for [`Self::undo`].
     pub(super) fn state(&self, frame: u32) -> State {
         State { frame, place: self.places.get(&frame).copied(), end: self.end }
     }
 
-    /// Forgets what was written since `state`, which the next record is written over.
+    /// Removes the record written since `state`.
     pub(super) fn undo(&mut self, state: State) -> Result<()> {
         self.end = state.end;
         match state.place {

@@ -1,4 +1,4 @@
-//! One kind of picture of a recording, images or masks: which files there are, and new ones.
+//! The files of one kind of picture of a recording, images or masks.
 
 use super::mask_file::MaskFile;
 use super::{IMAGE, MASK, MASK_FILE, MASK_SUFFIX, make_folder};
@@ -9,11 +9,11 @@ use image::{ImageBuffer, PixelWithColorType};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// One kind of picture, of all cameras.
+/// One kind of picture of all cameras.
 #[derive(Debug, Clone)]
 pub(super) struct Pictures {
     pub(super) kind: &'static str,
-    /// Per camera the file of each frame.
+    /// The file of each frame, per camera.
     pub(super) files: Vec<BTreeMap<u32, PathBuf>>,
     /// The frames that all cameras have, ascending.
     pub(super) common: Vec<u32>,
@@ -28,6 +28,7 @@ impl Pictures {
                 numbered_files(&dir.join(camera.name()), kind).map_err(|e| Error::view(camera.name(), e))
             })
             .collect::<Result<Vec<_>>>()?;
+
         let mut pictures = Self { kind, files, common: Vec::new() };
         pictures.find_common();
         Ok(pictures)
@@ -42,15 +43,17 @@ impl Pictures {
         self.files.iter().any(|of_camera| !of_camera.is_empty())
     }
 
+    /// The file of one frame of one camera.
     pub(super) fn file(&self, rig: &Rig, camera: usize, frame: u32) -> Result<&Path> {
         self.files[camera].get(&frame).map(PathBuf::as_path).ok_or_else(|| {
             let (name, kind) = (rig.cameras()[camera].name(), self.kind);
             let has = extent(&self.files[camera]);
-            let problem = format!("expected {name}/{kind}/{frame:06}.*, found {has}; ask for a frame it has");
+            let problem = format!("expected {name}/{kind}/{frame:06}.*, found {has}; choose one of these");
             Error::view(name, problem)
         })
     }
 
+    /// Writes the pictures of one frame as PNGs, all of them or none.
     pub(super) fn write<P>(
         &mut self,
         dir: &Path,
@@ -67,11 +70,12 @@ impl Pictures {
             make_folder(&folder)?;
             paths.push(folder.join(format!("{frame:06}.png")));
         }
+
         image_file::write_pngs(paths.iter().map(PathBuf::as_path).zip(pictures))?;
         self.replace(frame, paths.into_iter())
     }
 
-    /// Takes note of other files of one frame, one per camera, and removes those they replace.
+    /// Replaces the files of one frame, one per camera, and removes the old ones from disk.
     pub(super) fn replace(&mut self, frame: u32, paths: impl Iterator<Item = PathBuf>) -> Result<()> {
         for (files, path) in self.files.iter_mut().zip(paths) {
             let old =
@@ -85,10 +89,10 @@ impl Pictures {
         Ok(())
     }
 
-    /// Adds the masks in mask files.
+    /// Adds the masks of mask files.
     ///
     /// # Errors
-    /// A frame that has another mask in a file of its own.
+    /// A frame that has a mask in a file of its own as well.
     pub(super) fn add(&mut self, rig: &Rig, mask_files: &[MaskFile]) -> Result<()> {
         for ((camera, files), mask_file) in rig.cameras().iter().zip(&mut self.files).zip(mask_files) {
             for frame in mask_file.frames() {
@@ -102,6 +106,7 @@ impl Pictures {
                 }
             }
         }
+
         self.find_common();
         Ok(())
     }
@@ -112,13 +117,14 @@ impl Pictures {
         }
     }
 
+    /// The error text about pictures without a frame that all cameras have.
     pub(super) fn nothing_in_common(&self, rig: &Rig) -> String {
         let has = |(camera, files): (&Camera, &BTreeMap<u32, PathBuf>)| {
             format!("\"{}\" has {}", camera.name(), extent(files))
         };
         let cameras: Vec<_> = rig.cameras().iter().zip(&self.files).map(has).collect();
         format!(
-            "expected a frame of which every camera has a file {kind}/%06d.png, found none: {}; add what is missing \
+            "expected a frame with a file {kind}/%06d.png of every camera, found none: {}; add what is missing \
              or remove the {kind} folders",
             cameras.join(", "),
             kind = self.kind
@@ -131,12 +137,12 @@ fn extent(files: &BTreeMap<u32, PathBuf>) -> String {
         (Some((first, _)), Some((last, _))) if files.len() > 1 => {
             format!("{} frames from {first} to {last}", files.len())
         }
-        (Some((only, _)), _) => format!("frame {only} alone"),
+        (Some((only, _)), _) => format!("only frame {only}"),
         _ => "no frames".into(),
     }
 }
 
-/// A camera's files of one kind by their numbers. Masks may lie beside the images where they have no folder of their own.
+/// A camera's files of one kind by frame. Masks may lie beside the images if they have no folder of their own.
 fn numbered_files(camera: &Path, kind: &str) -> Result<BTreeMap<u32, PathBuf>> {
     let folder = camera.join(kind);
     if kind != MASK {

@@ -1,4 +1,4 @@
-//! The images of a recording as streams, from folders and videos alike.
+//! Streams of a recording's images, from folders and videos alike.
 
 use super::Recording;
 use crate::source::{
@@ -13,18 +13,18 @@ const VIDEOS: &str = "videos";
 const EXTENSIONS: [&str; 12] =
     ["mp4", "avi", "mov", "mkv", "webm", "m4v", "mpg", "mpeg", "mts", "m2ts", "wmv", "ogv"];
 
-/// So many images are read ahead of each camera.
+/// The number of images that are read ahead per camera.
 const DEPTH: usize = 3;
 
-/// How to read the images of a recording, of all its cameras.
+/// Options for read_options the images of all cameras of a recording.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StreamOptions {
-    /// The number of the first image; earlier ones are passed over.
+    /// The number of the first image; earlier ones are skipped.
     pub first: u32,
-    /// Images a second, number 0 at 0 s. Default: what `frames.csv` lists, else the videos' own rates; folders follow
-    /// the first video, or have 30 a second.
+    /// Images per second; image 0 is at 0 s. Default: the times in `frames.csv`, else the videos' own rates; folders
+    /// have the rate of the first video, or 30 images per second.
     pub rate: Option<f64>,
-    /// Within how many seconds images are of one time. Default: half the shortest period.
+    /// The largest time between images of one set, in seconds. Default: half the shortest period.
     pub bound: Option<f64>,
 }
 
@@ -34,28 +34,30 @@ impl Recording {
         (0..self.rig.len()).all(|camera| self.has_images_of(camera))
     }
 
-    /// Whether the camera at position `camera` of the rig has images in a folder or a video.
+    /// Whether the camera at index `camera` of the rig has images in a folder or a video.
     pub fn has_images_of(&self, camera: usize) -> bool {
         let in_folder = self.images.files.get(camera).is_some_and(|files| !files.is_empty());
         in_folder || self.videos.get(camera).is_some_and(Option::is_some)
     }
 
-    /// When each of [`frames`](Self::frames) was taken, in seconds that grow: as the first camera's image of that
-    /// number, on the clock of [`source`](Self::source). `None` where neither `options` nor `frames.csv` nor a video
-    /// tells.
+    /// The time of each of [`frames`](Self::frames), in increasing seconds: that of the first camera's image of that
+    /// number, on the clock of [`source`](Self::source). `None` if neither `options`, `frames.csv` nor a video gives
+    /// it.
     ///
     /// # Errors
-    /// As [`source`](Self::source); a frame that `frames.csv` does not list for the first camera.
+    /// All errors of [`source`](Self::source); a frame that `frames.csv` does not list for the first camera.
     pub fn frame_times(&self, options: &StreamOptions) -> Result<Option<Vec<f64>>> {
         let first = self.times(options)?.swap_remove(0);
         let times = match (first, &self.videos[0]) {
             (None, Some(video)) => {
                 Video::rate(video).map_err(|e| Error::view(self.name(0), e))?.map(Times::Rate)
             }
-            (told, _) => told,
+            (listed, _) => listed,
         };
+
         let Some(times) = times else { return Ok(None) };
         times.check()?;
+
         let of = |&frame: &u32| {
             let fail =
                 |problem| Error::view(self.name(0), Error::file(self.dir.join(frames_csv::NAME), problem));
@@ -64,11 +66,11 @@ impl Recording {
         self.frames().iter().map(of).collect::<Result<_>>().map(Some)
     }
 
-    /// The images of the camera at position `camera` of the rig, from its folder, or else its video.
+    /// The images of the camera at index `camera` of the rig, from its folder, or else its video.
     ///
     /// # Errors
-    /// No such camera, or one without images; what [`ImageFolder`], [`Video`] and
-    /// [`frames_csv::load`] refuse.
+    /// No such camera, or one without images; all errors of [`ImageFolder`], [`Video`] and
+    /// [`frames_csv::load`].
     pub fn source(&self, camera: usize, options: &StreamOptions) -> Result<Box<dyn Source>> {
         let n = self.rig.len();
         let times = self.times(options)?;
@@ -78,17 +80,19 @@ impl Recording {
         }
     }
 
-    /// The images of all cameras, read ahead and put together by their times; in each set in the rig's order.
+    /// The images of all cameras, read ahead and grouped by their times; each set is in the rig's order.
     ///
     /// # Errors
-    /// As [`source`](Self::source); a bound that is negative or not finite.
+    /// All errors of [`source`](Self::source); a bound that is negative or not finite.
     pub fn synchronised(&self, options: &StreamOptions) -> Result<Synchroniser> {
         let mut sources = Vec::new();
         for (camera, times) in self.times(options)?.into_iter().enumerate() {
             sources.push(self.source_with(camera, options, times)?);
         }
+
         let shortest = sources.iter().filter_map(|source| source.period()).fold(f64::INFINITY, f64::min);
         let default = if shortest.is_finite() { shortest / 2.0 } else { 0.0 };
+
         let streams = (0..)
             .zip(sources)
             .map(|(camera, source)| ReadAhead::spawn(self.name(camera), source, DEPTH, WhenFull::Wait));
@@ -102,34 +106,37 @@ impl Recording {
         times: Option<Times>,
     ) -> Result<Box<dyn Source>> {
         let name = self.name(camera);
-        let reading =
+        let read_options =
             ReadOptions { size: Some(self.rig.cameras()[camera].size()), first: options.first, times };
+
         let named = |e| Error::view(name, e);
         match &self.videos[camera] {
-            Some(video) => Ok(Box::new(Video::open(video, reading).map_err(named)?)),
+            Some(video) => Ok(Box::new(Video::open(video, read_options).map_err(named)?)),
             None if self.images.files[camera].is_empty() => Err(Error::view(
                 name,
                 format!("expected images in {name}/image or a video {name}/{VIDEO}.mp4, found neither"),
             )),
             None => {
                 let files = self.images.files[camera].clone();
-                Ok(Box::new(ImageFolder::of_files(files, reading).map_err(named)?))
+                Ok(Box::new(ImageFolder::of_files(files, read_options).map_err(named)?))
             }
         }
     }
 
-    /// When the images of each camera were taken; `None` where the video tells.
+    /// The times of each camera's images; `None` for a video's own rate.
     fn times(&self, options: &StreamOptions) -> Result<Vec<Option<Times>>> {
         if let Some(rate) = options.rate {
             return Ok(vec![Some(Times::Rate(rate)); self.rig.len()]);
         }
+
         let path = self.dir.join(frames_csv::NAME);
         if path.exists() {
             let names: Vec<_> = (0..self.rig.len()).map(|camera| self.name(camera)).collect();
             let listed = frames_csv::load(&path, &names)?;
             return Ok(listed.into_iter().map(|times| Some(Times::Listed(Arc::new(times)))).collect());
         }
-        // Only the folders that stand beside videos ask these for a rate.
+
+        // The header of a video is read only if there are folders that follow its rate.
         let videos = || self.videos.iter().flatten();
         let rate = match videos().next() {
             Some(first) if videos().count() < self.videos.len() => Video::rate(first)?,
@@ -140,7 +147,7 @@ impl Recording {
     }
 }
 
-/// The video of a camera in the recording at `dir`.
+/// The video of a camera in the recording at `dir`, if there is one.
 pub(super) fn video_of(dir: &Path, camera: &str) -> Result<Option<PathBuf>> {
     let places = [dir.join(camera).join(VIDEO), dir.join(VIDEOS).join(camera)];
     let mut found = None;
@@ -153,11 +160,11 @@ pub(super) fn video_of(dir: &Path, camera: &str) -> Result<Option<PathBuf>> {
     Ok(found)
 }
 
-/// `place` with each extension of a video, in small and capital letters.
+/// `place` with each extension of a video, in lower and upper case.
 fn with_extensions(place: &Path) -> impl Iterator<Item = PathBuf> {
     EXTENSIONS.iter().flat_map(move |extension| {
         [(*extension).to_owned(), extension.to_uppercase()].map(|extension| {
-            // Not `set_extension`, which would cut a camera's name at its dot.
+            // `set_extension` would cut a camera's name at its dot.
             let mut name = place.as_os_str().to_owned();
             name.push(".");
             name.push(extension);

@@ -3,7 +3,7 @@ use crate::camera::Camera;
 use image::{ImageBuffer, Luma, Rgb};
 use nalgebra::{Point3, Vector3};
 
-/// A folder of its own for one test, gone when it ends.
+/// A temporary folder for one test, removed when it is dropped.
 pub(super) struct Folder(PathBuf);
 
 impl Folder {
@@ -44,8 +44,8 @@ fn images(value: u8) -> Vec<RgbImage> {
     rig().cameras().iter().map(of).collect()
 }
 
-/// A recording of two frames of masks, one frame of images, and backgrounds.
-fn written(folder: &Folder) -> Recording {
+/// Writes a recording of two frames of masks, one frame of images, and backgrounds.
+fn new_recording(folder: &Folder) -> Recording {
     let mut recording = Recording::create(folder.join("r"), &rig()).unwrap();
     recording.write_masks(12, &masks(255)).unwrap();
     recording.write_masks(3, &masks(200)).unwrap();
@@ -67,9 +67,9 @@ pub(super) fn assert_contains(message: &str, parts: &[&str]) {
 #[test]
 fn what_is_written_is_read_back() {
     let folder = Folder::new("round-trip");
-    let written = written(&folder);
+    let created = new_recording(&folder);
     let opened = Recording::open(folder.join("r")).unwrap();
-    for recording in [written, opened] {
+    for recording in [created, opened] {
         assert_eq!(recording.frames(), [3, 12]);
         assert_eq!(recording.image_frames(), [7]);
         assert_eq!(recording.masks(3).unwrap(), masks(200));
@@ -81,22 +81,22 @@ fn what_is_written_is_read_back() {
 }
 
 #[test]
-fn only_frames_of_all_cameras_count() {
+fn only_frames_that_all_cameras_have_count() {
     let folder = Folder::new("common");
-    written(&folder);
+    new_recording(&folder);
     std::fs::remove_file(folder.join("r/right/mask/000003.png")).unwrap();
     std::fs::write(folder.join("r/left/mask/notes.txt"), "").unwrap();
     std::fs::write(folder.join("r/left/mask/3_old.png"), "").unwrap();
     let recording = Recording::open(folder.join("r")).unwrap();
     assert_eq!(recording.frames(), [12]);
     let message = recording.masks(3).unwrap_err().to_string();
-    assert_contains(&message, &["view \"right\"", "right/mask/000003", "frame 12 alone", "ask for"]);
+    assert_contains(&message, &["view \"right\"", "right/mask/000003", "only frame 12", "choose one"]);
 }
 
 #[test]
-fn a_frame_is_overwritten_whatever_its_old_format() {
+fn a_frame_replaces_files_of_another_format() {
     let folder = Folder::new("overwrite");
-    written(&folder);
+    new_recording(&folder);
     for name in ["left", "right"] {
         let dir = folder.join("r").join(name).join("image");
         std::fs::rename(dir.join("000007.png"), dir.join("7.ppm")).unwrap();
@@ -114,12 +114,14 @@ fn missing_parts_are_named() {
         &open_error(folder.join("")),
         &["rig.toml: expected the recording's rig file, found none"],
     );
-    let recording = written(&folder);
+
+    let recording = new_recording(&folder);
     std::fs::remove_file(folder.join("r/left/background.png")).unwrap();
     let message = recording.background(0).unwrap_err().to_string();
     assert_contains(&message, &["view \"left\"", "left/background.png: expected an image"]);
     assert_contains(&recording.background(2).unwrap_err().to_string(), &["below 2, found 2"]);
     assert_contains(&recording.images(8).unwrap_err().to_string(), &["view \"left\"", "left/image/000008"]);
+
     std::fs::remove_dir_all(folder.join("r/right")).unwrap();
     assert_contains(&open_error(folder.join("r")), &["view \"right\"", "r/right, found none"]);
     std::fs::write(folder.join("r/rig.toml"), "[cam_0").unwrap();
@@ -127,33 +129,32 @@ fn missing_parts_are_named() {
 }
 
 #[test]
-fn a_recording_without_a_common_frame_says_which_camera_has_which() {
+fn the_error_about_no_common_frame_lists_the_cameras_frames() {
     let folder = Folder::new("nothing-in-common");
-    written(&folder);
+    new_recording(&folder);
     std::fs::remove_file(folder.join("r/right/mask/000003.png")).unwrap();
     std::fs::remove_file(folder.join("r/right/mask/000012.png")).unwrap();
     let message = open_error(folder.join("r"));
     let parts = ["mask/%06d.png", "\"left\" has 2 frames from 3 to 12", "\"right\" has no frames", "add"];
     assert_contains(&message, &parts);
-    // Without any mask the recording is one that waits for its masks.
+
+    // A recording of images without any mask is valid.
     std::fs::remove_dir_all(folder.join("r/left/mask")).unwrap();
     let recording = Recording::open(folder.join("r")).unwrap();
     assert!(recording.frames().is_empty());
     assert_eq!(recording.image_frames(), [7]);
     std::fs::remove_dir_all(folder.join("r/left/image")).unwrap();
-    assert_contains(
-        &open_error(folder.join("r")),
-        &["\"left\" has no frames", "\"right\" has frame 7 alone"],
-    );
+    assert_contains(&open_error(folder.join("r")), &["\"left\" has no frames", "\"right\" has only frame 7"]);
 }
 
 #[test]
-fn pictures_of_the_wrong_size_are_named_with_both_sizes() {
+fn errors_about_a_size_name_the_file_and_both_sizes() {
     let folder = Folder::new("size");
-    let mut recording = written(&folder);
+    let mut recording = new_recording(&folder);
     masks(9)[0].save(folder.join("r/right/mask/000012.png")).unwrap();
     let message = recording.masks(12).unwrap_err().to_string();
     assert_contains(&message, &["view \"right\"", "right/mask/000012.png", "expected 10 x 4", "found 8 x 6"]);
+
     let swapped: Vec<_> = masks(9).into_iter().rev().collect();
     let message = recording.write_masks(20, &swapped).unwrap_err().to_string();
     assert_contains(&message, &["view \"left\"", "expected 8 x 6", "found 10 x 4"]);
@@ -165,7 +166,7 @@ fn pictures_of_the_wrong_size_are_named_with_both_sizes() {
 #[test]
 fn masks_of_zeros_and_ones_are_refused_by_file_and_view() {
     let folder = Folder::new("zero-one");
-    let mut recording = written(&folder);
+    let mut recording = new_recording(&folder);
     recording.write_masks(4, &masks(1)).unwrap();
     let message = recording.masks(4).unwrap_err().to_string();
     assert_contains(
@@ -177,61 +178,66 @@ fn masks_of_zeros_and_ones_are_refused_by_file_and_view() {
 #[test]
 fn two_files_of_one_frame_are_refused() {
     let folder = Folder::new("twice");
-    written(&folder);
+    new_recording(&folder);
     std::fs::copy(folder.join("r/left/mask/000003.png"), folder.join("r/left/mask/3.png")).unwrap();
     assert_contains(&open_error(folder.join("r")), &["view \"left\"", "one file for frame 3", "remove one"]);
 }
 
 #[test]
-fn nothing_is_created_over_a_recording_or_outside_of_it() {
+fn nothing_is_created_over_a_recording_or_outside_its_folder() {
     let folder = Folder::new("create");
-    written(&folder);
+    new_recording(&folder);
     let message = Recording::create(folder.join("r"), &rig()).unwrap_err().to_string();
     assert_contains(&message, &["found a rig file", "choose another"]);
     for name in ["..", "a/b", "a\\b"] {
         let outside = Rig::new(vec![camera(name, (8, 6))]).unwrap();
         let message = Recording::create(folder.join("new"), &outside).unwrap_err().to_string();
-        assert_contains(&message, &["a folder's", "rename"]);
+        assert_contains(&message, &["a folder name", "rename"]);
         assert!(!folder.join("new").exists());
     }
 }
 
 #[test]
-fn masks_may_be_called_so_and_lie_beside_the_images() {
+fn masks_with_the_suffix_mask_may_lie_beside_the_images() {
     let folder = Folder::new("suffix");
     let mut recording = Recording::create(folder.join("r"), &rig()).unwrap();
     recording.write_images(4, &images(9)).unwrap();
     for (camera, mask) in recording.rig().cameras().iter().zip(masks(255)) {
         mask.save(folder.join("r").join(camera.name()).join("image/000004_mask.png")).unwrap();
     }
+
     let beside = Recording::open(folder.join("r")).unwrap();
     assert_eq!((beside.frames(), beside.image_frames()), (&[4][..], &[4][..]));
     assert_eq!(beside.masks(4).unwrap(), masks(255));
+
     for (camera, mask) in recording.rig().cameras().iter().zip(masks(200)) {
         let own = folder.join("r").join(camera.name()).join("mask");
         std::fs::create_dir(&own).unwrap();
-        // A cut-out: black, and opaque as the mask says.
+        // A cut-out image: black, with the mask as its alpha channel.
         let cut_out = ImageBuffer::from_fn(mask.width(), mask.height(), |_, _| image::Rgba([0, 0, 0, 200u8]));
         cut_out.save(own.join("5_mask.png")).unwrap();
     }
+
     let own = Recording::open(folder.join("r")).unwrap();
     assert_eq!(own.frames(), [5]);
     assert_eq!(own.masks(5).unwrap(), masks(200));
 }
 
 #[test]
-fn masks_as_run_lengths_are_a_recordings_masks_like_others() {
+fn masks_as_run_lengths_equal_masks_in_files() {
     let folder = Folder::new("run-lengths");
-    let mut recording = written(&folder);
+    let mut recording = new_recording(&folder);
     let packed: Vec<_> = masks(200).iter().map(PackedMask::new).collect();
     recording.write_packed_masks(30, &packed).unwrap();
-    // Frame 12 has pictures, which these replace; then pictures replace run lengths.
+
+    // Frame 12 has mask images, which the run lengths replace; below, images replace run lengths.
     recording.write_packed_masks(12, &packed).unwrap();
     for recording in [recording.clone(), Recording::open(folder.join("r")).unwrap()] {
         assert_eq!(recording.masks(30).unwrap(), masks(200));
         assert_eq!(recording.masks(12).unwrap(), masks(200));
         assert!(recording.frames().contains(&30) && recording.frames().contains(&12));
     }
+
     recording.write_masks(30, &masks(255)).unwrap();
     assert_eq!(recording.masks(30).unwrap(), masks(255));
     assert_eq!(Recording::open(folder.join("r")).unwrap().masks(30).unwrap(), masks(255));
@@ -240,7 +246,7 @@ fn masks_as_run_lengths_are_a_recordings_masks_like_others() {
 #[test]
 fn two_masks_of_one_frame_are_refused() {
     let folder = Folder::new("two-masks");
-    let mut recording = written(&folder);
+    let mut recording = new_recording(&folder);
     let packed: Vec<_> = masks(200).iter().map(PackedMask::new).collect();
     recording.write_packed_masks(30, &packed).unwrap();
     let picture = folder.join("r/left/mask/000030.png");
@@ -253,7 +259,7 @@ fn two_masks_of_one_frame_are_refused() {
 }
 
 #[test]
-fn a_mask_that_is_cut_off_is_told_where_no_frame_is_left() {
+fn a_truncated_mask_is_reported_if_no_frame_is_left() {
     let folder = Folder::new("cut-off");
     let mut recording = Recording::create(folder.join("r"), &rig()).unwrap();
     let packed: Vec<_> = masks(200).iter().map(PackedMask::new).collect();
@@ -266,7 +272,7 @@ fn a_mask_that_is_cut_off_is_told_where_no_frame_is_left() {
 }
 
 #[test]
-fn where_one_mask_cannot_be_written_as_run_lengths_the_others_stay_as_they_were() {
+fn if_one_mask_cannot_be_written_as_run_lengths_none_is() {
     let folder = Folder::new("all-or-none");
     let mut recording = Recording::create(folder.join("r"), &rig()).unwrap();
     let packed = |value| masks(value).iter().map(PackedMask::new).collect::<Vec<_>>();
@@ -274,7 +280,7 @@ fn where_one_mask_cannot_be_written_as_run_lengths_the_others_stay_as_they_were(
     let path = folder.join("r/left/mask.rle");
     let before = std::fs::read(&path).unwrap();
 
-    // A folder in the place of the second camera's file.
+    // A folder takes the place of the second camera's file.
     let other = folder.join("r/right/mask.rle");
     std::fs::remove_file(&other).unwrap();
     std::fs::create_dir(&other).unwrap();

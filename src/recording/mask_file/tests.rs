@@ -7,7 +7,7 @@ fn mask(value: u8) -> PackedMask {
 }
 
 #[test]
-fn masks_are_read_back_after_the_file_was_closed_and_the_later_one_of_a_frame_counts() {
+fn masks_are_read_back_and_the_last_one_of_a_frame_counts() {
     let folder = Folder::new("mask-file");
     let path = folder.join("mask.rle");
     let mut file = MaskFile::open(path.clone()).unwrap();
@@ -24,13 +24,14 @@ fn masks_are_read_back_after_the_file_was_closed_and_the_later_one_of_a_frame_co
 }
 
 #[test]
-fn a_last_mask_that_is_cut_off_counts_as_not_there_and_is_written_over() {
+fn a_truncated_last_mask_is_ignored_and_overwritten() {
     let folder = Folder::new("mask-file-cut");
     let path = folder.join("mask.rle");
     let mut file = MaskFile::open(path.clone()).unwrap();
     file.write(0, Some(&mask(255))).unwrap();
-    let whole = std::fs::metadata(&path).unwrap().len();
+    let complete = std::fs::metadata(&path).unwrap().len();
     file.write(1, Some(&mask(200))).unwrap();
+
     let bytes = std::fs::read(&path).unwrap();
     for length in 0..MARK.len() {
         std::fs::write(&path, &bytes[..length]).unwrap();
@@ -39,7 +40,8 @@ fn a_last_mask_that_is_cut_off_counts_as_not_there_and_is_written_over() {
         file.write(2, Some(&mask(140))).unwrap();
         assert_eq!(MaskFile::open(path.clone()).unwrap().read(2).unwrap(), Some(mask(140)), "{length}");
     }
-    for length in whole as usize + 1..bytes.len() {
+
+    for length in complete as usize + 1..bytes.len() {
         std::fs::write(&path, &bytes[..length]).unwrap();
         let mut file = MaskFile::open(path.clone()).unwrap();
         assert_eq!(file.frames().collect::<Vec<_>>(), [0], "{length}");
@@ -50,7 +52,7 @@ fn a_last_mask_that_is_cut_off_counts_as_not_there_and_is_written_over() {
 }
 
 #[test]
-fn another_kind_of_file_and_changed_masks_are_refused_by_name() {
+fn other_files_and_damaged_masks_are_refused_by_name() {
     let folder = Folder::new("mask-file-bad");
     let path = folder.join("mask.rle");
     for content in [&b"VHRX"[..], b"VHRMASK2", b"\x89PNG\r\n\x1a\n...."] {
@@ -58,6 +60,7 @@ fn another_kind_of_file_and_changed_masks_are_refused_by_name() {
         let message = MaskFile::open(path.clone()).unwrap_err().to_string();
         assert!(message.contains("mask.rle") && message.contains("VHRMASK1"), "{message}");
     }
+
     std::fs::remove_file(&path).unwrap();
     MaskFile::open(path.clone()).unwrap().write(5, Some(&mask(255))).unwrap();
     let mut bytes = std::fs::read(&path).unwrap();
@@ -68,6 +71,7 @@ fn another_kind_of_file_and_changed_masks_are_refused_by_name() {
         message.contains("mask.rle") && message.contains("frame 5") && message.contains("flags"),
         "{message}"
     );
+
     let missing = MaskFile::open(folder.join("none/mask.rle")).unwrap().write(0, Some(&mask(255)));
     assert!(missing.unwrap_err().to_string().contains("mask.rle"));
 }

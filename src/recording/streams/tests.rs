@@ -32,17 +32,17 @@ fn write_images(folder: &Path, numbers: &[u32], (width, height): (u32, u32)) {
     }
 }
 
-/// Of each set the number and grey of each camera's image.
+/// The number and grey value of each camera's image, for each set.
 fn sets(dir: &Path, options: &StreamOptions) -> Vec<Vec<Option<(u32, u8)>>> {
     let synchroniser = Recording::open(dir).unwrap().synchronised(options).unwrap();
-    let seen = |frame: &crate::source::Frame| (frame.number, frame.image.get_pixel(3, 3).0[0]);
+    let number_and_grey = |frame: &crate::source::Frame| (frame.number, frame.image.get_pixel(3, 3).0[0]);
     synchroniser
-        .map(|set| set.unwrap().images.iter().map(|image| image.as_ref().map(seen)).collect())
+        .map(|set| set.unwrap().images.iter().map(|image| image.as_ref().map(number_and_grey)).collect())
         .collect()
 }
 
 #[test]
-fn videos_and_folders_of_images_make_sets_by_their_numbers() {
+fn videos_and_folders_of_images_form_sets_by_their_numbers() {
     let folder = Folder::new("mixed");
     let dir = empty(&folder);
     write_video(&dir.join("videos/right.b.MKV"), 4, "8x16");
@@ -50,11 +50,11 @@ fn videos_and_folders_of_images_make_sets_by_their_numbers() {
     let recording = Recording::open(&dir).unwrap();
     assert!(recording.has_images() && recording.frames().is_empty() && recording.image_frames().is_empty());
     let synchroniser = recording.synchronised(&StreamOptions::default()).unwrap();
-    // The folder follows the video's rate of 10 a second.
+    // The folder has the video's rate of 10 images per second.
     assert_eq!((synchroniser.bound(), synchroniser.streams().len()), (0.05, 2));
     let expected = [0, 1, 2, 3, 4].map(|n| {
-        let seen = Some((n, 10 * n as u8));
-        vec![seen.filter(|_| n != 2), seen.filter(|_| n != 4)]
+        let image = Some((n, 10 * n as u8));
+        vec![image.filter(|_| n != 2), image.filter(|_| n != 4)]
     });
     assert_eq!(sets(&dir, &StreamOptions::default()), expected);
     assert_eq!(sets(&dir, &StreamOptions { first: 2, ..StreamOptions::default() }), expected[2..]);
@@ -72,17 +72,20 @@ fn masks_have_the_times_of_the_first_cameras_images() {
             .write_masks(frame, &masks)
             .unwrap();
     }
+
     let times = |rate| {
         let recording = Recording::open(&dir).unwrap();
         recording.frame_times(&StreamOptions { rate, ..StreamOptions::default() })
     };
-    assert_eq!(times(None), Ok(None), "nothing tells");
+    assert_eq!(times(None), Ok(None), "no source of times");
     assert_eq!(times(Some(2.0)), Ok(Some(vec![0.5, 2.0])));
     assert!(times(Some(0.0)).is_err());
+
     write_video(&dir.join("videos/right.b.avi"), 2, "8x16");
     assert_eq!(times(None), Ok(Some(vec![0.1, 0.4])), "another camera's video");
     write_video(&dir.join("left/video.avi"), 2, "16x8");
     assert_eq!(times(None), Ok(Some(vec![0.1, 0.4])), "its own");
+
     std::fs::write(dir.join("frames.csv"), "frame,left,right.b\n1,5,7\n4,5.25,8\n").unwrap();
     assert_eq!(times(None), Ok(Some(vec![5.0, 5.25])));
     std::fs::write(dir.join("frames.csv"), "frame,time\n1,5\n").unwrap();
@@ -90,20 +93,22 @@ fn masks_have_the_times_of_the_first_cameras_images() {
 }
 
 #[test]
-fn listed_times_decide_what_belongs_together() {
+fn listed_times_decide_which_images_form_a_set() {
     let folder = Folder::new("listed");
     let dir = empty(&folder);
     write_images(&dir.join("left/image"), &[0, 1], (16, 8));
     write_video(&dir.join("right.b/video.avi"), 3, "8x16");
-    // The right camera began a frame earlier.
+    // The right camera started one frame earlier.
     std::fs::write(dir.join("frames.csv"), "frame,left,right.b\n0,5.1,5.0\n1,5.2,5.1\n2,,5.2\n").unwrap();
-    let together = [[None, Some((0, 0))], [Some((0, 0)), Some((1, 10))], [Some((1, 10)), Some((2, 20))]];
-    assert_eq!(sets(&dir, &StreamOptions::default()), together);
-    // A rate that is given stands above the list.
+    let expected = [[None, Some((0, 0))], [Some((0, 0)), Some((1, 10))], [Some((1, 10)), Some((2, 20))]];
+    assert_eq!(sets(&dir, &StreamOptions::default()), expected);
+
+    // A rate in the options overrides the list.
     assert_eq!(
         sets(&dir, &StreamOptions { rate: Some(10.0), ..StreamOptions::default() })[0][0],
         Some((0, 0))
     );
+
     std::fs::write(dir.join("frames.csv"), "frame,left\n").unwrap();
     let refused = Recording::open(&dir).unwrap().synchronised(&StreamOptions::default());
     assert_contains(&refused.unwrap_err().to_string(), &["frames.csv", "line 1", "right.b"]);
@@ -116,11 +121,13 @@ fn a_camera_without_images_or_with_two_videos_is_named() {
     write_video(&dir.join("left/video.avi"), 1, "16x8");
     let opened = Recording::open(&dir).unwrap_err().to_string();
     assert_contains(&opened, &["\"left\" has no frames", "\"right.b\" has no frames"]);
+
     write_video(&dir.join("right.b/video.avi"), 1, "8x16");
     write_video(&dir.join("videos/right.b.mkv"), 1, "8x16");
     let opened = Recording::open(&dir).unwrap_err().to_string();
     assert_contains(&opened, &["view \"right.b\"", "one video", "video.avi", "videos/right.b.mkv", "remove"]);
     std::fs::remove_file(dir.join("videos/right.b.mkv")).unwrap();
+
     let recording = Recording::open(&dir).unwrap();
     let options = StreamOptions::default();
     assert_contains(&recording.source(2, &options).err().unwrap().to_string(), &["below 2, found 2"]);
@@ -140,7 +147,7 @@ fn a_video_of_another_size_than_the_rig_names_the_view_and_both_sizes() {
 }
 
 #[test]
-fn a_recording_is_resumed_where_it_is_and_only_with_its_cameras() {
+fn a_recording_is_resumed_only_with_its_own_cameras() {
     let folder = Folder::new("resume");
     let dir = folder.join("new");
     assert!(Recording::resume(&dir, &rig()).unwrap().frames().is_empty());

@@ -1,4 +1,4 @@
-//! From the images of several cameras to masks, and to the hull.
+//! From the images of several cameras to masks and the hull.
 //!
 //! ```text
 //!              ┌───────────────── Pipeline ─────────────────┐
@@ -8,9 +8,9 @@
 //!              └────────────────────────────────────────────┘
 //! ```
 //!
-//! A [`Pipeline`] segments a set of images of one time, publishes the hull, and returns what belongs together.
-//! [`Segmenters`] alone make masks where no hull is wanted. [`publish_masks`] publishes the hull of masks that are there
-//! already, as those of a [`recording`](crate::recording).
+//! A [`Pipeline`] segments a set of images of one time, publishes the hull, and returns images, masks and hull
+//! together. [`Segmenters`] produce masks without a hull. [`publish_masks`] publishes the hull of existing masks, such
+//! as those of a [`recording`](crate::recording).
 
 use crate::camera::Camera;
 use crate::hull::{Hull, HullData};
@@ -21,7 +21,7 @@ use crate::{Error, Result};
 use std::fmt;
 use std::sync::Arc;
 
-/// Images in, hull out: segments the images of several cameras and publishes the frame of their masks.
+/// Segments the images of several cameras and publishes the hull of their masks.
 ///
 /// ```
 /// use nalgebra::Point3;
@@ -39,7 +39,7 @@ use std::sync::Arc;
 /// data.add_views(&cameras)?;
 /// data.set_bounds(Aabb::new(Point3::new(-1.0, -1.0, 0.0), Point3::new(1.0, 1.0, 2.2))?)?;
 ///
-/// // Each camera photographed the empty room.
+/// // Each camera has an image of the empty scene.
 /// let segmenter = |camera| -> Result<Box<dyn Segmenter>> {
 ///     let empty = clean_plate(camera, &Scene::default().room);
 ///     Ok(Box::new(CleanPlate::new(&empty, Thresholds::default())?))
@@ -47,7 +47,7 @@ use std::sync::Arc;
 /// let segmenters = cameras.iter().map(segmenter).collect::<Result<Vec<_>>>()?;
 /// let mut pipeline = Pipeline::new(segmenters, data)?;
 ///
-/// // A person enters. Sets of a `source::Synchroniser` are taken likewise.
+/// // A person enters. Sets of a `source::Synchroniser` work in the same way.
 /// let scene = Scene { subject: Subject::person_at(0.0), ..Scene::default() };
 /// let images = ImageSet::simultaneous(0, 0.0, cameras.iter().map(|camera| render(camera, &scene)));
 /// let captured = pipeline.publish(images)?;
@@ -62,19 +62,19 @@ pub struct Pipeline {
     data: Arc<HullData>,
 }
 
-/// Images of one time, their masks, and the hull that was published of them.
+/// Images of one time, their masks, and the published hull.
 #[derive(Debug, Clone)]
 pub struct Captured {
-    /// What the cameras saw, in the order of the views.
+    /// The images, in the order of the views.
     pub images: ImageSet,
-    /// The silhouettes in the images; `None` of a camera without an image, whose view keeps its last mask in the hull.
+    /// The masks of the images; `None` for a camera without an image, whose view keeps its last mask in the hull.
     pub masks: Vec<Option<PackedMask>>,
-    /// The frame of the images' time.
+    /// The hull at the images' time.
     pub hull: Arc<Hull>,
 }
 
 impl Pipeline {
-    /// A pipeline that writes to `data`, with a segmenter for each of its views, in their order.
+    /// A pipeline that writes to `data`, with one segmenter per view, in their order.
     ///
     /// # Errors
     /// Another number of segmenters than views.
@@ -84,24 +84,25 @@ impl Pipeline {
         Ok(Self { segmenters, data })
     }
 
-    /// What the pipeline writes to.
+    /// The hull data that the pipeline writes to.
     pub fn data(&self) -> &Arc<HullData> {
         &self.data
     }
 
-    /// Segments `images` and publishes the masks as the frame of the images' time. The cameras are processed side by
-    /// side, a thread each; the result does not depend on which is ready first.
+    /// Segments `images` and publishes the hull of the masks at the images' time. Each camera is processed on a thread
+    /// of its own; the result does not depend on their order of completion.
     ///
     /// A camera without an image keeps its last mask, as in [`HullData`].
     ///
     /// # Errors
-    /// As [`Segmenters::segment`]; a full mask, which says that the segmentation failed. No view then takes a new
-    /// mask. Also what [`HullData::set_packed`] and [`HullData::update`] refuse, such as a time before the last
-    /// frame's. In all cases the last frame stays in force. Messages name the time, and the view where it is one's.
+    /// All errors of [`Segmenters::segment`]; a mask without background, which shows that the segmentation failed. In
+    /// these cases no view takes a new mask. Also all errors of [`HullData::set_packed`] and [`HullData::update`],
+    /// such as a time before the last frame's. The last frame stays current after any error. Messages name the time,
+    /// and the view if the error is about one.
     pub fn publish(&mut self, images: ImageSet) -> Result<Captured> {
         let masks = self.segmenters.segment(&images)?;
 
-        // Before any view takes its mask, so that later frames do not mix masks of a set that was refused.
+        // Check before any view takes its mask, so that later frames do not mix masks of a refused set.
         self.segmenters.refuse_full_masks(&images, &masks)?;
 
         let set = |(view, (mask, frame)): (usize, (&Option<PackedMask>, &Option<Frame>))| match (mask, frame)
@@ -109,14 +110,16 @@ impl Pipeline {
             (Some(mask), Some(frame)) => self.data.set_packed_at(view, mask, frame.time),
             _ => Ok(()),
         };
+
         let hull = side_by_side(masks.iter().zip(&images.images).enumerate(), set)
             .and_then(|_| self.data.update(images.time))
             .map_err(|e| with_time(e, images.time))?;
+
         Ok(Captured { images, masks, hull })
     }
 }
 
-/// A segmenter for each of several cameras, which work side by side: colour images in, masks out.
+/// One segmenter per camera, each run on a thread of its own: colour images in, masks out.
 pub struct Segmenters {
     cameras: Vec<CameraSegmenter>,
 }
@@ -128,7 +131,7 @@ struct CameraSegmenter {
 }
 
 impl Segmenters {
-    /// A segmenter for each of `cameras`, in their order.
+    /// One segmenter for each of `cameras`, in their order.
     ///
     /// # Errors
     /// Another number of segmenters than cameras.
@@ -144,6 +147,7 @@ impl Segmenters {
                 segmenters.len()
             )));
         }
+
         let pair = |(camera, segmenter): (&Camera, Box<dyn Segmenter>)| CameraSegmenter {
             name: camera.name().to_owned(),
             size: camera.size(),
@@ -152,12 +156,13 @@ impl Segmenters {
         Ok(Self { cameras: cameras.into_iter().zip(segmenters).map(pair).collect() })
     }
 
-    /// The masks of `images`, in the order of the cameras; `None` of a camera without an image. The cameras are
-    /// processed side by side, a thread each.
+    /// The masks of `images`, in the order of the cameras; `None` for a camera without an image. Each camera is
+    /// processed on a thread of its own.
     ///
     /// # Errors
-    /// A set of another number of cameras; an image or a mask of another size than its camera's; what a segmenter refuses.
-    /// Of several errors that of the first camera is returned. Messages name the view, the image's number and its time.
+    /// A set of another number of cameras; an image or a mask of another size than its camera's; an error of a
+    /// segmenter. If several cameras fail, the first camera's error is returned. Messages name the view, the image's
+    /// number and its time.
     pub fn segment(&mut self, images: &ImageSet) -> Result<Vec<Option<PackedMask>>> {
         let (expected, found) = (self.cameras.len(), images.images.len());
         if expected != found {
@@ -171,6 +176,7 @@ impl Segmenters {
         side_by_side(pairs, |(camera, frame)| frame.as_ref().map(|frame| camera.segment(frame)).transpose())
     }
 
+    /// Refuses a mask without any background.
     fn refuse_full_masks(&self, images: &ImageSet, masks: &[Option<PackedMask>]) -> Result<()> {
         for ((camera, frame), mask) in self.cameras.iter().zip(&images.images).zip(masks) {
             if let (Some(frame), Some(mask)) = (frame, mask)
@@ -178,8 +184,8 @@ impl Segmenters {
             {
                 return Err(camera.error(
                     frame,
-                    "expected some background, found a mask that is all subject; check the light and what the \
-                     segmentation knows of the empty room",
+                    "expected some background, found a mask that is all subject; check the light and the \
+                     images of the empty scene",
                 ));
             }
         }
@@ -219,12 +225,12 @@ impl CameraSegmenter {
     }
 }
 
-/// Publishes `masks`, one for each view of `data` in their order, as the frame of `time` seconds, and returns it. The
-/// masks are prepared side by side, a thread each.
+/// Publishes the hull of `masks`, one per view of `data` in their order, as the frame at `time` seconds, and returns
+/// it. Each mask is prepared on a thread of its own.
 ///
 /// # Errors
-/// Another number of masks than views; what [`HullData::set_mask`] and [`HullData::update`] refuse. The last frame then
-/// stays in force.
+/// Another number of masks than views; all errors of [`HullData::set_mask`] and [`HullData::update`]. The last frame
+/// then stays current.
 pub fn publish_masks<'a, M: Sync>(data: &HullData, masks: &'a [M], time: f64) -> Result<Arc<Hull>>
 where
     &'a M: Into<MaskView<'a>>,
@@ -239,7 +245,8 @@ where
     data.update(time)
 }
 
-/// Calls `work` for each item on a thread of its own; the results, or the first item's error, in the items' order.
+/// Calls `work` for each item on a thread of its own and returns the results, or the first item's error, in the items'
+/// order.
 fn side_by_side<T: Send, R: Send>(
     items: impl Iterator<Item = T>,
     work: impl Fn(T) -> Result<R> + Sync,
@@ -254,7 +261,7 @@ fn side_by_side<T: Send, R: Send>(
     })
 }
 
-/// `error`, which also tells the time of the frame, in seconds.
+/// Adds the time of the frame in seconds to an error.
 fn with_time(error: Error, time: f64) -> Error {
     match error {
         Error::View { view, problem } => Error::view(view, format!("frame of {time:.3} s: {problem}")),

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 const SIZE: (u32, u32) = (160, 120);
 
-/// A segmenter made of a closure.
+/// A segmenter that calls a closure.
 struct Segment<F>(F);
 
 impl<F: FnMut(&RgbImage, &mut PackedMask) -> Result<()> + Send + Sync> Segmenter for Segment<F> {
@@ -22,7 +22,7 @@ fn cameras() -> Vec<Camera> {
     layout::staggered(4, 3.5, &[0.9, 2.0, 1.4], Point3::new(0.0, 0.0, 0.9), SIZE, 0.9).unwrap()
 }
 
-/// What a camera sees of the empty room. Rendered once for all tests.
+/// A camera's image of the empty scene, rendered once for all tests.
 fn empty_room(camera: &Camera) -> &'static RgbImage {
     static ROOMS: LazyLock<Vec<(Camera, RgbImage)>> = LazyLock::new(|| {
         let room = |camera: Camera| {
@@ -53,7 +53,7 @@ fn plates(cameras: &[Camera]) -> Vec<Box<dyn Segmenter>> {
     cameras.iter().map(|camera| boxed(plate(camera))).collect()
 }
 
-/// Segments after a while; a grey image is refused.
+/// A segmenter that waits before it segments, and refuses a grey image.
 fn slow(camera: &Camera, milliseconds: u64) -> Box<dyn Segmenter> {
     let mut plate = plate(camera);
     boxed(Segment(move |image: &RgbImage, mask: &mut PackedMask| {
@@ -73,7 +73,7 @@ fn is_grey(image: &RgbImage) -> bool {
     image.iter().all(|&value| value == 128)
 }
 
-/// A person who walks, 30 images a second, with noise of 3 grey levels.
+/// Images of a walking person at 30 images per second, with noise of 3 grey levels.
 fn images(cameras: &[Camera], number: u32) -> ImageSet {
     let time = f64::from(number) / 30.0;
     let scene = Scene { subject: Subject::person_at(8.0 * time), ..Scene::default() };
@@ -86,7 +86,7 @@ fn images(cameras: &[Camera], number: u32) -> ImageSet {
     ImageSet::simultaneous(number, time, cameras.iter().map(image))
 }
 
-/// What single calls on this thread give.
+/// The masks and the hull by single calls on this thread.
 fn one_by_one(cameras: &[Camera], images: &ImageSet) -> (Vec<GrayImage>, Arc<Hull>) {
     let data = data(cameras);
     let frames = images.images.iter().flatten();
@@ -122,21 +122,21 @@ fn assert_same_hull(a: &Hull, b: &Hull) {
 }
 
 #[test]
-fn the_hull_is_the_one_that_single_calls_give() {
+fn the_hull_equals_that_of_single_calls() {
     let cameras = cameras();
     let mut pipeline = Pipeline::new(plates(&cameras), data(&cameras)).unwrap();
     for number in 0..3 {
         let images = images(&cameras, number);
         let (masks, hull) = one_by_one(&cameras, &images);
         let captured = pipeline.publish(images).unwrap();
-        assert!(inside(&hull).contains(&true), "a person is seen");
+        assert!(inside(&hull).contains(&true), "the person is in the hull");
         assert_eq!(to_masks(&captured.masks), masks);
         assert_same_hull(&captured.hull, &hull);
     }
 }
 
 #[test]
-fn images_masks_and_hull_of_one_call_belong_together_when_later_ones_have_come() {
+fn images_masks_and_hull_of_one_call_stay_together_after_later_calls() {
     let cameras = cameras();
     let mut pipeline = Pipeline::new(plates(&cameras), data(&cameras)).unwrap();
     let captured: Vec<_> = (0..8).map(|number| pipeline.publish(images(&cameras, number)).unwrap()).collect();
@@ -151,7 +151,7 @@ fn images_masks_and_hull_of_one_call_belong_together_when_later_ones_have_come()
 }
 
 #[test]
-fn a_segmenter_that_fails_leaves_the_last_frame_in_force_and_names_camera_and_time() {
+fn a_failed_segmenter_keeps_the_last_frame_and_the_error_names_camera_and_time() {
     let cameras = cameras();
     let segmenters = cameras.iter().map(|camera| slow(camera, 0)).collect();
     let mut pipeline = Pipeline::new(segmenters, data(&cameras)).unwrap();
@@ -164,14 +164,14 @@ fn a_segmenter_that_fails_leaves_the_last_frame_in_force_and_names_camera_and_ti
     let (published, latest) = pipeline.data().latest().unwrap();
     assert_eq!((published, Arc::ptr_eq(&latest, &good.hull)), (1, true));
 
-    // Nor does a later frame hold masks of the set that failed.
+    // A later frame holds no masks of the failed set either.
     let later = pipeline.data().update(0.2).unwrap();
     assert_eq!(masks_of(&later), to_masks(&good.masks));
     pipeline.publish(images(&cameras, 7)).unwrap();
 }
 
 #[test]
-fn a_mask_that_is_all_subject_leaves_all_views_as_they_are() {
+fn a_mask_without_background_leaves_all_views_unchanged() {
     let cameras = cameras();
     let mut segmenters = plates(&cameras);
     let mut plate = plate(&cameras[3]);
@@ -182,8 +182,10 @@ fn a_mask_that_is_all_subject_leaves_all_views_as_they_are() {
         }
         plate.segment_packed(image, mask)
     }));
+
     let mut pipeline = Pipeline::new(segmenters, data(&cameras)).unwrap();
     let good = pipeline.publish(images(&cameras, 0)).unwrap();
+
     let mut bad = images(&cameras, 1);
     bad.images[3].as_mut().unwrap().image = grey();
     let error = pipeline.publish(bad).unwrap_err().to_string();
@@ -192,7 +194,7 @@ fn a_mask_that_is_all_subject_leaves_all_views_as_they_are() {
 }
 
 #[test]
-fn it_does_not_matter_which_camera_is_ready_first() {
+fn the_result_does_not_depend_on_which_camera_finishes_first() {
     let cameras = cameras();
     let images = images(&cameras, 4);
     let (masks, hull) = one_by_one(&cameras, &images);
@@ -203,7 +205,7 @@ fn it_does_not_matter_which_camera_is_ready_first() {
         assert_eq!(to_masks(&captured.masks), masks);
         assert_same_hull(&captured.hull, &hull);
 
-        // Two fail: the first camera's error is told, though the other's comes sooner or later.
+        // If two cameras fail, the first camera's error is returned, in whichever order they finish.
         let mut bad = images.clone();
         for view in [1, 2] {
             bad.images[view].as_mut().unwrap().image = grey();
@@ -214,7 +216,7 @@ fn it_does_not_matter_which_camera_is_ready_first() {
 }
 
 #[test]
-fn a_set_of_an_earlier_time_is_refused_by_its_time() {
+fn a_set_of_an_earlier_time_is_refused() {
     let cameras = cameras();
     let mut pipeline = Pipeline::new(plates(&cameras), data(&cameras)).unwrap();
     let good = pipeline.publish(images(&cameras, 3)).unwrap();
@@ -224,7 +226,7 @@ fn a_set_of_an_earlier_time_is_refused_by_its_time() {
 }
 
 #[test]
-fn the_order_of_the_cameras_does_not_change_their_masks_nor_what_is_inside() {
+fn the_order_of_the_cameras_changes_neither_masks_nor_hull() {
     let cameras = cameras();
     let reversed: Vec<_> = cameras.iter().rev().cloned().collect();
     let [one, mut other] = [&cameras, &reversed].map(|cameras| {
@@ -286,7 +288,7 @@ fn images_of_other_cameras_are_refused() {
 }
 
 #[test]
-fn masks_that_are_there_already_make_the_hull_that_the_pipeline_makes() {
+fn existing_masks_give_the_same_hull_as_the_pipeline() {
     let cameras = cameras();
     let images = images(&cameras, 5);
     let (masks, hull) = one_by_one(&cameras, &images);

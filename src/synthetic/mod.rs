@@ -1,6 +1,6 @@
-//! A studio that does not exist: subjects, cameras, silhouettes and colour images with a known truth.
+//! A synthetic studio: subjects, cameras, silhouettes and colour images with exact ground truth.
 //!
-//! Users try a camera layout here before they buy cameras; tests, figures and demos stand on it.
+//! It serves to try a camera layout before buying cameras, and for tests, figures and demos.
 //!
 //! ```text
 //!   Layout ──► [Camera]          Subject = [Solid, pose, paint]       Room
@@ -10,13 +10,13 @@
 //!                                                      └──► render, clean_plate, render_depth ──► noise
 //! ```
 //!
-//! Metres and radians, z up, floor at z = 0. A silhouette is decided by exact ray casting, grazing rays included: to a
-//! nanometre at the distances of a studio.
+//! Units are metres and radians, z is up, the floor is at z = 0. Silhouettes are computed by exact ray casting,
+//! including grazing rays: to a nanometre at the distances of a studio.
 //!
 //! # Trying a layout
 //!
-//! Above a flat table the visual hull is a tent unless a camera looks along the table top. How high is it with
-//! six cameras that look down at 30 degrees on a cube of 40 cm, and with six at the height of its top?
+//! Above a flat table the visual hull has a tent unless a camera looks along the table top. How high is it with six
+//! cameras that look down at 30 degrees on a cube of 40 cm, and with six at the height of its top?
 //!
 //! ```
 //! use nalgebra::Point3;

@@ -1,7 +1,7 @@
-//! A person of capsules who walks on the spot and waves.
+//! A person made of capsules who walks on the spot and waves.
 //!
-//! The feet follow given paths, on the floor or above it; the knees follow from the feet. So a foot that stands,
-//! stands at z = 0 exactly, and everything moves smoothly and returns after [`PERSON_PERIOD`].
+//! The feet follow given paths, on the floor or above it, and the knees follow from the feet. A standing foot is
+//! therefore exactly at z = 0, and all motion is smooth and periodic with [`PERSON_PERIOD`].
 
 use super::solid::Solid;
 use super::subject::{Placed, Subject};
@@ -9,7 +9,7 @@ use super::texture::Texture;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
-/// The time, in seconds, after which the person of [`Subject::person_at`] is back in the same pose: two steps.
+/// The period of [`Subject::person_at`] in seconds: two steps.
 pub const PERSON_PERIOD: f64 = 1.2;
 
 const SKIN: [u8; 3] = [226, 168, 138];
@@ -24,11 +24,12 @@ const HIP_HEIGHT: f64 = 0.90;
 const ANKLE_HEIGHT: f64 = 0.08;
 
 impl Subject {
-    /// A person of 1.75 m at time `t` in seconds, facing +x, who walks on the spot about the z axis, soles at z = 0,
-    /// and waves the right hand. Colours differ from the [`Room`](super::Room)'s. A time that is not finite counts as 0.
+    /// A person of 1.75 m at time `t` in seconds, facing +x, who walks on the spot about the z axis with the soles at
+    /// z = 0 and waves the right hand. The colours differ from the [`Room`](super::Room)'s. A time that is not finite
+    /// counts as 0.
     pub fn person_at(t: f64) -> Self {
         let phase = if t.is_finite() { TAU * (t / PERSON_PERIOD).rem_euclid(1.0) } else { 0.0 };
-        // Between two steps the body sinks a little.
+        // The body sinks by up to 2 cm between two steps.
         let sink = Vector3::new(0.0, 0.0, -0.01 * (1.0 - (2.0 * phase).cos()));
         let mut solids = trunk(sink);
         solids.extend(leg(1.0, phase, sink));
@@ -54,8 +55,8 @@ fn trunk(sink: Vector3<f64>) -> Vec<Placed> {
     ]
 }
 
-/// The leg of the given side (1 left, -1 right); its foot swings forwards through the air while `cos(phase) > 0`
-/// and slides back on the floor otherwise.
+/// The leg of the given side (1 left, -1 right); its foot swings forwards through the air while `cos(phase) > 0` and
+/// slides back on the floor otherwise.
 fn leg(side: f64, phase: f64, sink: Vector3<f64>) -> Vec<Placed> {
     let hip = Point3::new(0.0, 0.09 * side, HIP_HEIGHT) + sink;
     let lift = 0.10 * phase.cos().max(0.0).powi(2);
@@ -69,7 +70,7 @@ fn leg(side: f64, phase: f64, sink: Vector3<f64>) -> Vec<Placed> {
     ]
 }
 
-/// The knee of a leg in a plane across y, bent forwards.
+/// The knee of a leg in a plane across y, bent forwards: the third corner of the triangle of hip, knee and ankle.
 fn knee_between(hip: Point3<f64>, ankle: Point3<f64>) -> Point3<f64> {
     let leg = ankle - hip;
     let length = leg.norm();
@@ -80,7 +81,7 @@ fn knee_between(hip: Point3<f64>, ankle: Point3<f64>) -> Point3<f64> {
     hip + down * along + forward * bend
 }
 
-/// The left arm, which swings against the left leg.
+/// The left arm, which swings opposite to the left leg.
 fn swinging_arm(phase: f64, sink: Vector3<f64>) -> Vec<Placed> {
     let swing = -0.45 * phase.sin();
     let shoulder = Point3::new(0.0, 0.185, 1.39) + sink;
@@ -89,7 +90,7 @@ fn swinging_arm(phase: f64, sink: Vector3<f64>) -> Vec<Placed> {
     arm_capsules(shoulder, upper, lower)
 }
 
-/// The right arm, out to the side with the forearm up.
+/// The right arm, stretched out to the side with the forearm up.
 fn waving_arm(phase: f64, sink: Vector3<f64>) -> Vec<Placed> {
     let wave = 0.15 + 0.5 * (2.0 * phase).sin();
     let shoulder = Point3::new(0.0, -0.185, 1.39) + sink;
@@ -98,6 +99,7 @@ fn waving_arm(phase: f64, sink: Vector3<f64>) -> Vec<Placed> {
     arm_capsules(shoulder, upper, lower)
 }
 
+/// Upper arm, forearm and hand along the directions `upper` and `lower`.
 fn arm_capsules(shoulder: Point3<f64>, upper: Vector3<f64>, lower: Vector3<f64>) -> Vec<Placed> {
     let elbow = shoulder + upper.normalize() * 0.28;
     let wrist = elbow + lower.normalize() * 0.24;
@@ -109,7 +111,7 @@ fn arm_capsules(shoulder: Point3<f64>, upper: Vector3<f64>, lower: Vector3<f64>)
     ]
 }
 
-/// A capsule with its caps about `a` and `b`.
+/// A capsule whose caps are centred at `a` and `b`.
 fn limb(a: Point3<f64>, b: Point3<f64>, radius: f64, colour: [u8; 3]) -> Placed {
     let along = b - a;
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), &along)

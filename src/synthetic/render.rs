@@ -1,8 +1,8 @@
 //! Colour and depth images of a subject in a room, by ray casting.
 //!
-//! Light falls off with the angle (Lambert), and there are no shadows: neither on the subject nor by it, so that a
-//! colour that differs from the clean plate is the subject's own. Outside the subject an image equals the clean
-//! plate byte for byte; at its outline the two are mixed by area, as in a real camera.
+//! Shading is Lambertian without shadows, neither on the subject nor cast by it, so a colour that differs from the
+//! clean plate is the subject's own. Outside the subject an image equals the clean plate byte for byte; at its outline
+//! the two are mixed by area, as in a real camera.
 
 use super::eye::{Eye, Patch, PatchContent};
 use super::room::Room;
@@ -13,27 +13,28 @@ use crate::{Error, Result};
 use image::{Rgb, RgbImage};
 use nalgebra::Vector3;
 
-/// Rays along a pixel's edge: for the room, and for a subject's outline and edges.
+/// Rays along a pixel's side for the room.
 const ROOM_RAYS: u32 = 2;
+/// Rays along a pixel's side for a subject's outline and edges.
 const EDGE_RAYS: u32 = 3;
 
 /// A subject in a room.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scene {
-    /// Who or what is before the cameras.
+    /// The subject in front of the cameras.
     pub subject: Subject,
-    /// Where.
+    /// The room around it.
     pub room: Room,
 }
 
-/// The scene's colour image.
+/// Renders the scene's colour image.
 pub fn render(camera: &Camera, scene: &Scene) -> RgbImage {
     let mut image = clean_plate(camera, &scene.room);
     paint_subject(camera, scene, &mut image);
     image
 }
 
-/// The same as [`render`], with the [`clean_plate`] given: much faster where a room is rendered again and again.
+/// Renders like [`render`], but over a given [`clean_plate`], which is much faster if the room is rendered repeatedly.
 ///
 /// # Errors
 /// A clean plate of another size than the camera's.
@@ -47,12 +48,13 @@ pub fn render_over(camera: &Camera, scene: &Scene, clean_plate: &RgbImage) -> Re
         );
         return Err(Error::view(camera.name(), problem));
     }
+
     let mut image = clean_plate.clone();
     paint_subject(camera, scene, &mut image);
     Ok(image)
 }
 
-/// The colour image of the empty room. A pixel beyond the lens model is black.
+/// Renders the colour image of the empty room. A pixel beyond the lens model is black.
 pub fn clean_plate(camera: &Camera, room: &Room) -> RgbImage {
     let (width, height) = camera.size();
     let mut image = RgbImage::new(width, height);
@@ -66,46 +68,50 @@ pub fn clean_plate(camera: &Camera, room: &Room) -> RgbImage {
     image
 }
 
-/// Depths in metres along the camera's z axis, row by row, of what the pixels' centres see: the subject, else the
-/// room, infinity where neither.
+/// Depths in metres along the camera's z axis at the pixels' centres, row by row: of the subject, else the room, else
+/// infinity.
 pub fn render_depth(camera: &Camera, scene: &Scene) -> Vec<f32> {
     let (width, height) = camera.size();
     let mut depths = vec![f32::INFINITY; width as usize * height as usize];
     let eye = Eye::new(camera);
-    let place = |x: u32, y: u32| y as usize * width as usize + x as usize;
+    let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
+
     for (x, y) in eye.image_tiles().flat_map(|tile| tile.pixels()) {
         let Some(ray) = eye.ray(f64::from(x) + 0.5, f64::from(y) + 0.5) else { continue };
         if let Some((t, _)) = scene.room.far_side(&ray) {
-            depths[place(x, y)] = eye.depth(&ray, t) as f32;
+            depths[index(x, y)] = eye.depth(&ray, t) as f32;
         }
     }
+
     for (tile, solids) in eye.tiles_with(&scene.subject) {
         for (x, y) in tile.pixels() {
             let Some(ray) = eye.ray(f64::from(x) + 0.5, f64::from(y) + 0.5) else { continue };
             if let Some((hit, _)) = nearest_hit(solids.iter().copied(), &ray) {
-                depths[place(x, y)] = eye.depth(&ray, hit.t) as f32;
+                depths[index(x, y)] = eye.depth(&ray, hit.t) as f32;
             }
         }
     }
     depths
 }
 
-/// Paints the subject over the empty room.
+/// Draws the subject over the empty room.
 fn paint_subject(camera: &Camera, scene: &Scene, image: &mut RgbImage) {
     let eye = Eye::new(camera);
     let mut met = Vec::new();
     for (tile, solids) in eye.tiles_with(&scene.subject) {
         eye.for_each_pixel(&tile, |x, y, patch| {
-            let view = patch.content(&solids, &mut met);
-            if view == PatchContent::Background {
+            let content = patch.content(&solids, &mut met);
+            if content == PatchContent::Background {
                 return;
             }
-            // Inside one round solid there is no edge to smooth.
-            let is_even = view == PatchContent::Subject
+
+            // Within a single round solid there is no edge to smooth, and one ray is enough.
+            let is_smooth = content == PatchContent::Subject
                 && met.len() == 1
                 && !matches!(met[0].solid(), Solid::Cuboid { .. });
             let (colour, fraction) =
-                mean_colour(&patch, &met, &scene.room, if is_even { 1 } else { EDGE_RAYS });
+                mean_colour(&patch, &met, &scene.room, if is_smooth { 1 } else { EDGE_RAYS });
+
             let pixel = image.get_pixel_mut(x, y);
             let room = Vector3::from(pixel.0.map(f64::from));
             *pixel = rgb(room * (1.0 - fraction) + colour);
@@ -113,7 +119,7 @@ fn paint_subject(camera: &Camera, scene: &Scene, image: &mut RgbImage) {
     }
 }
 
-/// The mean colour of the rays of `patch` that meet `solids`, times their fraction; and that fraction.
+/// The mean colour of the rays of `patch` that meet `solids`, times their fraction, and that fraction.
 fn mean_colour(patch: &Patch, solids: &[&Placed], room: &Room, n: u32) -> (Vector3<f64>, f64) {
     let mut sum = Vector3::zeros();
     let mut hits = 0.0;
@@ -127,6 +133,7 @@ fn mean_colour(patch: &Patch, solids: &[&Placed], room: &Room, n: u32) -> (Vecto
     (sum / rays, hits / rays)
 }
 
+/// The shaded colour of the nearest solid on a ray.
 fn solid_colour(solids: &[&Placed], room: &Room, ray: &Ray) -> Option<Vector3<f64>> {
     let (hit, placed) = nearest_hit(solids.iter().copied(), ray)?;
     let point = ray.at(hit.t);

@@ -1,4 +1,4 @@
-//! The studio around the subject: a floor, walls hung with green cloth, a ceiling and one lamp.
+//! The room around the subject: a floor, walls hung with green cloth, a ceiling and one lamp.
 
 use super::texture::{checker, noise};
 use crate::camera::Ray;
@@ -7,13 +7,13 @@ use nalgebra::{Point3, Vector3};
 
 /// A rectangular room about the z axis, its floor at z = 0.
 ///
-/// Its faces show towards the inside only: a camera outside looks through the near wall, as into a doll's house.
+/// Its faces are visible from the inside only: a camera outside looks through the near wall.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Room {
     size: Vector3<f64>,
 }
 
-/// What is seen past a room.
+/// The colour of rays that miss the room.
 const NOTHING: [f64; 3] = [24.0; 3];
 
 const CLOTH: [f64; 3] = [72.0, 158.0, 92.0];
@@ -35,23 +35,24 @@ impl Room {
         )))
     }
 
-    /// Its lengths along x, y and z, in metres.
+    /// The lengths along x, y and z, in metres.
     pub fn size(&self) -> Vector3<f64> {
         self.size
     }
 
-    /// The lamp, below the ceiling and off the middle, in the world.
+    /// The position of the lamp in the world, below the ceiling and off the centre.
     pub fn light_position(&self) -> Point3<f64> {
         Point3::new(0.15 * self.size.x, -0.2 * self.size.y, 0.95 * self.size.z)
     }
 
-    /// Where `ray` leaves the room: the distance and the inward normal; `None` if it passes it by.
+    /// The distance at which `ray` leaves the room, and the inward normal there; `None` if it misses the room.
     pub(super) fn far_side(&self, ray: &Ray) -> Option<(f64, Vector3<f64>)> {
         let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
         let mut normal = Vector3::zeros();
         for i in 0..3 {
             let (least, most) =
                 if i == 2 { (0.0, self.size.z) } else { (-0.5 * self.size[i], 0.5 * self.size[i]) };
+
             let (origin, direction) = (ray.origin[i], ray.direction[i]);
             if direction == 0.0 {
                 if origin < least || origin > most {
@@ -59,6 +60,7 @@ impl Room {
                 }
                 continue;
             }
+
             let (near, far) = if direction > 0.0 { (least, most) } else { (most, least) };
             enter = enter.max((near - origin) / direction);
             let t = (far - origin) / direction;
@@ -68,17 +70,18 @@ impl Room {
                 normal[i] = -direction.signum();
             }
         }
+
         (enter <= leave && leave.is_finite()).then_some((leave, normal))
     }
 
-    /// The colour that `ray` brings home from the room, 0 to 255.
+    /// The colour of the room along `ray`, 0 to 255.
     pub(super) fn colour(&self, ray: &Ray) -> Vector3<f64> {
         let Some((t, normal)) = self.far_side(ray) else { return NOTHING.into() };
         let point = ray.at(t);
         self.surface(&point, &normal) * self.light(&point, &normal)
     }
 
-    /// How bright `point` of a surface with this unit normal is: a soft light from above and the lamp, without
+    /// The brightness of `point` on a surface with this unit normal: soft light from above and the lamp, without
     /// shadows.
     pub(super) fn light(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
         let to_lamp = (self.light_position() - point).normalize();
@@ -95,7 +98,8 @@ impl Room {
         if normal.z < -0.5 {
             return Vector3::from(CEILING) * (1.0 + grain);
         }
-        // The cloth hangs in folds, which wander a little with the height.
+
+        // The cloth hangs in folds, which vary slightly with the height.
         let along = point.x + point.y + 0.15 * noise(point, 0.7);
         let fold = 0.08 * (along * 14.0).sin();
         Vector3::from(CLOTH) * (1.0 + fold + grain)

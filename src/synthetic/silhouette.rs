@@ -1,16 +1,16 @@
-//! A subject's exact silhouette in a camera: which pixels it covers, and how much of each.
+//! Exact silhouettes of a subject in a camera, binary or with coverage.
 
 use super::eye::{Eye, PatchContent};
 use super::subject::Subject;
 use crate::camera::Camera;
 use image::{GrayImage, Luma};
 
-/// Rays along a pixel's edge where an outline crosses it.
+/// Rays along a pixel's side where an outline crosses the pixel.
 const SUBPIXELS: u32 = 16;
 
-/// The binary silhouette: 255 where the ray of the pixel's centre meets the subject, else 0.
+/// The binary silhouette: 255 where the ray through the pixel's centre meets the subject, else 0.
 ///
-/// Parts of the subject beyond the image or behind the camera are not seen; a pixel beyond the lens model is 0.
+/// Parts of the subject beyond the image or behind the camera are invisible; a pixel beyond the lens model is 0.
 pub fn silhouette(camera: &Camera, subject: &Subject) -> GrayImage {
     let (width, height) = camera.size();
     let mut mask = GrayImage::new(width, height);
@@ -28,13 +28,15 @@ pub fn silhouette(camera: &Camera, subject: &Subject) -> GrayImage {
 
 /// The silhouette with its coverage: 255 times the fraction of the pixel's area that the subject covers, rounded.
 ///
-/// Pixels that an outline may cross are sampled by 16 x 16 rays, so that parts thinner than a pixel are not lost;
-/// all others are 0 or 255 exactly. A pixel with a corner beyond the lens model is 0.
+/// Pixels that an outline may cross are sampled by 16 x 16 rays, so that parts thinner than a pixel are not lost; all
+/// others are exactly 0 or 255. A pixel with a corner beyond the lens model is 0.
 pub fn coverage(camera: &Camera, subject: &Subject) -> GrayImage {
     let (width, height) = camera.size();
     let mut mask = GrayImage::new(width, height);
     let eye = Eye::new(camera);
+
     let mut met = Vec::new();
+
     for (tile, solids) in eye.tiles_with(subject) {
         eye.for_each_pixel(&tile, |x, y, patch| {
             let value = match patch.content(&solids, &mut met) {
@@ -47,6 +49,7 @@ pub fn coverage(camera: &Camera, subject: &Subject) -> GrayImage {
                     (255.0 * fraction).round() as u8
                 }
             };
+
             mask.put_pixel(x, y, Luma([value]));
         });
     }

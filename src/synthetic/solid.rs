@@ -1,4 +1,4 @@
-//! Solids that a ray meets in closed form: sphere, box, capsule and torus, each in a frame of its own.
+//! Solids with ray intersections in closed form: sphere, box, capsule and torus, each in a frame of its own.
 //!
 //! ```text
 //!      z                                     z
@@ -18,19 +18,19 @@ use nalgebra::{Point3, Vector3};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Solid {
-    /// A ball; made by [`Solid::sphere`].
+    /// A ball, made by [`Solid::sphere`].
     #[non_exhaustive]
     Sphere {
-        /// Its radius.
+        /// The radius.
         radius: f64,
     },
-    /// A box with faces across the axes; made by [`Solid::cuboid`].
+    /// A box aligned with the axes, made by [`Solid::cuboid`].
     #[non_exhaustive]
     Cuboid {
-        /// Its full lengths along x, y and z.
+        /// The full lengths along x, y and z.
         lengths: Vector3<f64>,
     },
-    /// All points within `radius` of a stretch of the z axis; made by [`Solid::capsule`].
+    /// All points within `radius` of a segment of the z axis, made by [`Solid::capsule`].
     #[non_exhaustive]
     Capsule {
         /// The radius of the tube and of its caps.
@@ -38,7 +38,7 @@ pub enum Solid {
         /// The distance between the centres of the caps.
         length: f64,
     },
-    /// A ring about the z axis; made by [`Solid::torus`].
+    /// A ring about the z axis, made by [`Solid::torus`].
     #[non_exhaustive]
     Torus {
         /// The radius of the circle in the middle of the tube.
@@ -48,12 +48,12 @@ pub enum Solid {
     },
 }
 
-/// Where a ray crosses a surface.
+/// The point where a ray crosses a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// The distance from the ray's origin, in metres.
     pub t: f64,
-    /// The surface's unit normal, outwards, in the ray's frame.
+    /// The surface's outward unit normal, in the ray's frame.
     pub normal: Vector3<f64>,
 }
 
@@ -66,7 +66,7 @@ impl Solid {
         Ok(Self::Sphere { radius: positive("a sphere's radius", radius)? })
     }
 
-    /// A box of these full lengths.
+    /// A box with these full lengths.
     ///
     /// # Errors
     /// A length that is not positive and finite.
@@ -77,7 +77,7 @@ impl Solid {
         Ok(Self::Cuboid { lengths })
     }
 
-    /// A capsule along z; `length` is that of its cylinder, without the caps.
+    /// A capsule along z; `length` is the length of its cylinder, without the caps.
     ///
     /// # Errors
     /// A radius or length that is not positive and finite.
@@ -91,7 +91,7 @@ impl Solid {
     /// A ring about z: a tube of radius `minor` about a circle of radius `major`.
     ///
     /// # Errors
-    /// A radius that is not positive and finite, `minor` not smaller than `major`.
+    /// A radius that is not positive and finite, or a `minor` that is not smaller than `major`.
     pub fn torus(major: f64, minor: f64) -> Result<Self> {
         positive("a torus's minor radius", minor)?;
         positive("a torus's major radius", major)?;
@@ -103,10 +103,11 @@ impl Solid {
         Ok(Self::Torus { major, minor })
     }
 
-    /// Where `ray`, in the solid's frame, first crosses the surface: where it enters, or where it leaves if it
-    /// starts inside.
+    /// The point where `ray`, in the solid's frame, first crosses the surface: where it enters, or where it leaves if
+    /// it starts inside.
     ///
-    /// Whether a grazing ray hits is right to rounding errors; where it hits is as exact as the square root of these.
+    /// Whether a grazing ray hits is exact up to rounding errors; the position of its hit is as exact as their square
+    /// root.
     pub fn first_hit(&self, ray: &Ray) -> Option<Hit> {
         let t = self.first_crossing(ray)?;
         Some(Hit { t, normal: self.normal_at(&ray.at(t)) })
@@ -145,8 +146,8 @@ impl Solid {
         (t >= 0.0).then_some(t)
     }
 
-    /// The solid grown by `distance` metres (shrunk where negative): it holds every point that near. `None` where
-    /// nothing is left. A grown box keeps its edges sharp and holds a little more.
+    /// The solid grown by `distance` metres (shrunk if negative): it contains every point that near. `None` if nothing
+    /// is left. A grown box keeps its sharp edges and so contains slightly more.
     pub(super) fn grown(&self, distance: f64) -> Option<Self> {
         let (grown, thinnest) = match *self {
             Self::Sphere { radius } => (Self::Sphere { radius: radius + distance }, radius + distance),
@@ -187,24 +188,24 @@ fn positive(what: &str, metres: f64) -> Result<f64> {
     Err(Error::argument(format!("expected {what} positive and finite, in metres, found {metres}")))
 }
 
-/// From the nearest point of a capsule's axis to `point`.
+/// The vector from the nearest point of a capsule's axis to `point`.
 fn from_axis(point: &Point3<f64>, length: f64) -> Vector3<f64> {
     let along = point.z.clamp(-0.5 * length, 0.5 * length);
     Vector3::new(point.x, point.y, point.z - along)
 }
 
-/// Enter and leave distances along the whole line of a ray.
+/// The distances at which the whole line of a ray enters and leaves.
 type Chord = (f64, f64);
 
 fn ball_chord(ray: &Ray, centre: &Point3<f64>, radius: f64) -> Option<Chord> {
     let middle = (centre - ray.origin).dot(&ray.direction);
-    // The offset of the nearest point tells a grazing ray; b^2 - 4ac would drown it in the distance squared.
+    // The offset of the nearest point keeps a grazing ray's digits, which b^2 - 4ac would lose to the squared distance.
     let offset = ray.at(middle) - centre;
     let half = real_root(radius * radius - offset.norm_squared())?;
     Some((middle - half, middle + half))
 }
 
-/// The part of a line with `|origin + t direction| <= half`.
+/// The part of a line where `|origin + t direction| <= half`.
 fn slab_chord(origin: f64, direction: f64, half: f64) -> Option<Chord> {
     if direction == 0.0 {
         return (origin.abs() <= half).then_some((f64::NEG_INFINITY, f64::INFINITY));
@@ -221,7 +222,7 @@ fn cuboid_chord(ray: &Ray, lengths: &Vector3<f64>) -> Option<Chord> {
     Some(chord)
 }
 
-/// A capsule is convex and the union of a cylinder and two balls, so its chord spans from the first of their
+/// The chord of a capsule, which is convex and the union of a cylinder and two balls: from the first of their
 /// entrances to the last of their exits.
 fn capsule_chord(ray: &Ray, radius: f64, length: f64) -> Option<Chord> {
     let cap = |z: f64| ball_chord(ray, &Point3::new(0.0, 0.0, z), radius);
@@ -231,7 +232,7 @@ fn capsule_chord(ray: &Ray, radius: f64, length: f64) -> Option<Chord> {
     chords.into_iter().flatten().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// The chord of the endless cylinder about z.
+/// The chord of the infinite cylinder about z.
 fn tube_chord(ray: &Ray, radius: f64) -> Option<Chord> {
     let (o, d) = (ray.origin.xy().coords, ray.direction.xy());
     let a = d.norm_squared();
@@ -239,10 +240,12 @@ fn tube_chord(ray: &Ray, radius: f64) -> Option<Chord> {
     if a == 0.0 {
         return (c <= 0.0).then_some((f64::NEG_INFINITY, f64::INFINITY));
     }
-    // a t^2 + 2 b t + c = 0, with b^2 - a c written so that a grazing ray keeps its digits.
+
+    // Solve a t^2 + 2 b t + c = 0, with b^2 - a c in a form that keeps a grazing ray's digits.
     let b = o.dot(&d);
     let root = real_root(a * radius * radius - o.perp(&d).powi(2))?;
-    // Of the two roots -(b -+ root) / a one cancels; it comes from the other by their product c / a.
+
+    // One of the two roots -(b -+ root) / a suffers cancellation; compute it from the other by their product c / a.
     let q = -(b + root.copysign(b));
     if q == 0.0 {
         return Some((0.0, 0.0));
@@ -251,12 +254,13 @@ fn tube_chord(ray: &Ray, radius: f64) -> Option<Chord> {
     Some((t.min(u), t.max(u)))
 }
 
+/// The intersection of two chords.
 fn common(a: Chord, b: Chord) -> Option<Chord> {
     let both = (a.0.max(b.0), a.1.min(b.1));
     (both.0 <= both.1).then_some(both)
 }
 
-/// The square root; `None` of a negative number or NaN: the line passes by.
+/// The square root; `None` for a negative number or NaN, where the line misses.
 fn real_root(square: f64) -> Option<f64> {
     (square >= 0.0).then(|| square.sqrt())
 }

@@ -1,11 +1,11 @@
-//! What stands before the cameras: solids with their places and colours.
+//! The subject in front of the cameras: solids with poses and colours.
 
 use super::solid::{Hit, Solid};
 use super::texture::Texture;
 use crate::camera::Ray;
 use nalgebra::{Isometry3, Point3};
 
-/// A solid at its place in the world.
+/// A solid with its pose in the world and its colour.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
     solid: Solid,
@@ -14,9 +14,9 @@ pub struct Placed {
 }
 
 impl Placed {
-    /// `solid` at `world_from_solid`. With a pose that is not finite it is nowhere.
-    pub fn new(solid: Solid, world_from_solid: Isometry3<f64>, paint: Texture) -> Self {
-        Self { solid, world_from_solid, texture: paint }
+    /// `solid` at the pose `world_from_solid`. With a pose that is not finite nothing meets it.
+    pub fn new(solid: Solid, world_from_solid: Isometry3<f64>, texture: Texture) -> Self {
+        Self { solid, world_from_solid, texture }
     }
 
     /// The solid in its own frame.
@@ -24,12 +24,12 @@ impl Placed {
         &self.solid
     }
 
-    /// Its pose.
+    /// The solid's pose.
     pub fn world_from_solid(&self) -> &Isometry3<f64> {
         &self.world_from_solid
     }
 
-    /// Its colour.
+    /// The solid's colour.
     pub fn texture(&self) -> &Texture {
         &self.texture
     }
@@ -39,7 +39,7 @@ impl Placed {
         self.world_from_solid.translation.vector.into()
     }
 
-    /// Where `ray`, in the world, first crosses the surface ([`Solid::first_hit`]).
+    /// The point where `ray`, in the world, first crosses the surface ([`Solid::first_hit`]).
     pub fn first_hit(&self, ray: &Ray) -> Option<Hit> {
         let hit = self.may_hit(ray).then(|| self.solid.first_hit(&self.ray_in_solid(ray)))??;
         Some(Hit { t: hit.t, normal: self.world_from_solid * hit.normal })
@@ -50,7 +50,7 @@ impl Placed {
         self.may_hit(ray) && self.solid.first_crossing(&self.ray_in_solid(ray)).is_some()
     }
 
-    /// Whether the world point is inside.
+    /// Whether a point in the world is inside the solid.
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         self.solid.contains(&self.world_from_solid.inverse_transform_point(point))
     }
@@ -63,7 +63,7 @@ impl Placed {
         }
     }
 
-    /// Whether the ray's line meets the bounding ball, which is quicker to tell; grazing rays pass.
+    /// Whether the ray's line meets the bounding ball: a cheap test, which grazing rays pass.
     fn may_hit(&self, ray: &Ray) -> bool {
         let to_centre = self.centre() - ray.origin;
         let offset = to_centre - ray.direction * to_centre.dot(&ray.direction);
@@ -72,31 +72,31 @@ impl Placed {
     }
 }
 
-/// What the cameras see: the union of solids.
+/// The subject that the cameras see: a union of solids.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Subject {
     solids: Vec<Placed>,
 }
 
 impl Subject {
-    /// The union of `solids`; none at all is a subject that no camera sees.
+    /// The union of `solids`; an empty list is a subject that no camera sees.
     pub fn new(solids: Vec<Placed>) -> Self {
         Self { solids }
     }
 
-    /// Its solids.
+    /// The solids of the union.
     pub fn solids(&self) -> &[Placed] {
         &self.solids
     }
 
-    /// The same subject moved by `motion` (world to world).
+    /// This subject moved by `motion` (world to world).
     pub fn transformed(&self, motion: &Isometry3<f64>) -> Self {
         let moved =
             |placed: &Placed| Placed { world_from_solid: motion * placed.world_from_solid, ..placed.clone() };
         Self { solids: self.solids.iter().map(moved).collect() }
     }
 
-    /// Where `ray` first crosses the surface of one of the solids, and of which.
+    /// The point where `ray` first crosses the surface of one of the solids, and that solid.
     pub fn first_hit(&self, ray: &Ray) -> Option<(Hit, &Placed)> {
         nearest_hit(self.solids.iter(), ray)
     }
@@ -106,7 +106,7 @@ impl Subject {
         self.solids.iter().any(|placed| placed.is_hit(ray))
     }
 
-    /// Whether the world point is inside one of the solids.
+    /// Whether a point in the world is inside one of the solids.
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         self.solids.iter().any(|placed| placed.contains(point))
     }

@@ -1,7 +1,7 @@
 use super::*;
 use image::GrayImage;
 
-/// Cameras that see the heap whole, in part, from within, and not at all.
+/// Cameras that see the whole heap, a part of it, its inside, and nothing.
 fn cameras() -> Vec<Camera> {
     let look = |eye: [f64; 3], target: [f64; 3], fov: f64| {
         Camera::look_at("c", (90, 70), fov, eye.into(), target.into(), Vector3::z()).unwrap()
@@ -35,7 +35,7 @@ fn coverage_equals_256_rays_for_each_pixel() {
     for camera in cameras() {
         for (x, y, pixel) in coverage(&camera, &subject).enumerate_pixels() {
             if (x + 2 * y) % 5 != 0 {
-                continue; // one in five, in all rows and columns, keeps the test short
+                continue; // one pixel in five, in all rows and columns, keeps the test short
             }
             let hits = (0..256u32).filter(|i| {
                 let (du, dv) = (f64::from(i % 16) + 0.5, f64::from(i / 16) + 0.5);
@@ -43,7 +43,8 @@ fn coverage_equals_256_rays_for_each_pixel() {
                 ray.is_some_and(|ray| subject.is_hit(&ray))
             });
             let expected = (255.0 * hits.count() as f64 / 256.0).round();
-            // One pixel is taken as straight between its corners: a ray or two of 256 that graze may differ.
+
+            // The lens is linear between a pixel's corners: one or two of 256 rays that graze may differ.
             assert!((f64::from(pixel.0[0]) - expected).abs() <= 2.0, "pixel {x}, {y}: {pixel:?}, {expected}");
         }
     }
@@ -62,7 +63,7 @@ fn a_ball_covers_the_area_of_its_circle() {
     let subject = Subject::new(vec![ball]);
     let radius = camera.intrinsics()[(0, 0)] * (0.3f64 / 3.0).asin().tan();
     let expected = std::f64::consts::PI * radius * radius;
-    // Lattice points in a circle stray by about the square root of the perimeter's: 0.02 % at 16 a pixel, 0.3 % at 1.
+    // The error of counting lattice points in a circle: 0.02 % with 16 per pixel side, 0.3 % with 1.
     assert!((area(&coverage(&camera, &subject)) / expected - 1.0).abs() < 2e-4);
     assert!((area(&silhouette(&camera, &subject)) / expected - 1.0).abs() < 3e-3);
 }
@@ -78,7 +79,7 @@ fn a_wire_thinner_than_a_pixel_is_not_lost() {
         let wire = Placed::new(Solid::capsule(1e-3, 0.5).unwrap(), pose, Texture::plain([0; 3]));
         let mask = coverage(&camera, &Subject::new(vec![wire]));
         let expected = (2e-3 * 0.5) * (focal / 3.0).powi(2);
-        // 0.13 px wide: 16 rays across a pixel meet it two or three times.
+        // The wire is 0.13 px wide: two or three of 16 rays across a pixel meet it.
         assert!((area(&mask) / expected - 1.0).abs() < 0.5, "{} for {expected}", area(&mask));
     }
 }
@@ -96,6 +97,7 @@ fn images_equal_the_clean_plate_where_the_subject_is_not() {
     )
     .unwrap();
     let (plate, image) = (clean_plate(&camera, &scene.room), render(&camera, &scene));
+
     let mask = coverage(&camera, &scene.subject);
     let (mut background, mut subject) = (0, 0);
     for (x, y, coverage) in mask.enumerate_pixels() {
@@ -112,6 +114,7 @@ fn images_equal_the_clean_plate_where_the_subject_is_not() {
             _ => {}
         }
     }
+
     assert!(background > 5000 && subject > 1000);
     assert_eq!(render_over(&camera, &scene, &plate).unwrap(), image);
 }
@@ -137,8 +140,9 @@ fn depths_lead_back_to_the_surfaces() {
         let depth = f64::from(depths[(y * width + x) as usize]);
         let (u, v) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
         let point = camera.unproject(u, v, depth).unwrap();
+
         let ray = camera.ray(u, v).unwrap();
-        // Depths are f32: about 2e-7 of their value.
+        // Depths are f32, with a relative error of about 2e-7.
         if pixel.0[0] == 255 {
             let (hit, _) = scene.subject.first_hit(&ray).unwrap();
             assert!((ray.at(hit.t) - point).norm() < 1e-6);
@@ -150,7 +154,7 @@ fn depths_lead_back_to_the_surfaces() {
 }
 
 #[test]
-fn a_camera_outside_the_room_sees_nothing_past_it() {
+fn a_camera_that_looks_away_from_the_room_sees_nothing() {
     let camera = Camera::look_at(
         "c",
         (8, 8),

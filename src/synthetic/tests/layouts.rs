@@ -13,7 +13,7 @@ fn ring_at_elevation(degrees: f64) -> Vec<Camera> {
 #[test]
 fn the_tent_above_a_table_shrinks_with_the_cameras_elevation() {
     let heights = [30.0, 15.0, 5.0, 0.0].map(|degrees| tent_height(&ring_at_elevation(degrees)));
-    // Two of six cameras look square at a face: the far edge of the top, 0.2 m behind its middle, sets the height.
+    // Two of six cameras look perpendicularly at a face: the far edge of the top, 0.2 m behind its middle, sets the height.
     for (degrees, height) in [30.0f64, 15.0, 5.0].into_iter().zip(heights) {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let expected = 0.2 * 3.0 * sin / (3.0 * cos + 0.2);
@@ -23,8 +23,8 @@ fn the_tent_above_a_table_shrinks_with_the_cameras_elevation() {
 }
 
 #[test]
-fn tents_are_as_high_as_measured_with_a_camera_above() {
-    // Measured with images: the bulge of the hull of pixels, hence the 5 %.
+fn tents_have_their_measured_height_with_a_camera_above() {
+    // Measured with images: pixels enlarge the hull, hence the tolerance of 5 %.
     for (degrees, measured) in [(30.0, 0.109), (15.0, 0.051), (5.0, 0.017)] {
         let mut cameras = ring_at_elevation(degrees);
         let (eye, top) = (Point3::new(0.0, 0.0, 3.4), Point3::new(0.0, 0.0, 0.4));
@@ -33,7 +33,10 @@ fn tents_are_as_high_as_measured_with_a_camera_above() {
         assert_eq!(tent.cameras.len(), 7);
         assert!((tent.highest - measured).abs() < 0.05 * measured, "{degrees} degrees: {tent:?}");
         cameras.push(ring_at_elevation(0.0).swap_remove(0));
-        assert!(Tent::above(&cameras, top, 0.4).unwrap().highest < 1e-6, "one that looks along it is enough");
+        assert!(
+            Tent::above(&cameras, top, 0.4).unwrap().highest < 1e-6,
+            "one camera that looks along the top is enough"
+        );
     }
 }
 
@@ -45,7 +48,7 @@ fn cameras_that_do_not_see_the_top_bound_no_tent() {
 }
 
 #[test]
-fn staggered_cameras_graze_at_each_height() {
+fn staggered_cameras_stand_at_each_height_in_turn() {
     let heights = [0.4, 0.6, 0.8, 1.0];
     let target = Point3::new(0.5, -0.2, 0.7);
     let cameras = layout::staggered(8, 3.0, &heights, target, (64, 48), 0.6).unwrap();
@@ -57,18 +60,19 @@ fn staggered_cameras_graze_at_each_height() {
 }
 
 #[test]
-fn a_hemisphere_is_even_and_looks_at_its_target() {
+fn a_hemisphere_is_uniform_and_looks_at_its_target() {
     let target = Point3::new(0.5, -0.2, 0.7);
     let cameras = layout::hemisphere(16, 3.0, target, (64, 48), 0.6).unwrap();
     let offsets: Vec<_> = cameras.iter().map(|camera| camera.centre() - target).collect();
     let mean_height = offsets.iter().map(|offset| offset.z).sum::<f64>() / 16.0;
-    assert!((mean_height - 1.5).abs() < 1e-9, "half the radius, as on an even half sphere");
+    assert!((mean_height - 1.5).abs() < 1e-9, "half the radius, as on a uniform hemisphere");
+
     for (i, camera) in cameras.iter().enumerate() {
         assert!((offsets[i].norm() - 3.0).abs() < 1e-9 && offsets[i].z > 0.0);
         let middle = camera.project(&target).unwrap();
         assert!((middle.u - 32.0).abs() < 1e-9 && (middle.v - 24.0).abs() < 1e-9);
         let nearest = (0..16).filter(|&j| j != i).map(|j| (offsets[j] - offsets[i]).norm());
-        // Sixteen equal caps on a half sphere of 3 m have centres about 1.8 m apart.
+        // Sixteen equal caps on a hemisphere of 3 m have centres about 1.8 m apart.
         assert!(nearest.fold(f64::INFINITY, f64::min) > 1.2);
     }
 }

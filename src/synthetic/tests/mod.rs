@@ -1,4 +1,4 @@
-//! What other tests and figures rely on: exact rays, exact masks, images that agree with them.
+//! Tests of what other tests and figures rely on: exact rays, exact masks, and images that agree with them.
 
 mod images;
 mod layouts;
@@ -11,7 +11,7 @@ use super::*;
 use crate::camera::{Camera, Distortion, Ray};
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
-/// One of each kind, of different sizes.
+/// One solid of each kind, of different sizes.
 fn each_solid() -> [Solid; 4] {
     [
         Solid::sphere(0.3).unwrap(),
@@ -26,18 +26,18 @@ fn direction(random: &mut Random) -> Vector3<f64> {
     Vector3::new(x, y, z).normalize()
 }
 
-/// A pose within 0.3 m of `about`, turned anyhow.
+/// A random pose within 0.3 m of `about`.
 fn pose(random: &mut Random, about: Vector3<f64>) -> Isometry3<f64> {
-    let turn = UnitQuaternion::from_scaled_axis(direction(random) * 3.0 * random.even());
-    Isometry3::from_parts((about + direction(random) * 0.3 * random.even()).into(), turn)
+    let rotation = UnitQuaternion::from_scaled_axis(direction(random) * 3.0 * random.even());
+    Isometry3::from_parts((about + direction(random) * 0.3 * random.even()).into(), rotation)
 }
 
-/// One of each kind, in a heap about `about`.
+/// One solid of each kind, in a heap about `about`.
 fn heap(about: Vector3<f64>) -> Subject {
     let mut random = Random::new(5);
-    let paints =
+    let textures =
         [Texture::plain([200, 60, 40]), Texture::checker([60, 60, 200], 0.1), Texture::cloth([190, 40, 160])];
-    let placed = |(i, solid): (usize, Solid)| Placed::new(solid, pose(&mut random, about), paints[i % 3]);
+    let placed = |(i, solid): (usize, Solid)| Placed::new(solid, pose(&mut random, about), textures[i % 3]);
     Subject::new(each_solid().into_iter().enumerate().map(placed).collect())
 }
 

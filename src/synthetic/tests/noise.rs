@@ -2,19 +2,22 @@ use super::*;
 use image::{GrayImage, Luma, Rgb, RgbImage};
 
 #[test]
-fn sensor_noise_has_its_deviation_and_no_bias() {
+fn sensor_noise_has_its_standard_deviation_and_no_bias() {
     let mut image = RgbImage::from_pixel(200, 150, Rgb([100, 128, 180]));
     let clean = image.clone();
     add_noise(&mut image, 3.0, 7).unwrap();
     let errors: Vec<f64> =
         image.iter().zip(clean.iter()).map(|(a, b)| f64::from(*a) - f64::from(*b)).collect();
+
     let n = errors.len() as f64;
     let mean = errors.iter().sum::<f64>() / n;
     let variance = errors.iter().map(|e| e * e).sum::<f64>() / n;
-    // 90,000 draws: standard errors 0.01 and 0.04. Rounding to whole levels adds 1/12 to the variance.
+    // 90,000 draws have standard errors of 0.01 and 0.04. Rounding to whole levels adds 1/12 to the variance.
     assert!(mean.abs() < 0.04 && (variance - 9.0 - 1.0 / 12.0).abs() < 0.2, "{mean}, {variance}");
+
     let neighbours = errors.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / n;
     assert!(neighbours.abs() < 0.15, "neighbours are independent: {neighbours}");
+
     let mut again = clean.clone();
     add_noise(&mut again, 3.0, 7).unwrap();
     assert_eq!(again, image);
@@ -22,7 +25,7 @@ fn sensor_noise_has_its_deviation_and_no_bias() {
     assert_ne!(again, image);
 }
 
-/// A disc of the given centre, and how many pixels of it differ by noise.
+/// A disc with a radius of 60 px and its centre at (`centre`, 100).
 fn disc(centre: f64) -> GrayImage {
     GrayImage::from_fn(200, 200, |x, y| {
         let inside = (f64::from(x) - centre).hypot(f64::from(y) - 100.0) < 60.0;
@@ -49,12 +52,12 @@ fn boundary_pixels_flip_with_their_probability_and_no_others() {
             assert!(!differs);
         }
     }
-    // About 1000 boundary pixels: a standard error of 0.015.
+    // About 1000 boundary pixels give a standard error of 0.015.
     assert!((flipped / boundary - 0.37f64).abs() < 0.05, "{flipped} of {boundary}");
 }
 
 #[test]
-fn a_seed_stays_with_the_place_and_another_is_drawn_anew() {
+fn flips_depend_only_on_seed_and_position() {
     let flips = |seed: u64, centre: f64| {
         let mut mask = disc(centre);
         flip_boundary(&mut mask, 0.37, seed).unwrap();
@@ -66,9 +69,9 @@ fn a_seed_stays_with_the_place_and_another_is_drawn_anew() {
             .collect();
         boundary.into_iter().collect::<std::collections::HashMap<_, _>>()
     };
-    let (first, moved, anew) = (flips(1, 100.0), flips(1, 101.0), flips(2, 100.0));
-    assert!(first.iter().all(|(place, flip)| moved.get(place).is_none_or(|other| other == flip)));
-    assert!(first != anew);
+    let (first, moved, other_seed) = (flips(1, 100.0), flips(1, 101.0), flips(2, 100.0));
+    assert!(first.iter().all(|(position, flip)| moved.get(position).is_none_or(|other| other == flip)));
+    assert!(first != other_seed);
 }
 
 #[test]

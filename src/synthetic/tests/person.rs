@@ -1,10 +1,12 @@
 use super::*;
 
-/// Lowest z of a person and highest of its trunk and head: all parts are capsules.
+/// The lowest z of a person and the highest of its trunk and head; all parts are capsules.
 fn reach(person: &Subject) -> (f64, f64) {
     let mut reach = (f64::INFINITY, f64::NEG_INFINITY);
     for placed in person.solids() {
-        let Solid::Capsule { radius, length } = *placed.solid() else { panic!("a part that is no capsule") };
+        let Solid::Capsule { radius, length } = *placed.solid() else {
+            panic!("a part that is not a capsule")
+        };
         let half = (placed.world_from_solid() * Vector3::z()).z.abs() * 0.5 * length;
         reach.0 = reach.0.min(placed.centre().z - half - radius);
         if placed.centre().y.abs() < 0.1 {
@@ -35,11 +37,13 @@ fn a_person_moves_smoothly_and_returns() {
         for ((a, b), c) in centres(t).iter().zip(centres(t + dt)).zip(centres(t + 2.0 * dt)) {
             let (before, after) = ((b - a) / dt, (c - b) / dt);
             fastest = fastest.max(before.norm());
-            // A kink would be a jump of velocity that does not shrink with dt; 60 m/s2 is a lively foot.
+            // A kink would be a jump of velocity that does not shrink with dt; 60 m/s2 bounds the feet's acceleration.
             assert!((after - before).norm() < 60.0 * dt, "t = {t}: {before:?} then {after:?}");
         }
     }
+
     assert!((1.0..4.0).contains(&fastest), "fastest part: {fastest} m/s");
+
     for (a, b) in centres(0.3).iter().zip(centres(0.3 + 5.0 * PERSON_PERIOD)) {
         assert!((a - b).norm() < 1e-9);
     }
@@ -47,7 +51,7 @@ fn a_person_moves_smoothly_and_returns() {
 }
 
 #[test]
-fn a_moved_person_moves_its_inside() {
+fn moving_a_person_moves_the_points_inside() {
     let motion = Isometry3::new(Vector3::new(1.0, -2.0, 0.1), Vector3::new(0.0, 0.0, 1.0));
     let (person, moved) = (Subject::person_at(0.4), Subject::person_at(0.4).transformed(&motion));
     let mut random = Random::new(9);

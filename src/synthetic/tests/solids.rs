@@ -1,12 +1,12 @@
 use super::*;
 
-/// The first of `count` even steps along the ray at which `placed` contains the point: slow, and knows nothing of hits.
+/// The first of `count` equal steps along the ray at which `placed` contains the point: slow, and independent of hits.
 fn first_inside(placed: &Placed, ray: &Ray, length: f64, count: u32) -> Option<f64> {
     (0..count).map(|i| length * f64::from(i) / f64::from(count)).find(|&t| placed.contains(&ray.at(t)))
 }
 
 #[test]
-fn hits_are_where_marching_first_finds_the_inside() {
+fn hits_are_where_sampling_along_the_ray_first_finds_the_inside() {
     let mut random = Random::new(1);
     let (length, count) = (6.0, 3000);
     for solid in each_solid() {
@@ -16,26 +16,29 @@ fn hits_are_where_marching_first_finds_the_inside() {
             let origin = Point3::from(direction(&mut random) * 3.0);
             let aim = placed.centre() + direction(&mut random) * 0.4 * random.even();
             let ray = Ray { origin, direction: (aim - origin).normalize() };
-            let marched = first_inside(&placed, &ray, length, count);
+            let sampled = first_inside(&placed, &ray, length, count);
             let Some(hit) = placed.first_hit(&ray) else {
-                assert_eq!(marched, None, "{solid:?}: marching finds an inside where no hit is");
+                assert_eq!(sampled, None, "{solid:?}: sampling finds an inside without a hit");
                 continue;
             };
             hits += 1;
-            // A step of marching may jump over a short chord, but never finds the inside earlier.
-            assert!(marched.is_none_or(|t| t >= hit.t - 1e-9), "{solid:?}: inside before the hit");
+
+            // Sampling may step over a short chord, but never finds the inside earlier.
+            assert!(sampled.is_none_or(|t| t >= hit.t - 1e-9), "{solid:?}: inside before the hit");
+
             let slope = -hit.normal.dot(&ray.direction);
             assert!(slope > -1e-6 && (hit.normal.norm() - 1.0).abs() < 1e-12);
             if slope > 0.1 {
                 assert!(!placed.contains(&ray.at(hit.t - 1e-9)) && placed.contains(&ray.at(hit.t + 1e-9)));
             }
         }
+
         assert!(hits > 40, "{solid:?}: only {hits} hits");
     }
 }
 
 #[test]
-fn normals_are_square_to_the_surface() {
+fn normals_are_perpendicular_to_the_surface() {
     let mut random = Random::new(2);
     for solid in each_solid() {
         for _ in 0..60 {
@@ -46,8 +49,9 @@ fn normals_are_square_to_the_surface() {
             let ray = Ray { origin: inside, direction: direction(&mut random) };
             let hit = solid.first_hit(&ray).expect("a ray from inside leaves");
             assert!(hit.normal.dot(&ray.direction) > 0.0, "{solid:?}: a ray leaves along the normal");
+
             let side = hit.normal.cross(&direction(&mut random)).normalize() * 1e-4;
-            // Surfaces of radius 0.1 m or more part from their tangent plane by 5e-8 m at most, 1e-4 m away.
+            // Surfaces of radius 0.1 m or more leave their tangent plane by at most 5e-8 m at a distance of 1e-4 m.
             let beside = ray.at(hit.t) + side;
             assert!(!solid.contains(&(beside + hit.normal * 1e-7)), "{solid:?}");
             assert!(solid.contains(&(beside - hit.normal * 1e-7)), "{solid:?}");
@@ -68,14 +72,14 @@ fn supporting_points(solid: &Solid, random: &mut Random) -> Vec<(Point3<f64>, Ve
                 (Point3::from(face * (0.5 * lengths.x) + across), face)
             }
             Solid::Capsule { radius, length } => {
-                let flat = Vector3::new(out.x, out.y, 0.0).normalize();
+                let radial = Vector3::new(out.x, out.y, 0.0).normalize();
                 let along = Vector3::z() * (out.z * 0.5 * length);
-                (Point3::from(flat * radius + along), flat)
+                (Point3::from(radial * radius + along), radial)
             }
             Solid::Torus { major, minor } => {
-                let flat = Vector3::new(out.x, out.y, 0.0).normalize();
-                let normal = (flat * random.even() + Vector3::z() * out.z).normalize();
-                (Point3::from(flat * major + normal * minor), normal)
+                let radial = Vector3::new(out.x, out.y, 0.0).normalize();
+                let normal = (radial * random.even() + Vector3::z() * out.z).normalize();
+                (Point3::from(radial * major + normal * minor), normal)
             }
         });
     }
@@ -83,17 +87,19 @@ fn supporting_points(solid: &Solid, random: &mut Random) -> Vec<(Point3<f64>, Ve
 }
 
 #[test]
-fn grazing_rays_are_told_from_missing_ones_to_a_nanometre() {
+fn grazing_and_missing_rays_are_distinguished_to_a_nanometre() {
     let mut random = Random::new(3);
     for solid in each_solid() {
         for (point, normal) in supporting_points(&solid, &mut random) {
             let placed =
                 Placed::new(solid, pose(&mut random, Vector3::new(0.0, 0.0, 1.0)), Texture::plain([0; 3]));
             let along = normal.cross(&direction(&mut random)).normalize();
+
             let at_height = |height: f64| Ray {
                 origin: placed.world_from_solid() * (point + normal * height - along * 5.0),
                 direction: placed.world_from_solid() * along,
             };
+
             assert!(!placed.is_hit(&at_height(1e-9)), "{solid:?}: a ray 1 nm outside hits");
             assert!(placed.is_hit(&at_height(-1e-9)), "{solid:?}: a ray 1 nm inside misses");
         }
@@ -101,18 +107,20 @@ fn grazing_rays_are_told_from_missing_ones_to_a_nanometre() {
 }
 
 #[test]
-fn rays_that_graze_the_hole_of_a_torus_are_told_by_their_distance() {
-    // The distance of a ray from the tube's circle, minimised by brute force, is the independent judge.
+fn rays_that_graze_the_hole_of_a_torus_hit_or_miss_by_their_distance() {
+    // The independent reference is the distance of a ray from the tube's circle, minimised by brute force.
     let (major, minor) = (0.3, 0.1);
     let torus = Solid::torus(major, minor).unwrap();
     let mut random = Random::new(4);
     for _ in 0..30 {
         let tilt = direction(&mut random) * 0.5 + Vector3::z();
         let mut ray = Ray { origin: Point3::from(-tilt * 3.0), direction: tilt.normalize() };
+
         let distance = |ray: &Ray, t: f64| {
             let p = ray.at(t);
             (p.x.hypot(p.y) - major).hypot(p.z) - minor
         };
+
         let clearance = |ray: &Ray| {
             let coarse = (0..4000).map(|i| f64::from(i) * 1.5e-3);
             let near = coarse.min_by(|&a, &b| distance(ray, a).total_cmp(&distance(ray, b))).unwrap();
@@ -123,6 +131,7 @@ fn rays_that_graze_the_hole_of_a_torus_are_told_by_their_distance() {
             }
             distance(ray, 0.5 * (from + to))
         };
+
         // Move the ray sideways until it just grazes.
         let side = ray.direction.cross(&direction(&mut random)).normalize();
         let start = ray.origin;
@@ -133,6 +142,7 @@ fn rays_that_graze_the_hole_of_a_torus_are_told_by_their_distance() {
             ray.origin = start + side * middle;
             if clearance(&ray) > 0.0 { clear = middle } else { blocked = middle }
         }
+
         ray.origin = start + side * (clear - 1e-8);
         assert!(!torus.first_hit(&ray).is_some_and(|hit| hit.t < 6.0), "passes by 10 nm");
         ray.origin = start + side * (clear + 1e-8);
@@ -146,13 +156,16 @@ fn rays_along_axes_and_through_centres_hit() {
     let capsule = Solid::capsule(0.1, 0.4).unwrap();
     let along = capsule.first_hit(&axis([0.0, 0.05, -3.0], Vector3::z())).unwrap();
     assert!((along.t - (3.0 - 0.2 - (0.01f64 - 0.0025).sqrt())).abs() < 1e-12);
-    // Nearly along the axis: the tube's own crossing lies kilometres away and must not blur the caps'.
+
+    // Nearly along the axis, the tube's own crossing is kilometres away and must not affect the caps'.
     let tilted = Vector3::new(0.0, 1e-9, 1.0).normalize();
     assert!((capsule.first_hit(&axis([0.0, 0.05, -3.0], tilted)).unwrap().t - along.t).abs() < 1e-8);
+
     let torus = Solid::torus(0.3, 0.1).unwrap();
     assert!((torus.first_hit(&axis([-2.0, 0.0, 0.0], Vector3::x())).unwrap().t - 1.6).abs() < 1e-12);
     assert!((torus.first_hit(&axis([0.0, 0.0, 0.0], Vector3::x())).unwrap().t - 0.2).abs() < 1e-12);
     assert_eq!(torus.first_hit(&axis([0.0, 0.0, -2.0], Vector3::z())), None);
+
     let cuboid = Solid::cuboid(Vector3::new(2.0, 2.0, 2.0)).unwrap();
     assert_eq!(cuboid.first_hit(&axis([-3.0, 0.0, 0.0], Vector3::x())).unwrap().t, 2.0);
     assert_eq!(cuboid.first_hit(&axis([3.0, 0.0, 0.0], Vector3::x())), None, "behind the origin");
@@ -172,7 +185,7 @@ fn impossible_sizes_are_refused() {
 }
 
 #[test]
-fn a_solid_without_a_finite_pose_is_nowhere() {
+fn a_solid_without_a_finite_pose_is_invisible() {
     let nan = Isometry3::translation(f64::NAN, 0.0, 0.0);
     let subject = heap(Vector3::zeros()).transformed(&nan);
     let mask = silhouette(&distorting_camera(), &subject);

@@ -1,4 +1,4 @@
-//! Samples of the bodies seen lately, so that a body is sampled once and not at every step.
+//! A cache of samples, so that a body is sampled once instead of at every step.
 
 use super::weld::extent;
 use super::{BodyShape, Samples, convex, trimesh};
@@ -7,21 +7,22 @@ use nalgebra::Point3;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The most shapes kept.
+/// The largest number of shapes kept.
 const MAX_SHAPES: usize = 256;
 
-/// The most samples kept, of all shapes together (about 50 bytes each). The shape asked for last always stays.
+/// The largest number of samples kept, of all shapes together (about 50 bytes each). The most recently used shape
+/// always stays.
 const MAX_KEPT_SAMPLES: usize = 4_000_000;
 
-/// Vertices this near to those stored, relative to the body's size, are the same: they come anew at every step, turned
-/// forth and back by the body's pose.
-const SAME: f64 = 1e-9;
+/// Vertices within this distance of the stored ones, relative to the body's size, count as unchanged: they are
+/// recomputed at every step by the body's pose and its inverse.
+const VERTEX_TOLERANCE: f64 = 1e-9;
 
-/// A bounded store of samples, the least recently used out first.
+/// A bounded cache of samples that evicts the least recently used shapes.
 ///
-/// Spheres, boxes, capsules and cylinders are known by their exact parameters. Convex bodies and meshes are known by a
-/// hint of the caller's, such as an id or an address, which may come to stand for another body: the stored vertices
-/// are compared with the given ones each time.
+/// Spheres, boxes, capsules and cylinders are identified by their exact parameters. Convex bodies and meshes are
+/// identified by a key from the caller, such as an id or an address, which may later belong to another body: therefore
+/// the stored vertices are compared with the given ones each time.
 #[derive(Debug, Default)]
 pub struct SampleCache {
     entries: HashMap<Key, Entry>,
@@ -29,7 +30,7 @@ pub struct SampleCache {
     use_count: u64,
 }
 
-/// What an entry is found by; floats as their bits.
+/// The key of an entry; floats as their bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Key {
     Sphere([u64; 2]),
@@ -42,33 +43,33 @@ enum Key {
 
 #[derive(Debug)]
 struct Entry {
-    /// Empty for shapes whose key says all.
+    /// The vertices of a convex body or mesh; empty for shapes that the key defines completely.
     vertices: Vec<Point3<f64>>,
     samples: Arc<Samples>,
     used: u64,
 }
 
 impl SampleCache {
-    /// An empty store.
+    /// An empty cache.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// How many shapes are stored.
+    /// The number of cached shapes.
     pub fn len(&self) -> usize {
         self.entries.len()
     }
 
-    /// Whether nothing is stored.
+    /// Whether the cache is empty.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// The samples of `shape`; convex bodies and meshes are not stored here, see [`Self::get_convex`] and
+    /// The samples of `shape`. Convex bodies and meshes are not cached by this function, see [`Self::get_convex`] and
     /// [`Self::get_trimesh`].
     ///
     /// # Errors
-    /// As [`BodyShape::sample`].
+    /// All errors of [`BodyShape::sample`].
     pub fn get(&mut self, shape: &BodyShape, min_feature: f64) -> Result<Arc<Samples>> {
         let d = min_feature;
         let key = match *shape {
@@ -81,11 +82,11 @@ impl SampleCache {
         self.find(key, &[], || shape.sample(min_feature))
     }
 
-    /// The samples of the convex hull of `vertices` (body frame), stored under `key_hint`; made anew if the vertices
-    /// there are others.
+    /// The samples of the convex hull of `vertices` (body frame), cached under `key_hint`; recomputed if the vertices
+    /// cached there differ.
     ///
     /// # Errors
-    /// As [`convex`].
+    /// All errors of [`convex`].
     pub fn get_convex(
         &mut self,
         key_hint: usize,
@@ -96,10 +97,10 @@ impl SampleCache {
         self.find(key, vertices, || convex(vertices, min_feature))
     }
 
-    /// The samples of a mesh (body frame), stored under `key_hint`; made anew if the triangles there are others.
+    /// The samples of a mesh (body frame), cached under `key_hint`; recomputed if the triangles cached there differ.
     ///
     /// # Errors
-    /// As [`trimesh`].
+    /// All errors of [`trimesh`].
     pub fn get_trimesh(
         &mut self,
         key_hint: usize,
@@ -110,6 +111,7 @@ impl SampleCache {
         self.find(key, triangles.as_flattened(), || trimesh(triangles, min_feature))
     }
 
+    /// Returns the cached samples if the vertices agree, else computes and caches them.
     fn find(
         &mut self,
         key: Key,
@@ -121,16 +123,19 @@ impl SampleCache {
             entry.used = self.use_count;
             return Ok(entry.samples.clone());
         }
+
         let samples = Arc::new(sample()?);
         let entry = Entry { vertices: vertices.to_vec(), samples: samples.clone(), used: self.use_count };
         self.samples += samples.points().len();
         if let Some(replaced) = self.entries.insert(key, entry) {
             self.samples -= replaced.samples.points().len();
         }
+
         self.trim();
         Ok(samples)
     }
 
+    /// Evicts the least recently used shapes until the cache is within its bounds.
     fn trim(&mut self) {
         while self.entries.len() > MAX_SHAPES || (self.samples > MAX_KEPT_SAMPLES && self.entries.len() > 1) {
             let oldest = self.entries.iter().min_by_key(|(_, entry)| entry.used).map(|(key, _)| *key);
@@ -140,11 +145,12 @@ impl SampleCache {
     }
 }
 
+/// Whether two lists of vertices are equal up to the tolerance.
 fn agree(stored: &[Point3<f64>], given: &[Point3<f64>]) -> bool {
     if stored.len() != given.len() {
         return false;
     }
-    let tolerance = SAME * extent(stored);
+    let tolerance = VERTEX_TOLERANCE * extent(stored);
     stored.iter().zip(given).all(|(a, b)| (a - b).amax() <= tolerance)
 }
 
@@ -172,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_of_one_size_and_another_class_are_told_apart() {
+    fn shapes_of_equal_parameters_and_different_class_are_distinct() {
         let mut cache = SampleCache::new();
         let capsule = cache.get(&BodyShape::Capsule { radius: 0.1, length: 0.2 }, 0.03).unwrap();
         let cylinder = cache.get(&BodyShape::Cylinder { radius: 0.1, length: 0.2 }, 0.03).unwrap();
@@ -197,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_recently_used_goes_first() {
+    fn the_least_recently_used_shape_is_evicted_first() {
         let mut cache = SampleCache::new();
         let shape = |k: usize| BodyShape::Sphere { radius: 1e-3 + k as f64 * 1e-6 };
         let first = cache.get(&shape(0), 0.03).unwrap();

@@ -1,4 +1,4 @@
-//! Samples of a capsule: rings along the side, and rings of latitude on the caps.
+//! Samples of a capsule: rings along the side and latitude rings on the caps.
 
 use super::limits::{cells, check_count, positive, spacing};
 use super::rings::{Ring, fewest_samples, revolve};
@@ -6,8 +6,8 @@ use super::{Samples, Smooth};
 use crate::{Error, Result};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Samples of a capsule about the local z axis: a cylinder of `radius` and `length` with a half sphere on either end
-/// (`length` is without them, and may be zero).
+/// Samples of a capsule about the local z axis: a cylinder of `radius` and `length` in metres with a hemisphere at
+/// either end (`length` excludes them, and may be zero).
 ///
 /// # Errors
 /// A radius or `min_feature` that is not finite and positive, a length that is negative or not finite; more than
@@ -28,7 +28,7 @@ pub fn capsule(radius: f64, length: f64, min_feature: f64) -> Result<Samples> {
     Ok(Samples::of_smooth(samples, cover, Smooth::Capsule { radius, length }, length / 2.0 + radius))
 }
 
-/// From the lower pole up to the upper one.
+/// The rings from the lower pole to the upper one.
 fn rings(radius: f64, length: f64, spacing: f64) -> Vec<Ring> {
     let cap_cells = cells(radius * FRAC_PI_2, spacing, 2.0) as i64;
     let side_cells = if length > 0.0 { cells(length, spacing, 1.0) as i64 } else { 0 };
@@ -42,6 +42,7 @@ fn rings(radius: f64, length: f64, spacing: f64) -> Vec<Ring> {
         let z = end * (length / 2.0 + radius * sin);
         Ring { radius: radius * cos, z, normal: (cos, end * sin), reach: cap_reach, widest }
     };
+
     let side = |k: i64| {
         let at_end = k == 0 || k == side_cells;
         let z = if side_cells == 0 {
@@ -49,10 +50,11 @@ fn rings(radius: f64, length: f64, spacing: f64) -> Vec<Ring> {
         } else {
             (2 * k - side_cells) as f64 / side_cells as f64 * length / 2.0
         };
-        // The first and last ring answer for a band of the side and for one of a cap.
+        // The first and last ring cover a band of the side and one of a cap.
         let reach = if at_end { side_reach.max(cap_reach) } else { side_reach };
         Ring { radius, z, normal: (1.0, 0.0), reach, widest: radius }
     };
+
     let lower = (1..=cap_cells).rev().map(|k| cap(k, -1.0));
     let upper = (1..=cap_cells).map(|k| cap(k, 1.0));
     lower.chain((0..=side_cells).map(side)).chain(upper).collect()
@@ -88,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_lie_on_the_surface_and_look_outward() {
+    fn samples_lie_on_the_surface_with_outward_normals() {
         for (radius, length) in SIZES {
             let samples = capsule(radius, length, 0.03).unwrap();
             assert_unit_normals(&samples);

@@ -9,20 +9,21 @@ use super::wrap::wrap;
 use crate::{Error, Result};
 use nalgebra::Point3;
 
-/// Up to so many faces, each gets a sample of its own, however small.
+/// In bodies of at most this many faces every face has a sample of its own, however small it is.
 const FEW_FACES: usize = 64;
 
-/// Samples of the convex hull of `vertices`. Faces come from the vertices alone, coplanar ones are one; duplicates,
-/// vertices inside the hull and noise below a millionth of the body's size do not matter. Corners carry their faces'
-/// normals weighted by angle, edges the normalised sum of two faces'; each face of a body of few
-/// faces has a sample of its own.
+/// Samples of the convex hull of `vertices` (body frame, metres). Faces follow from the vertices alone, and coplanar
+/// ones are merged; duplicates, vertices inside the hull and noise below a millionth of the body's size have no
+/// effect. Corners have the mean of their faces' normals weighted by angle, edges the normalised sum of two faces'
+/// normals; in a body of few faces each face has a sample of its own.
 ///
 /// # Errors
-/// Vertices in one plane or fewer than four of them, coordinates that are not finite, a `min_feature` that is not
-/// finite and positive; more than [`super::MAX_SAMPLES`] samples.
+/// Fewer than four vertices, or all in one plane; coordinates that are not finite, a `min_feature` that is not finite
+/// and positive; more than [`super::MAX_SAMPLES`] samples.
 pub fn convex(vertices: &[Point3<f64>], min_feature: f64) -> Result<Samples> {
     spacing(min_feature)?;
     finite("convex vertex", vertices)?;
+
     let size = extent(vertices);
     let name = format!("convex body of {} vertices, {size:.3} m across,", vertices.len());
     let flat = || {
@@ -33,10 +34,12 @@ pub fn convex(vertices: &[Point3<f64>], min_feature: f64) -> Result<Samples> {
     if vertices.len() < 4 || size == 0.0 {
         return Err(flat());
     }
+
     let (corners, _) = weld(vertices, size * TOLERANCE);
     let faces = wrap(&corners, size * TOLERANCE).ok_or_else(flat)?;
     let own = faces.len() <= FEW_FACES;
     let facets = Facets { corners, faces };
+
     let (samples, radius) = sample(&facets, &name, min_feature, own)?;
     let corners = facets.faces.iter().flat_map(|face| &face.outline).map(|corner| &facets.corners[*corner]);
     Ok(Samples::new(samples, radius).holding(corners))
@@ -55,18 +58,18 @@ mod tests {
         (0..8).map(|k| Point3::from(at(k).component_mul(&lengths))).collect()
     }
 
-    /// Along each sample's normal the sample itself lies farthest.
+    /// Asserts that no vertex lies farther along a sample's normal than the sample itself.
     fn assert_supports(samples: &Samples, vertices: &[Point3<f64>]) {
         let size = extent(vertices);
         for Sample { point, normal } in samples.points() {
             let beyond = vertices.iter().map(|v| (v - point).dot(normal)).fold(f64::NEG_INFINITY, f64::max);
-            // Two tolerances per face; on a knife's edge (here 4 degrees) the sum of opposite normals magnifies them.
+            // Two tolerances per face, magnified at a sharp edge (here 4 degrees) by the sum of nearly opposite normals.
             assert!(beyond.abs() <= 2.0 * TOLERANCE * size / 0.035, "{beyond}");
         }
     }
 
     #[test]
-    fn the_corners_of_a_box_are_sampled_as_the_box() {
+    fn the_corners_of_a_box_give_the_samples_of_the_box() {
         for (x, y, z) in [(0.4, 0.3, 0.2), (1.0, 1.0, 0.001), (0.01, 0.01, 0.01), (2.0, 0.02, 0.03)] {
             let lengths = Vector3::new(x, y, z);
             for min_feature in [0.03, 0.11] {
@@ -77,9 +80,11 @@ mod tests {
                     at[random.below(3)] = 0.5_f64.copysign(random.between(-1.0, 1.0));
                     Point3::from(at.component_mul(&lengths))
                 });
+
                 assert_unit_normals(&samples);
                 assert_supports(&samples, &box_corners(lengths));
-                // The box's lattice has two cells at least, the hull's faces one and a sample in the middle.
+
+                // The box's lattice has at least two cells per side, a hull's face at least one and a sample in the centre.
                 assert!(samples.points().len() <= plain.points().len());
                 for sample in samples.points() {
                     let near = |s: &&Sample| (s.point - sample.point).norm() < 1e-12;
@@ -91,29 +96,31 @@ mod tests {
     }
 
     #[test]
-    fn duplicates_noise_inner_points_and_order_change_nothing() {
+    fn duplicates_noise_inner_points_and_order_have_no_effect() {
         let mut random = Lcg::new(2);
-        let turn = UnitQuaternion::from_euler_angles(0.3, 1.1, -0.7);
+        let rotation = UnitQuaternion::from_euler_angles(0.3, 1.1, -0.7);
         for noise in [0.0, 1e-15, 3e-8] {
             let mut vertices = box_corners(Vector3::new(0.4, 0.3, 0.2));
             let corners = vertices.clone();
             for _ in 0..60 {
-                // On edges, on faces, on corners, inside.
+                // Points on edges, on faces, on corners and inside.
                 let (a, b) = (corners[random.below(8)], corners[random.below(8)]);
                 vertices.push(a + (b - a) * random.between(0.0, 1.0));
                 vertices.push(corners[random.below(8)]);
             }
+
             for k in 0..vertices.len() {
                 vertices.swap(k, random.below(k + 1));
             }
             for v in &mut vertices {
-                *v = turn * *v + Vector3::from_fn(|_, _| random.between(-noise, noise));
+                *v = rotation * *v + Vector3::from_fn(|_, _| random.between(-noise, noise));
             }
+
             let samples = convex(&vertices, 0.03).unwrap();
             let plain = box_(Vector3::new(0.4, 0.3, 0.2), 0.03).unwrap();
             assert_eq!(samples.points().len(), plain.points().len());
             for sample in samples.points() {
-                let (point, normal) = (turn.inverse() * sample.point, turn.inverse() * sample.normal);
+                let (point, normal) = (rotation.inverse() * sample.point, rotation.inverse() * sample.normal);
                 let near = |s: &Sample| (s.point - point).norm() < 1e-6 && (s.normal - normal).norm() < 1e-5;
                 assert!(plain.points().iter().any(near), "{point} {normal}");
             }
@@ -121,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn any_hull_is_covered_and_supported() {
+    fn random_hulls_are_covered_and_their_samples_are_support_points() {
         let mut random = Lcg::new(9);
         for n in [4, 5, 6, 9, 20, 60, 200] {
             for flattening in [1.0, 0.2, 0.003] {
@@ -131,11 +138,13 @@ mod tests {
                 let samples = convex(&vertices, 0.04).unwrap();
                 assert_unit_normals(&samples);
                 assert_supports(&samples, &vertices);
+
                 let planes: Vec<_> = wrap(&vertices, 1e-7).unwrap();
                 let plane = |face: &super::super::facets::Facet| (vertices[face.outline[0]], face.normal);
                 let planes: Vec<_> = planes.iter().map(plane).collect();
                 let sum: Vector3<f64> = vertices.iter().map(|v| v.coords).sum();
                 let center = Point3::from(sum / n as f64);
+
                 assert_covers(&samples, 0.04, |random| {
                     let d = random.direction();
                     let exit = |(p, m): &(Point3<f64>, Vector3<f64>)| (p - center).dot(m) / d.dot(m).max(0.0);
@@ -148,16 +157,18 @@ mod tests {
     #[test]
     fn the_hull_is_closed() {
         let mut random = Lcg::new(21);
-        // Points of a lattice: many lie in common planes and lines.
+        // Many points of a lattice lie in common planes and lines.
         for round in 0..60 {
             let n = 8 + round;
             let point = |random: &mut Lcg| Point3::new(random.below(4), random.below(4), random.below(3));
             let vertices: Vec<_> = (0..n).map(|_| point(&mut random).cast::<f64>()).collect();
             let (corners, _) = weld(&vertices, 1e-6);
             let faces = wrap(&corners, 1e-6).unwrap();
+
             let side = |outline: &Vec<usize>, k: usize| (outline[k], outline[(k + 1) % outline.len()]);
             let sides: Vec<_> =
                 faces.iter().flat_map(|f| (0..f.outline.len()).map(|k| side(&f.outline, k))).collect();
+
             assert!(sides.iter().all(|(a, b)| sides.iter().filter(|other| **other == (*b, *a)).count() == 1));
             let used: std::collections::HashSet<_> = sides.iter().map(|(a, _)| a).collect();
             assert_eq!(used.len() + faces.len(), sides.len() / 2 + 2, "Euler's formula");

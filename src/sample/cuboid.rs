@@ -5,8 +5,8 @@ use super::{Sample, Samples};
 use crate::Result;
 use nalgebra::{Point3, Vector3};
 
-/// Samples of a box with edge `lengths` along the local axes, centred on the origin; at least its corners and the
-/// centres of its edges and faces. Symmetric under the box's reflections, to the last bit.
+/// Samples of a box with edge `lengths` in metres along the local axes, centred at the origin; at least its corners
+/// and the centres of its edges and faces. They are symmetric under the box's reflections, to the last bit.
 ///
 /// # Errors
 /// A length or `min_feature` that is not finite and positive; more than [`super::MAX_SAMPLES`] samples.
@@ -15,7 +15,8 @@ pub fn box_(lengths: Vector3<f64>, min_feature: f64) -> Result<Samples> {
     for (axis, length) in ["x", "y", "z"].into_iter().zip(lengths.iter()) {
         positive(&format!("box length along {axis}"), *length)?;
     }
-    // Two cells at least: every face then has a sample of its own, whose normal is the face's alone.
+
+    // With at least two cells every face has a sample inside, with the face's own normal.
     let n = lengths.map(|length| cells(length, spacing, 2.0));
     let count = n.map(|n| n + 1.0).product() - n.map(|n| n - 1.0).product();
     let name = format!("box of {} x {} x {} m", lengths.x, lengths.y, lengths.z);
@@ -31,14 +32,16 @@ pub fn box_(lengths: Vector3<f64>, min_feature: f64) -> Result<Samples> {
             }
         }
     }
+
     let cell = lengths.component_div(&n.map(|n| n as f64));
     let widest = cell.norm_squared() - cell.min() * cell.min();
     Ok(Samples::new(by_kind.into_iter().rev().flatten().collect(), widest.sqrt() / 2.0))
 }
 
-/// Adds lattice point `i` of `n` cells per axis to its kind: on one face, on two (an edge), on three (a corner).
+/// Adds the lattice point with index `i` of `n` cells per axis to its kind: on one face, two (an edge) or three (a
+/// corner).
 fn add(by_kind: &mut [Vec<Sample>; 3], lengths: &Vector3<f64>, lattice: [(usize, usize); 3]) {
-    // (2 i - n) / n is odd about the middle to the last bit; i / n - 1/2 is not.
+    // (2 i - n) / n is antisymmetric about the middle to the last bit; i / n - 1/2 is not.
     let at = Vector3::from(lattice.map(|(i, n)| (2.0 * i as f64 - n as f64) / n as f64));
     let outward = Vector3::from(lattice.map(|(i, n)| f64::from(i == n) - f64::from(i == 0)));
     let faces = outward.abs().sum();
@@ -74,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_lie_on_the_surface_and_look_outward() {
+    fn samples_lie_on_the_surface_with_outward_normals() {
         for (x, y, z) in SIZES {
             let half = Vector3::new(x, y, z) / 2.0;
             let samples = box_(half * 2.0, 0.03).unwrap();

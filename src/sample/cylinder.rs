@@ -1,4 +1,4 @@
-//! Samples of a cylinder: the rims, concentric rings on the flat ends, rings along the side.
+//! Samples of a cylinder: the rims, concentric rings on the flat ends, and rings along the side.
 
 use super::limits::{cells, check_count, positive, spacing};
 use super::rings::{Ring, fewest_samples, revolve};
@@ -6,8 +6,8 @@ use super::{Samples, Smooth};
 use crate::Result;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// Samples of a cylinder about the local z axis, centred on the origin, of `radius` and full `length`. Samples on a
-/// rim carry the normalised sum of the end's and the side's normal.
+/// Samples of a cylinder about the local z axis, centred at the origin, of `radius` and full `length` in metres.
+/// Samples on a rim have the normalised sum of the end's and the side's normal.
 ///
 /// # Errors
 /// A radius, length or `min_feature` that is not finite and positive; more than [`super::MAX_SAMPLES`] samples.
@@ -23,10 +23,10 @@ pub fn cylinder(radius: f64, length: f64, min_feature: f64) -> Result<Samples> {
     Ok(Samples::of_smooth(samples, cover, Smooth::Cylinder { radius, length }, radius.hypot(length / 2.0)))
 }
 
-/// The rims, then the ends from rim to centre, then the side; each from below to above.
+/// The rings: the rims, then the ends from rim to centre, then the side; each from bottom to top.
 fn rings(radius: f64, length: f64, spacing: f64) -> Vec<Ring> {
     let end_cells = cells(radius, spacing, 1.0) as i64;
-    // Two at least: the side then has samples whose normal is the side's alone.
+    // With at least two cells the side has samples with its own normal.
     let side_cells = cells(length, spacing, 2.0) as i64;
     let end_reach = radius / end_cells as f64 / 2.0;
     let side_reach = length / side_cells as f64 / 2.0;
@@ -38,6 +38,7 @@ fn rings(radius: f64, length: f64, spacing: f64) -> Vec<Ring> {
         reach: end_reach.max(side_reach),
         widest: radius,
     };
+
     let flat = |end: f64, k: i64| {
         let radius = radius * k as f64 / end_cells as f64;
         Ring {
@@ -48,10 +49,12 @@ fn rings(radius: f64, length: f64, spacing: f64) -> Vec<Ring> {
             widest: radius + end_reach,
         }
     };
+
     let side = |k: i64| {
         let z = (2 * k - side_cells) as f64 / side_cells as f64 * length / 2.0;
         Ring { radius, z, normal: (1.0, 0.0), reach: side_reach, widest: radius }
     };
+
     let rims = [-1.0, 1.0].into_iter().map(rim);
     let ends = [-1.0, 1.0].into_iter().flat_map(|end| (0..end_cells).rev().map(move |k| flat(end, k)));
     rims.chain(ends).chain((1..side_cells).map(side)).collect()
@@ -87,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_lie_on_the_surface_and_look_outward() {
+    fn samples_lie_on_the_surface_with_outward_normals() {
         for (radius, length) in SIZES {
             let samples = cylinder(radius, length, 0.03).unwrap();
             assert_unit_normals(&samples);
@@ -95,6 +98,7 @@ mod tests {
                 let side = sample.point.coords.xy().norm() - radius;
                 let end = sample.point.z.abs() - length / 2.0;
                 assert!(side.max(end).abs() < 1e-12);
+
                 let mut outward = Vector3::zeros();
                 if side.abs() < 1e-12 {
                     outward += Vector3::new(sample.point.x, sample.point.y, 0.0) / radius;
@@ -108,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn a_half_turn_maps_the_samples_onto_themselves() {
+    fn a_rotation_by_180_degrees_maps_the_samples_onto_themselves() {
         let samples = cylinder(0.11, 0.2, 0.03).unwrap();
         for Sample { point, .. } in samples.points() {
             let opposite = Point3::new(0.0 - point.x, 0.0 - point.y, point.z);

@@ -1,8 +1,8 @@
 //! Samples of bodies with flat faces: corners, edges, and a lattice on each face.
 //!
 //! ```text
-//!   . . .+-----+. .      a lattice node answers for its cell's part of the face (at most half a cell's diagonal
-//!   .    |. . .|\ .      away from it). Nodes inside are samples. Where a corner's or an edge's sample covers that
+//!   . . .+-----+. .      a lattice node covers its cell's part of the face (at most half a cell's diagonal
+//!   .    |. . .|\ .      away from it). Nodes inside are samples. If a corner's or an edge's sample covers that
 //!   . . .|. . .| \.      part already, nothing is added; else the node moves to the nearest point of the outline,
 //!   .    +-----+--+      which is no farther from any point of a convex face.
 //! ```
@@ -16,9 +16,9 @@ use std::collections::BTreeMap;
 /// A flat, convex face.
 #[derive(Debug, Clone)]
 pub(super) struct Facet {
-    /// Indices of its corners, counter-clockwise from outside.
+    /// Indices of the corners, counter-clockwise as seen from outside.
     pub outline: Vec<usize>,
-    /// Unit outward normal.
+    /// The unit outward normal.
     pub normal: Vector3<f64>,
 }
 
@@ -29,16 +29,18 @@ pub(super) struct Facets {
     pub faces: Vec<Facet>,
 }
 
-/// Samples in order, with what thinning needs to know.
+/// Samples in order, with the data for thinning them.
 #[derive(Debug)]
 pub(super) struct Covering {
     pub samples: Vec<Sample>,
-    /// Per sample the length of its faces' mean normal: 1 where the surface is flat, 0.58 at a box's corner.
+    /// For each sample the length of the mean of its faces' normals: 1 where the surface is flat, 0.58 at a box's
+    /// corner.
     pub flatness: Vec<f64>,
     pub radius: f64,
 }
 
 #[derive(Debug, Default)]
+/// An edge of the surface: the sum and number of its faces' normals, and its samples between the corners.
 struct Edge {
     normals: Vector3<f64>,
     faces: f64,
@@ -46,7 +48,7 @@ struct Edge {
 }
 
 impl Facets {
-    /// Total area of the faces.
+    /// The total area of the faces.
     pub fn area(&self) -> f64 {
         self.faces.iter().map(|face| self.area_of(face)).sum()
     }
@@ -57,19 +59,22 @@ impl Facets {
         fan.map(|ab| (self.corners[ab[0]] - start).cross(&(self.corners[ab[1]] - start)).norm() / 2.0).sum()
     }
 
-    /// Covers the surface to `min_feature / 2`. With `own` every face gets a sample of its own, whose normal is the
-    /// face's. `body` names the shape; the corners do not count for the refusal of too many samples.
+    /// Samples the surface with the covering radius `min_feature / 2`. With `own` every face gets a sample of its own,
+    /// with the face's normal. `body` names the shape in errors; corners do not count towards the limit on samples.
     pub fn cover(&self, body: &str, min_feature: f64, own: bool) -> Result<Covering> {
         let spacing = spacing(min_feature)?;
         let mut edges = self.polygon_edges();
+
         let length = |(a, b): &(usize, usize)| (self.corners[*a] - self.corners[*b]).norm();
         let on_edges: f64 = edges.keys().map(|edge| cells(length(edge), spacing, 1.0) - 1.0).sum();
         check_count(body, on_edges + self.area() / (spacing * spacing), min_feature)?;
+
         for ((a, b), edge) in &mut edges {
             let n = cells(length(&(*a, *b)), spacing, 1.0) as usize;
             let (a, b) = (self.corners[*a], self.corners[*b]);
             edge.points = (1..n).map(|k| a + (b - a) * (k as f64 / n as f64)).collect();
         }
+
         let mut inner = Vec::new();
         let mut radius = 0.0_f64;
         for face in &self.faces {
@@ -83,9 +88,11 @@ impl Facets {
                 });
             }
         }
+
         Ok(self.in_order(edges, inner, radius))
     }
 
+    /// The edges of all faces, keyed by their corners in ascending order.
     fn polygon_edges(&self) -> BTreeMap<(usize, usize), Edge> {
         let mut edges: BTreeMap<_, Edge> = BTreeMap::new();
         for face in &self.faces {
@@ -98,7 +105,7 @@ impl Facets {
         edges
     }
 
-    /// Adds what the face needs beyond the samples on its outline; returns the covering radius.
+    /// Adds the samples that the face needs beyond those on its outline; returns the covering radius.
     fn cover_face(
         &self,
         face: &Facet,
@@ -111,6 +118,7 @@ impl Facets {
         if let Some(radius) = corners_cover(&corners).filter(|radius| *radius <= reach) {
             return radius;
         }
+
         let lattice = Lattice::new(&corners, &face.normal, spacing);
         let outline: Vec<_> = corners.iter().map(|corner| lattice.projected(corner)).collect();
         let mut boundary = outline.clone();
@@ -119,6 +127,7 @@ impl Facets {
                 polygon_edges[&(a.min(b), a.max(b))].points.iter().map(|point| lattice.projected(point)),
             );
         }
+
         let mut radius = 0.0_f64;
         for node in lattice.nodes() {
             let depth = depth(&node, &outline);
@@ -127,11 +136,14 @@ impl Facets {
                 radius = radius.max(lattice.cell.norm() / 2.0);
                 continue;
             }
-            let part = if depth < -reach { Vec::new() } else { clip(&outline, &node, &lattice.cell) };
-            let farthest = |from: &Vector2<f64>| part.iter().map(|p| (p - from).norm()).fold(0.0, f64::max);
+
+            // The part of the face in the node's cell, and its distance to the nearest sample on the outline.
+            let polygon = if depth < -reach { Vec::new() } else { clip(&outline, &node, &lattice.cell) };
+            let farthest =
+                |from: &Vector2<f64>| polygon.iter().map(|p| (p - from).norm()).fold(0.0, f64::max);
             let covered = boundary.iter().map(&farthest).fold(f64::INFINITY, f64::min);
-            if part.is_empty() || covered <= reach * (1.0 + 1e-9) {
-                radius = if part.is_empty() { radius } else { radius.max(covered) };
+            if polygon.is_empty() || covered <= reach * (1.0 + 1e-9) {
+                radius = if polygon.is_empty() { radius } else { radius.max(covered) };
             } else if depth > 1e-9 * spacing {
                 inner.push(Sample { point: lattice.solid(&node), normal: face.normal });
                 radius = radius.max(farthest(&node));
@@ -147,6 +159,7 @@ impl Facets {
         radius
     }
 
+    /// The samples in the order corners, edges, faces.
     fn in_order(&self, edges: BTreeMap<(usize, usize), Edge>, inner: Vec<Sample>, radius: f64) -> Covering {
         let mut covering = Covering { samples: Vec::new(), flatness: Vec::new(), radius };
         for (point, (normals, angle)) in self.corners.iter().zip(self.corner_normals()) {
@@ -165,7 +178,7 @@ impl Facets {
         covering
     }
 
-    /// Per corner the sum of its faces' normals, weighted by their angles there, and the sum of those angles.
+    /// For each corner the sum of its faces' normals weighted by their angles there, and the sum of these angles.
     fn corner_normals(&self) -> Vec<(Vector3<f64>, f64)> {
         let mut sums = vec![(Vector3::zeros(), 0.0); self.corners.len()];
         for face in &self.faces {
@@ -186,7 +199,7 @@ impl Facets {
 impl Covering {
     fn push(&mut self, point: Point3<f64>, normals: Vector3<f64>, weight: f64) {
         let flatness = normals.norm() / weight;
-        // Faces back to back have no common outside: not known.
+        // Two faces back to back have no common outside, so the normal is unknown.
         let normal = if flatness > 1e-6 { normals.normalize() } else { Vector3::zeros() };
         self.samples.push(Sample { point, normal });
         self.flatness.push(flatness);
@@ -197,17 +210,17 @@ fn sides(outline: &[usize]) -> impl Iterator<Item = (usize, usize)> + '_ {
     (0..outline.len()).map(|k| (outline[k], outline[(k + 1) % outline.len()]))
 }
 
-/// A distance within which each point of a face has one of its corners.
+/// A radius such that balls around the face's corners cover the face.
 fn corners_cover(corners: &[Point3<f64>]) -> Option<f64> {
     if let [a, b, c] = corners {
-        // The worst triangle is the equilateral one.
+        // The equilateral triangle is the worst case.
         let longest = (a - b).norm().max((b - c).norm()).max((c - a).norm());
         return Some(longest / 3.0_f64.sqrt());
     }
     corners.iter().map(|corner| (corner - corners[0]).norm()).reduce(f64::max)
 }
 
-/// A rectangular lattice in a face's plane, along its longest side, from border to border of the face's rectangle.
+/// A rectangular lattice in a face's plane, aligned with its longest side, over the face's bounding rectangle.
 struct Lattice {
     origin: Point3<f64>,
     right: Vector3<f64>,
@@ -222,11 +235,12 @@ impl Lattice {
         let mut longest = Vector3::zeros();
         for k in 0..corners.len() {
             let side = corners[(k + 1) % corners.len()] - corners[k];
-            // Of sides equal but for noise the first one.
+            // Among sides that differ only by noise choose the first.
             if side.norm() > longest.norm() * (1.0 + 1e-9) {
                 longest = side;
             }
         }
+
         let right = longest.normalize();
         let mut lattice = Self {
             origin: corners[0],
@@ -236,9 +250,11 @@ impl Lattice {
             cell: Vector2::zeros(),
             count: [0; 2],
         };
+
         let flat: Vec<_> = corners.iter().map(|corner| lattice.projected(corner)).collect();
         let upper = flat.iter().fold(flat[0], |upper, p| upper.sup(p));
         lattice.lower = flat.iter().fold(flat[0], |lower, p| lower.inf(p));
+
         let size = upper - lattice.lower;
         let count = size.map(|length| cells(length, spacing, 1.0));
         lattice.count = count.map(|n| n as usize).into();
@@ -262,7 +278,7 @@ impl Lattice {
     }
 }
 
-/// Distance from the nearest side's line, inwards.
+/// The distance to the nearest side's line, positive inside the outline.
 fn depth(at: &Vector2<f64>, outline: &[Vector2<f64>]) -> f64 {
     let inwards = |k: usize| {
         let side = outline[(k + 1) % outline.len()] - outline[k];
@@ -271,7 +287,7 @@ fn depth(at: &Vector2<f64>, outline: &[Vector2<f64>]) -> f64 {
     (0..outline.len()).map(inwards).fold(f64::INFINITY, f64::min)
 }
 
-/// The side nearest to a point, and where on it, 0 to 1.
+/// The side nearest to a point, and the position on it, 0 to 1.
 fn nearest_side(at: &Vector2<f64>, outline: &[Vector2<f64>]) -> (usize, f64) {
     let mut nearest = (f64::INFINITY, 0, 0.0);
     for (k, a) in outline.iter().enumerate() {
@@ -285,14 +301,14 @@ fn nearest_side(at: &Vector2<f64>, outline: &[Vector2<f64>]) -> (usize, f64) {
     (nearest.1, nearest.2)
 }
 
-/// The corners of the part of a convex outline that lies in the cell around a node (Sutherland and Hodgman).
+/// The corners of the part of a convex outline in the cell around a node (Sutherland-Hodgman clipping).
 fn clip(outline: &[Vector2<f64>], node: &Vector2<f64>, cell: &Vector2<f64>) -> Vec<Vector2<f64>> {
-    let mut part = outline.to_vec();
+    let mut polygon = outline.to_vec();
     for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
         let inside = |p: &Vector2<f64>| cell[axis] / 2.0 - sign * (p[axis] - node[axis]);
-        let mut kept = Vec::with_capacity(part.len() + 1);
-        for (k, a) in part.iter().enumerate() {
-            let b = &part[(k + 1) % part.len()];
+        let mut kept = Vec::with_capacity(polygon.len() + 1);
+        for (k, a) in polygon.iter().enumerate() {
+            let b = &polygon[(k + 1) % polygon.len()];
             let (at_a, at_b) = (inside(a), inside(b));
             if at_a >= 0.0 {
                 kept.push(*a);
@@ -301,7 +317,7 @@ fn clip(outline: &[Vector2<f64>], node: &Vector2<f64>, cell: &Vector2<f64>) -> V
                 kept.push(a + (b - a) * (at_a / (at_a - at_b)));
             }
         }
-        part = kept;
+        polygon = kept;
     }
-    part
+    polygon
 }

@@ -11,18 +11,18 @@ use super::{Sample, Samples};
 use crate::{Error, Result};
 use nalgebra::{Point3, Vector3};
 
-/// The most grid nodes, a byte each, at which a surface is asked for its value.
+/// The largest number of grid nodes, one byte each.
 const MAX_NODES: f64 = 6.4e7;
 
-/// Samples of the surface `f = 0` of a solid with `f < 0` inside, within the box `bounds` (lower and upper corner, body
-/// frame); `f` is never asked outside it. Normals follow the gradient (zero where there is none).
+/// Samples of the surface `f = 0` of a solid with `f < 0` inside, within the box `bounds` (lower and upper corner,
+/// body frame); `f` is never evaluated outside it. Normals follow the gradient, and are zero where it vanishes.
 ///
-/// The cover is guaranteed for surfaces whose radius of curvature is `min_feature / 2` or more; finer parts are found
-/// if a node of the grid, whose spacing is a quarter of `min_feature`, falls into them.
+/// The covering radius is guaranteed for surfaces whose radius of curvature is at least `min_feature / 2`; finer parts
+/// are found if a node of the grid, whose spacing is a quarter of `min_feature`, lies inside them.
 ///
 /// # Errors
-/// A surface that is not found in the bounds, or that leaves them; bounds that are empty or not finite, a `min_feature`
-/// that is not finite and positive; too many grid nodes or samples.
+/// A surface that is not found in the bounds, or that leaves them; bounds that are empty or not finite, a
+/// `min_feature` that is not finite and positive; too many grid nodes or samples.
 pub fn implicit(
     f: impl Fn(Point3<f64>) -> f64,
     bounds: [Point3<f64>; 2],
@@ -31,6 +31,7 @@ pub fn implicit(
     spacing(min_feature)?;
     let grid = Grid::new(&bounds, min_feature)?;
     let inside = grid.inside(&f)?;
+
     let crossings = grid.needed(grid.crossings(&inside));
     if crossings.is_empty() {
         return Err(grid.fail(
@@ -38,13 +39,14 @@ pub fn implicit(
                               and the size of the solid against min_feature",
         ));
     }
+
     check_count(&grid.name, crossings.len() as f64, min_feature)?;
     let samples = crossings.iter().map(|crossing| grid.sample(&f, &inside, crossing)).collect();
-    // Between its samples the surface may bulge out by no more than its covering radius.
+    // The surface bulges out between its samples by at most the covering radius.
     Ok(Samples::new(samples, min_feature / 2.0).widened(min_feature / 2.0))
 }
 
-/// An edge of the grid with one end inside: its lower node, and the axis it lies along.
+/// A grid edge with one end inside, given by its lower node and its axis.
 #[derive(Clone, Copy)]
 struct Crossing {
     node: [usize; 3],
@@ -69,7 +71,8 @@ impl Grid {
         if size.min() <= 0.0 || !size.iter().all(|x| x.is_finite()) {
             return Err(grid.fail("the bounds are empty: give the lower and the upper corner"));
         }
-        // Two points of a cell are at most its diagonal apart. Nine tenths of min_feature / 2 leave room for a bulge
+
+        // Two points of a cell are at most its diagonal apart. Nine tenths of min_feature / 2 allow for a bulge
         // through a face of the cell whose corners are all outside: 0.14 steps at a curvature radius of min_feature / 2.
         let step = 0.9 * min_feature / 2.0 / 3.0_f64.sqrt();
         let cells = size.map(|length| (length / step).ceil().max(2.0));
@@ -80,6 +83,7 @@ impl Grid {
                  min_feature or tighten the bounds"
             )));
         }
+
         grid.step = size.component_div(&cells);
         grid.cells = cells.map(|n| n as usize).into();
         Ok(grid)
@@ -106,7 +110,8 @@ impl Grid {
         (0..=nx).flat_map(move |i| (0..=ny).flat_map(move |j| (0..=nz).map(move |k| [i, j, k])))
     }
 
-    /// Which nodes lie inside. None on the border: a solid that leaves the bounds would have a hole there.
+    /// Whether each node is inside. Nodes on the border must be outside: a solid that leaves the bounds would have a
+    /// hole there.
     fn inside(&self, f: &impl Fn(Point3<f64>) -> f64) -> Result<Vec<bool>> {
         let mut inside = Vec::with_capacity(self.node_index(self.cells) + 1);
         for node in self.nodes() {
@@ -138,7 +143,7 @@ impl Grid {
         crossings
     }
 
-    /// The four cells around a crossing's edge. They exist: an edge on the border has no end inside.
+    /// The four cells around a crossing's edge. They exist, since an edge on the border has no end inside.
     fn cells_around(&self, crossing: &Crossing) -> [usize; 4] {
         let (u, v) = ((crossing.axis + 1) % 3, (crossing.axis + 2) % 3);
         [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(du, dv)| {
@@ -149,16 +154,18 @@ impl Grid {
         })
     }
 
-    /// Of the crossings so many that every crossed cell has one; first those that serve the most cells.
+    /// A subset of the crossings with at least one in every crossed cell, chosen greedily by the number of cells
+    /// covered.
     fn needed(&self, crossings: Vec<Crossing>) -> Vec<Crossing> {
-        let mut served = vec![false; self.cells.iter().product()];
+        let mut covered = vec![false; self.cells.iter().product()];
         let mut needed = vec![false; crossings.len()];
+
         for least in (1..=4).rev() {
             for (needed, crossing) in needed.iter_mut().zip(&crossings) {
                 let cells = self.cells_around(crossing);
-                if cells.iter().filter(|cell| !served[**cell]).count() >= least {
+                if cells.iter().filter(|cell| !covered[**cell]).count() >= least {
                     *needed = true;
-                    cells.iter().for_each(|cell| served[*cell] = true);
+                    cells.iter().for_each(|cell| covered[*cell] = true);
                 }
             }
         }
@@ -169,23 +176,25 @@ impl Grid {
             .collect()
     }
 
-    /// The surface's point on a crossing's edge, by bisection, which asks nothing of `f` but its sign.
+    /// The surface point on a crossing's edge, by bisection on the sign of `f`.
     fn sample(&self, f: &impl Fn(Point3<f64>) -> f64, inside: &[bool], crossing: &Crossing) -> Sample {
         let mut end = crossing.node;
         end[crossing.axis] += 1;
-        let (mut within, mut without) = (self.point(crossing.node), self.point(end));
+        let (mut inner, mut outer) = (self.point(crossing.node), self.point(end));
         if !inside[self.node_index(crossing.node)] {
-            std::mem::swap(&mut within, &mut without);
+            std::mem::swap(&mut inner, &mut outer);
         }
-        // Each step halves the distance: 60 are below the spacing of floats.
+
+        // Each step halves the distance: after 60 it is below the spacing of floats.
         for _ in 0..60 {
-            let middle = nalgebra::center(&within, &without);
-            *(if f(middle) < 0.0 { &mut within } else { &mut without }) = middle;
+            let middle = nalgebra::center(&inner, &outer);
+            *(if f(middle) < 0.0 { &mut inner } else { &mut outer }) = middle;
         }
-        Sample { point: without, normal: self.normal(f, &without) }
+
+        Sample { point: outer, normal: self.normal(f, &outer) }
     }
 
-    /// The gradient's direction by central differences, over a distance at which rounding and curvature are small.
+    /// The gradient's direction by central differences over a step at which rounding and curvature are small.
     fn normal(&self, f: &impl Fn(Point3<f64>) -> f64, at: &Point3<f64>) -> Vector3<f64> {
         let reach = 1e-4 * self.min_feature;
         let upper = self.lower + self.step.component_mul(&Vector3::from(self.cells.map(|n| n as f64)));
@@ -211,14 +220,14 @@ mod tests {
     }
 
     #[test]
-    fn an_implicit_sphere_is_sampled_as_the_analytic_one() {
+    fn an_implicit_sphere_is_covered_with_analytic_normals() {
         for radius in [0.016, 0.05, 0.21] {
             let samples = implicit(|p| p.coords.norm() - radius, around(radius), 0.03).unwrap();
             assert_covers(&samples, 0.03, |random| Point3::from(random.direction() * radius));
             assert_unit_normals(&samples);
             for Sample { point, normal } in samples.points() {
                 assert!((point.coords.norm() - radius).abs() < 1e-12);
-                // Differences over 6 micrometres: rounding errs by 1e-17 / 6e-6, curvature by (3e-6 / radius)^2.
+                // Errors of differences over 6 micrometres: rounding 1e-17 / 6e-6, curvature (3e-6 / radius)^2.
                 assert!((point.coords / radius - normal).norm() < 1e-6);
             }
         }
@@ -233,7 +242,7 @@ mod tests {
             let ((a, b), (c, d)) = (random.between(0.0, 7.0).sin_cos(), random.between(0.0, 7.0).sin_cos());
             Point3::new((ring + tube * a) * c, (ring + tube * a) * d, tube * b)
         });
-        // Not many more than a square grid of spacing D / sqrt 2 would need.
+        // Compare with a square grid of spacing D / sqrt 2.
         let grid = 4.0 * std::f64::consts::PI.powi(2) * ring * tube * 2.0 / 0.04_f64.powi(2);
         assert!((samples.points().len() as f64) < 5.0 * grid, "{} {grid}", samples.points().len());
     }

@@ -1,8 +1,8 @@
-//! Surface samples of the body shapes: points and outward normals, in the body's own frame.
+//! Surface samples of body shapes: points and outward normals, in the body's own frame.
 //!
-//! A body collides through its samples. They lie so densely that no real feature of diameter `min_feature` passes
-//! between them: every point of the surface is within `min_feature / 2` of a sample, which on a flat face is a
-//! square grid of spacing `min_feature / sqrt(2)`.
+//! A body collides through its samples. They are so dense that no feature of diameter `min_feature` fits between them:
+//! every point of the surface is within `min_feature / 2` of a sample, which on a flat face is a square grid of
+//! spacing `min_feature / sqrt(2)`.
 //!
 //! ```text
 //!      c---e---e---c      c  corner: the normalised sum of its faces' normals
@@ -12,8 +12,8 @@
 //!      c---e---e---c      order: corners, edges, faces
 //! ```
 //!
-//! The order of the samples is fixed for a given shape and `min_feature`: ties between samples go to the lower index.
-//! Lengths in metres. The axis of capsules and cylinders is the local z axis.
+//! The order of the samples is fixed for a given shape and `min_feature`; ties between samples go to the lower index.
+//! Lengths are in metres. The axis of capsules and cylinders is the local z axis.
 //!
 //! ```
 //! use nalgebra::Vector3;
@@ -65,9 +65,9 @@ use nalgebra::{Point3, Vector3};
 /// One point of a body's surface, in the body's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Where it lies, in metres.
+    /// The position, in metres.
     pub point: Point3<f64>,
-    /// Unit outward normal, or zero where it is not known (such a sample counts as supported whatever pushes it).
+    /// The unit outward normal, or zero if unknown (such a sample counts as supported in any direction).
     pub normal: Vector3<f64>,
 }
 
@@ -83,21 +83,21 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// Samples of a body that reaches no farther than its samples do.
+    /// Samples of a body that extends no farther than its samples.
     fn new(samples: Vec<Sample>, covering_radius: f64) -> Self {
         let bounding_radius = samples.iter().map(|s| s.point.coords.norm()).fold(0.0, f64::max);
         let bounding_sphere = bounding_sphere(&samples);
-        let cloud = point_cloud_of(&samples);
-        Self { samples, point_cloud: cloud, bounding_radius, bounding_sphere, covering_radius, smooth: None }
+        let point_cloud = point_cloud_of(&samples);
+        Self { samples, point_cloud, bounding_radius, bounding_sphere, covering_radius, smooth: None }
     }
 
-    /// Samples of a smooth body centred on the origin, `reach` its farthest point's distance.
+    /// Samples of a smooth body centred at the origin; `reach` is the distance of its farthest point.
     fn of_smooth(samples: Vec<Sample>, covering_radius: f64, smooth: Smooth, reach: f64) -> Self {
         let bounding_sphere = (Point3::origin(), reach);
-        let cloud = point_cloud_of(&samples);
+        let point_cloud = point_cloud_of(&samples);
         Self {
             samples,
-            point_cloud: cloud,
+            point_cloud,
             bounding_radius: reach,
             bounding_sphere,
             covering_radius,
@@ -105,7 +105,7 @@ impl Samples {
         }
     }
 
-    /// The same samples with bounds that hold `points` of the body too.
+    /// Extends the bounds to contain further `points` of the body.
     fn holding<'a>(mut self, points: impl IntoIterator<Item = &'a Point3<f64>>) -> Self {
         let (center, radius) = &mut self.bounding_sphere;
         for point in points {
@@ -115,36 +115,36 @@ impl Samples {
         self
     }
 
-    /// The same samples with bounds wider by `margin`, for surfaces that bulge out between their samples.
+    /// Widens the bounds by `margin`, for surfaces that bulge out between their samples.
     fn widened(mut self, margin: f64) -> Self {
         self.bounding_radius += margin;
         self.bounding_sphere.1 += margin;
         self
     }
 
-    /// The samples: corners, then edges, then faces. Never empty.
+    /// The samples in the order corners, edges, faces; never empty.
     pub fn points(&self) -> &[Sample] {
         &self.samples
     }
 
-    /// The same points as the hull's batch queries take them.
+    /// The samples' points in the form of the hull's batch queries.
     pub fn point_cloud(&self) -> &Points {
         &self.point_cloud
     }
 
-    /// Radius of a sphere about the body's origin that holds the body, in metres.
+    /// The radius of a sphere about the body's origin that contains the body, in metres.
     pub fn bounding_radius(&self) -> f64 {
         self.bounding_radius
     }
 
-    /// Centre (body frame) and radius of a sphere that holds the body: tighter than [`Self::bounding_radius`] where
-    /// the body lies far from its origin.
+    /// The centre (body frame) and radius in metres of a sphere that contains the body: tighter than
+    /// [`Self::bounding_radius`] if the body lies far from its origin.
     pub fn bounding_sphere(&self) -> (Point3<f64>, f64) {
         self.bounding_sphere
     }
 
-    /// Every point of the surface is at most this far from a sample, in metres. Never above `min_feature / 2`;
-    /// infinite for a user's own points, whose surface is not known.
+    /// The largest distance in metres from a point of the surface to the nearest sample. It never exceeds `min_feature
+    /// / 2`; it is infinite for a user's own points, whose surface is unknown.
     pub fn covering_radius(&self) -> f64 {
         self.covering_radius
     }
@@ -160,14 +160,14 @@ fn point_cloud_of(samples: &[Sample]) -> Points {
     Points::new(&points)
 }
 
-/// The sphere about the middle of the samples' box that holds them all.
+/// The sphere about the centre of the samples' bounding box that contains them all.
 fn bounding_sphere(samples: &[Sample]) -> (Point3<f64>, f64) {
     let (mut lower, mut upper) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     for sample in samples {
         lower = lower.inf(&sample.point.coords);
         upper = upper.sup(&sample.point.coords);
     }
-    // Halved before they are added: coordinates near the largest float must not overflow.
+    // Halve before adding, so that coordinates near the largest float do not overflow.
     let center = Point3::from(lower * 0.5 + upper * 0.5);
     (center, samples.iter().map(|s| (s.point - center).norm()).fold(0.0, f64::max))
 }
@@ -211,8 +211,8 @@ mod tests {
     }
 
     #[test]
-    fn samples_cross_threads() {
-        fn cross<T: Send + Sync>() {}
-        cross::<(Samples, SampleCache, BodyShape, SupportPoints)>();
+    fn samples_can_be_sent_to_and_shared_with_other_threads() {
+        fn is_send_and_sync<T: Send + Sync>() {}
+        is_send_and_sync::<(Samples, SampleCache, BodyShape, SupportPoints)>();
     }
 }

@@ -1,12 +1,12 @@
-//! Samples that the user brings along.
+//! Samples given by the user.
 
 use super::limits::{MAX_SAMPLES, finite};
 use super::{Sample, Samples};
 use crate::{Error, Result};
 use nalgebra::{Point3, Vector3};
 
-/// A user's own surface points with their outward normals, both in the body's frame; `None` for normals that are not
-/// known. Normals need no unit length; one that is zero is not known.
+/// Samples from a user's own surface points with their outward normals, both in the body's frame; `None` if the
+/// normals are unknown. Normals need not have unit length; a zero normal means unknown.
 ///
 /// # Errors
 /// No points or more than [`MAX_SAMPLES`], another number of normals than of points, a number that is not finite.
@@ -16,18 +16,21 @@ pub fn from_points(points: &[Point3<f64>], normals: Option<&[Vector3<f64>]>) -> 
         return Err(Error::argument(format!("{count} surface samples given: give 1 to {MAX_SAMPLES}")));
     }
     finite("surface sample", points)?;
+
     let Some(normals) = normals else {
         let samples = points.iter().map(|point| Sample { point: *point, normal: Vector3::zeros() });
         return Ok(Samples::new(samples.collect(), f64::INFINITY));
     };
+
     if normals.len() != points.len() {
         let (expected, found) = (points.len(), normals.len());
         return Err(Error::argument(format!(
             "{expected} surface samples need {expected} normals, found {found}: give one per sample, or none at all"
         )));
     }
+
     let unit = |(index, normal): (usize, &Vector3<f64>)| {
-        // Scaled first: the squares of very long or very short vectors leave the range of floats.
+        // Scale first: the squares of very long or very short vectors leave the range of floats.
         let longest = normal.amax();
         if !normal.iter().all(|x| x.is_finite()) {
             return Err(Error::argument(format!(
@@ -37,6 +40,7 @@ pub fn from_points(points: &[Point3<f64>], normals: Option<&[Vector3<f64>]>) -> 
         }
         Ok(if longest > 0.0 { (normal / longest).normalize() } else { Vector3::zeros() })
     };
+
     let normals = normals.iter().enumerate().map(unit).collect::<Result<Vec<_>>>()?;
     let samples = points.iter().zip(normals).map(|(point, normal)| Sample { point: *point, normal });
     Ok(Samples::new(samples.collect(), f64::INFINITY))

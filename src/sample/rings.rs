@@ -1,7 +1,7 @@
 //! Surfaces of revolution about the local z axis, sampled by rings.
 //!
 //! ```text
-//!   profile      a ring answers for the points of the surface up to half way to the next rings
+//!   profile      a ring covers the points of the surface up to half way to the next rings
 //!    o--.        (`reach` along the profile) and between two of its own samples (an angle of pi / n)
 //!        o
 //!        |
@@ -17,25 +17,26 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Samples on a circle about the z axis, or on the axis itself if `radius` is zero.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ring {
-    /// Distance from the axis.
+    /// The distance from the axis, in metres.
     pub radius: f64,
-    /// Height along the axis.
+    /// The height along the axis, in metres.
     pub z: f64,
-    /// Away from the axis and along it; unit length.
+    /// The unit normal: its components away from the axis and along it.
     pub normal: (f64, f64),
-    /// Greatest distance, within the half-plane of the profile, of a point that this ring answers for.
+    /// The largest distance, within the half-plane of the profile, of a point that this ring covers.
     pub reach: f64,
-    /// Greatest distance from the axis of a point that this ring answers for.
+    /// The largest distance from the axis of a point that this ring covers.
     pub widest: f64,
 }
 
 impl Ring {
-    /// How many samples cover the ring's band to `cover`: a multiple of four, which keeps the mirror symmetries.
+    /// The number of samples that cover the ring's band with radius `cover`: a multiple of four, which keeps the
+    /// mirror symmetries.
     fn count(&self, cover: f64) -> f64 {
         if self.radius == 0.0 {
             return 1.0;
         }
-        // Two points of radii a and b, an angle t and a profile distance c apart: distance^2 = c^2 + 4 a b sin^2(t / 2).
+        // Points at radii a and b, an angle t and a profile distance c apart have distance^2 = c^2 + 4 a b sin^2(t / 2).
         let sine = ((cover * cover - self.reach * self.reach) / (4.0 * self.radius * self.widest)).sqrt();
         let needed = FRAC_PI_2 / sine.min(1.0).asin();
         ((needed / 4.0).ceil() * 4.0).max(8.0)
@@ -47,6 +48,7 @@ impl Ring {
         (self.reach * self.reach + 4.0 * self.radius * self.widest * sine * sine).sqrt()
     }
 
+    /// Appends `count` samples on the ring.
     fn sample(&self, count: usize, samples: &mut Vec<Sample>) {
         let (outward, upward) = self.normal;
         if self.radius == 0.0 {
@@ -54,7 +56,7 @@ impl Ring {
             return samples.push(Sample { point: Point3::new(0.0, 0.0, self.z), normal });
         }
         for k in 0..count {
-            // Turned by whole quarters from the first quadrant: opposite samples are exactly opposite.
+            // Rotate the first quadrant by exact quarter turns, so that opposite samples are exactly opposite.
             let (sin, cos) = ((k % (count / 4)) as f64 * 2.0 * PI / count as f64).sin_cos();
             let (x, y) = [(cos, sin), (-sin, cos), (-cos, -sin), (sin, -cos)][k / (count / 4)];
             let point = Point3::new(self.radius * x, self.radius * y, self.z);
@@ -76,7 +78,7 @@ pub(super) fn revolve(rings: &[Ring], body: &str, min_feature: f64) -> Result<(V
     Ok((samples, cover))
 }
 
-/// A count no larger than the true one, to refuse absurd sizes before their rings are listed.
+/// A lower bound on the number of samples, to refuse excessive sizes before their rings are listed.
 pub(super) fn fewest_samples(area: f64, profile: f64, spacing: f64) -> f64 {
     area / (spacing * spacing) + 8.0 * (profile / spacing - 4.0).max(0.0) / 2.0
 }

@@ -1,54 +1,54 @@
-//! The body shapes by value.
+//! The body shapes as values.
 
 use super::{Samples, box_, capsule, convex, cylinder, sphere, trimesh};
 use crate::Result;
 use nalgebra::{Point3, Vector3};
 
-/// A body's shape in its own frame; lengths in metres, axes along the local z axis.
+/// A body's shape in its own frame: lengths in metres, the axis of capsules and cylinders along the local z axis.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum BodyShape {
-    /// See [`sphere`].
+    /// A sphere, see [`sphere`].
     Sphere {
-        /// Of the sphere.
+        /// The radius.
         radius: f64,
     },
-    /// See [`box_`].
+    /// A box, see [`box_`].
     Box {
-        /// Of the edges along x, y and z.
+        /// The lengths of the edges along x, y and z.
         lengths: Vector3<f64>,
     },
-    /// See [`capsule`].
+    /// A capsule, see [`capsule`].
     Capsule {
-        /// Of the side and of the half spheres.
+        /// The radius of the side and of the hemispheres.
         radius: f64,
-        /// Of the side, without the half spheres.
+        /// The length of the side, without the hemispheres.
         length: f64,
     },
-    /// See [`cylinder`].
+    /// A cylinder, see [`cylinder`].
     Cylinder {
-        /// Of the side.
+        /// The radius of the side.
         radius: f64,
-        /// From end to end.
+        /// The full length.
         length: f64,
     },
-    /// See [`convex`].
+    /// A convex hull, see [`convex`].
     Convex {
-        /// In any order.
+        /// The vertices, in any order.
         vertices: Vec<Point3<f64>>,
     },
-    /// See [`trimesh`].
+    /// A triangle mesh, see [`trimesh`].
     Trimesh {
-        /// Wound counter-clockwise as seen from outside.
+        /// The triangles, counter-clockwise as seen from outside.
         triangles: Vec<[Point3<f64>; 3]>,
     },
 }
 
 impl BodyShape {
-    /// Samples the surface so that no feature of diameter `min_feature` (metres) passes between the samples.
+    /// Samples the surface so that no feature of diameter `min_feature` (metres) fits between the samples.
     ///
     /// # Errors
-    /// As the function of the shape.
+    /// All errors of the shape's function.
     pub fn sample(&self, min_feature: f64) -> Result<Samples> {
         match self {
             Self::Sphere { radius } => sphere(*radius, min_feature),

@@ -1,11 +1,11 @@
-//! Samples of a sphere: the corners of an icosahedron whose faces are divided into ever smaller triangles.
+//! Samples of a sphere: a subdivided icosahedron.
 
 use super::limits::{MAX_SAMPLES, check_count, positive, spacing};
 use super::{Sample, Samples, Smooth};
 use crate::Result;
 use nalgebra::{Point3, Vector3};
 
-/// Samples of a sphere about the origin: 12 at least, well spread, each with its opposite.
+/// Samples of a sphere about the origin of `radius` metres: at least 12, evenly spread, each with its antipode.
 ///
 /// # Errors
 /// A radius or `min_feature` that is not finite and positive; more than [`super::MAX_SAMPLES`] samples.
@@ -13,7 +13,8 @@ pub fn sphere(radius: f64, min_feature: f64) -> Result<Samples> {
     spacing(min_feature)?;
     positive("sphere radius", radius)?;
     let name = format!("sphere of radius {radius} m");
-    // A cap whose points are within d of its pole has the area pi d^2, wherever the pole: so many caps at least.
+
+    // A cap of points within distance d of its pole has the area pi d^2, which gives a lower bound on the count.
     let cover = min_feature / 2.0 / radius;
     check_count(&name, 4.0 / (cover * cover), min_feature)?;
 
@@ -25,11 +26,13 @@ pub fn sphere(radius: f64, min_feature: f64) -> Result<Samples> {
         check_count(&name, 10.0 * divisions * divisions + 2.0, min_feature)?;
         reached = icosahedron.covering_radius(divisions as usize);
     }
+
     let samples = icosahedron.divided(divisions as usize, radius);
     debug_assert!(samples.len() <= MAX_SAMPLES);
     Ok(Samples::of_smooth(samples, reached * radius, Smooth::Sphere { radius }, radius))
 }
 
+/// An icosahedron with edges of length 2 about the origin.
 struct Icosahedron {
     corners: Vec<Vector3<f64>>,
     edge_midpoints: Vec<[usize; 2]>,
@@ -47,29 +50,32 @@ impl Icosahedron {
                 corners.push(corner);
             }
         }
-        // Edges have length 2, the next longer distance is 2 golden.
+
+        // Edges have length 2; the next longer distance between corners is 2 golden = 3.2.
         let near = |a: usize, b: usize| (corners[a] - corners[b]).norm() < 2.5;
         let pairs = (0..12).flat_map(|a| (a + 1..12).map(move |b| [a, b]));
         let edges: Vec<_> = pairs.filter(|[a, b]| near(*a, *b)).collect();
+
         let triples = edges.iter().flat_map(|[a, b]| (b + 1..12).map(move |c| [*a, *b, c]));
         let faces = triples.filter(|[a, b, c]| near(*a, *c) && near(*b, *c)).collect();
         Self { corners, edge_midpoints: edges, faces }
     }
 
-    /// The point of the unit sphere with weights `i`, `j` for the face's second and third corner, out of `n`.
+    /// The point of the unit sphere on `face` with weights `i` and `j` of `n` for the second and third corner.
     fn on_face(&self, face: &[usize; 3], n: usize, i: usize, j: usize) -> Vector3<f64> {
         let [a, b, c] = face.map(|corner| self.corners[corner]);
         (a * (n - i - j) as f64 + b * i as f64 + c * j as f64).normalize()
     }
 
-    /// On the unit sphere, with every edge divided into `n`. The faces are alike, so one is measured: the point
-    /// farthest from a small triangle's corners is its circumcentre.
+    /// The covering radius on the unit sphere with every edge divided into `n`. All faces are congruent, so one is
+    /// measured: the point farthest from a small triangle's corners is its circumcentre.
     fn covering_radius(&self, n: usize) -> f64 {
         let at = |i, j| self.on_face(&self.faces[0], n, i, j);
         let far = |a: Vector3<f64>, b: Vector3<f64>, c: Vector3<f64>| {
             let center = (b - a).cross(&(c - a)).normalize();
             (center * center.dot(&a).signum() - a).norm()
         };
+
         let mut farthest = 0.0_f64;
         for i in 0..n {
             for j in 0..n - i {
@@ -82,6 +88,7 @@ impl Icosahedron {
         farthest
     }
 
+    /// The samples with every edge divided into `n`: corners, edges, faces.
     fn divided(&self, n: usize, radius: f64) -> Vec<Sample> {
         let mut normals: Vec<_> = self.corners.iter().map(|corner| corner.normalize()).collect();
         for [a, b] in &self.edge_midpoints {
@@ -115,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_lie_on_the_surface_and_look_outward() {
+    fn samples_lie_on_the_surface_with_outward_normals() {
         let samples = sphere(0.2, 0.03).unwrap();
         assert_unit_normals(&samples);
         for sample in samples.points() {
@@ -127,8 +134,8 @@ mod tests {
     #[test]
     fn samples_are_few_and_distinct() {
         let samples = sphere(0.2, 0.03).unwrap();
-        // Caps of that covering radius: no set of points needs fewer than 1 times their total area, the hexagonal
-        // lattice of the plane needs 1.21 times; the division's largest triangles are the measure here.
+        // The area of the caps of that covering radius bounds the count from below. The hexagonal
+        // lattice of the plane needs 1.21 times as many; here the largest triangles of the subdivision decide.
         let caps = 4.0 * (0.2_f64 / 0.015).powi(2);
         assert!((samples.points().len() as f64) < 2.0 * caps);
         for (index, a) in samples.points().iter().enumerate() {

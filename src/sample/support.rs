@@ -1,4 +1,4 @@
-//! Smooth shapes' support points: where the surface reaches farthest along a direction.
+//! Support points of smooth shapes: where the surface reaches farthest along a direction.
 //!
 //! ```text
 //!     lying (axis within FLAT_ANGLE of        tilted            standing (cylinder, axis within
@@ -9,42 +9,42 @@
 //!     d |                                       \/ *
 //! ```
 //!
-//! A body that touches only where its samples happen to be is a polyhedron, and does not roll.
+//! Without them a round body would touch only at its samples, like a polyhedron, and would not roll.
 
 use super::Sample;
 use nalgebra::{Point3, Vector3};
 use std::ops::Deref;
 
-/// A direction this near (radians) to perpendicular to the axis finds a body lying, this near to the axis standing.
-/// Wide enough for the noise of a hull's normals; of the two points of a body that lies almost, only the one that
-/// touches matters.
+/// A body counts as lying if the direction is within this angle (radians) of perpendicular to its axis, and as
+/// standing if it is within this angle of the axis. The angle is wide enough for the noise of a hull's normals; of the
+/// two points of a nearly lying body only the touching one matters.
 pub const FLAT_ANGLE: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
-/// A shape with analytic support points. The axis is the local z axis, lengths in metres.
+/// A shape with analytic support points: the axis is the local z axis, lengths are in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Smooth {
-    /// About the origin.
+    /// A sphere about the origin.
     Sphere {
-        /// Of the sphere.
+        /// The radius.
         radius: f64,
     },
-    /// A cylinder with a half sphere on either end.
+    /// A cylinder with a hemisphere at either end.
     Capsule {
-        /// Of the side and of the half spheres.
+        /// The radius of the side and of the hemispheres.
         radius: f64,
-        /// Of the side, without the half spheres.
+        /// The length of the side, without the hemispheres.
         length: f64,
     },
-    /// With flat ends.
+    /// A cylinder with flat ends.
     Cylinder {
-        /// Of the side.
+        /// The radius of the side.
         radius: f64,
-        /// From end to end.
+        /// The full length.
         length: f64,
     },
 }
 
-/// Up to two points of a surface, the farthest first. Reads as a slice.
+/// Up to two points of a surface, the farthest first, as a slice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SupportPoints {
     points: [Sample; 2],
@@ -53,8 +53,8 @@ pub struct SupportPoints {
 
 impl SupportPoints {
     fn none() -> Self {
-        let nowhere = Sample { point: Point3::origin(), normal: Vector3::zeros() };
-        Self { points: [nowhere; 2], count: 0 }
+        let unused = Sample { point: Point3::origin(), normal: Vector3::zeros() };
+        Self { points: [unused; 2], count: 0 }
     }
 
     fn one(point: Sample) -> Self {
@@ -77,15 +77,16 @@ impl Deref for SupportPoints {
 impl Smooth {
     /// The points of the surface farthest along the unit direction `d` (body frame), farthest first.
     ///
-    /// One for a sphere. One for a capsule; when it lies, one on either end. For a cylinder: one on either rim when it
-    /// lies, none when it stands (its flat end is the samples' business), else one on the rim. Of a body that lies,
-    /// the straight line between the two points is part of the surface too. The normal of a single point is `d`, that
-    /// of a lying body's points is radial (but `d` on the end of a capsule that is farthest).
-    /// Empty if `d` is zero or not finite.
+    /// A sphere has one point. A capsule has one, or one at either end if it lies. A cylinder has one on the rim, or
+    /// one on either rim if it lies, or none if it stands (its flat end is covered by the samples). For a lying body
+    /// the straight line between the two points is part of the surface too. The normal of a single point is `d`; the
+    /// normals of a lying body's points are radial, except `d` at the farther end of a capsule. The result is empty if
+    /// `d` is zero or not finite.
     pub fn support(&self, d: &Vector3<f64>) -> SupportPoints {
         let Some(d) = d.try_normalize(1e-12).filter(|d| d.iter().all(|x| x.is_finite())) else {
             return SupportPoints::none();
         };
+
         match *self {
             Smooth::Sphere { radius } => SupportPoints::one(along(Vector3::zeros(), d, radius)),
             Smooth::Capsule { radius, length } => {
@@ -98,6 +99,7 @@ impl Smooth {
                     _ => SupportPoints::one(farthest),
                 }
             }
+
             Smooth::Cylinder { radius, length } => {
                 let end = Vector3::z() * (length / 2.0).copysign(d.z);
                 match radial(&d) {
@@ -114,19 +116,22 @@ impl Smooth {
     }
 }
 
+/// The point at distance `radius` from `center` along `normal`.
 fn along(center: Vector3<f64>, normal: Vector3<f64>, radius: f64) -> Sample {
     Sample { point: Point3::from(center + normal * radius), normal }
 }
 
-/// The unit direction away from the axis nearest to `d`; none if `d` is the axis.
+/// The unit direction perpendicular to the axis that is nearest to `d`; `None` if `d` is along the axis.
 fn radial(d: &Vector3<f64>) -> Option<Vector3<f64>> {
     Vector3::new(d.x, d.y, 0.0).try_normalize(1e-12)
 }
 
+/// Whether a body whose lowest point is sought along `d` lies on its side.
 fn lies(d: &Vector3<f64>) -> bool {
     d.z.abs() <= FLAT_ANGLE.sin()
 }
 
+/// Whether a body whose lowest point is sought along `d` stands on its end.
 fn stands(d: &Vector3<f64>) -> bool {
     d.z.abs() >= FLAT_ANGLE.cos()
 }
@@ -146,14 +151,16 @@ mod tests {
             for _ in 0..200 {
                 let d = random.direction();
                 let support = body.smooth().unwrap().support(&d);
+
                 let reach = |sample: &Sample| sample.point.coords.dot(&d);
                 let farthest = body.points().iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
                 let Some(first) = support.first() else {
                     assert!(matches!(body.smooth(), Some(Smooth::Cylinder { .. })) && d.z.abs() > 0.98);
                     continue;
                 };
+
                 assert!(reach(first) >= farthest - 1e-12);
-                // Samples 1 cm apart come within r - sqrt(r^2 - 0.005^2) < 0.3 mm of a sphere's top, and within
+                // Samples 1 cm apart are within r - sqrt(r^2 - 0.005^2) < 0.3 mm of a sphere's top, and within
                 // half a centimetre of the farthest point of a rim.
                 assert!(reach(first) <= farthest + 5e-3);
                 assert!(support.iter().all(|s| reach(s) <= reach(first) + 1e-12 && s.normal.dot(&d) > 0.98));
@@ -179,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn the_number_of_points_follows_the_attitude() {
+    fn the_number_of_points_depends_on_the_tilt() {
         let tilted = |degrees: f64| {
             let (sin, cos) = degrees.to_radians().sin_cos();
             Vector3::new(cos, 0.0, sin)
@@ -187,6 +194,7 @@ mod tests {
         let sphere = Smooth::Sphere { radius: 0.1 };
         let capsule = Smooth::Capsule { radius: 0.1, length: 0.5 };
         let cylinder = Smooth::Cylinder { radius: 0.1, length: 0.5 };
+
         for (degrees, on_capsule, on_cylinder) in
             [(0.0, 2, 2), (9.0, 2, 2), (-9.0, 2, 2), (11.0, 1, 1), (79.0, 1, 1), (81.0, 1, 0), (90.0, 1, 0)]
         {
@@ -195,6 +203,7 @@ mod tests {
             assert_eq!(capsule.support(&d).len(), on_capsule, "{degrees}");
             assert_eq!(cylinder.support(&d).len(), on_cylinder, "{degrees}");
         }
+
         assert!(sphere.support(&Vector3::zeros()).is_empty());
         assert!(sphere.support(&Vector3::repeat(f64::NAN)).is_empty());
         assert_eq!(Smooth::Capsule { radius: 0.1, length: 0.0 }.support(&Vector3::x()).len(), 1);

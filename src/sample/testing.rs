@@ -1,4 +1,4 @@
-//! What the tests of the shapes share: a fixed random sequence, and the claims that hold for every shape.
+//! Shared by the tests of the shapes: a fixed random sequence, and the claims that hold for every shape.
 
 use super::Samples;
 use nalgebra::{Point3, Vector3};
@@ -31,7 +31,8 @@ impl Lcg {
     }
 }
 
-/// Samples in cubes as wide as the search radius: the 27 cubes around a point hold all samples within it.
+/// Samples in cubes with the edge length of the search radius: the 27 cubes around a point contain all samples within
+/// it.
 pub struct Grid<'a> {
     cubes: HashMap<[i64; 3], Vec<&'a Point3<f64>>>,
     size: f64,
@@ -55,7 +56,8 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// Every one of 20,000 random surface points is within `min_feature / 2`, and within the promised radius.
+/// Asserts that 20,000 random surface points are within `min_feature / 2` and the covering radius of a sample, and
+/// inside the bounds.
 pub fn assert_covers(samples: &Samples, min_feature: f64, mut surface: impl FnMut(&mut Lcg) -> Point3<f64>) {
     assert!(samples.covering_radius() <= min_feature / 2.0 + 1e-9);
     let grid = Grid::new(samples, min_feature / 2.0 + 1e-6);
@@ -67,6 +69,7 @@ pub fn assert_covers(samples: &Samples, min_feature: f64, mut surface: impl FnMu
             distance <= samples.covering_radius() + 1e-9,
             "{point} is {distance} m from the nearest sample"
         );
+
         assert!(point.coords.norm() <= samples.bounding_radius() + 1e-9);
         let (center, radius) = samples.bounding_sphere();
         assert!((point - center).norm() <= radius + 1e-9);

@@ -9,10 +9,11 @@ use crate::{Error, Result};
 use nalgebra::Point3;
 use std::collections::HashMap;
 
-/// Samples of a triangle mesh, its triangles wound counter-clockwise as seen from outside. Vertices carry their
-/// triangles' normals weighted by angle, edges the normalised sum of their triangles'. Of a closed mesh that is wound
-/// inside out the normals are turned. Triangles without area are passed over; where the triangles are much smaller than
-/// `min_feature`, only as many vertices as needed are taken, the sharp ones first.
+/// Samples of a triangle mesh (body frame, metres) with triangles wound counter-clockwise as seen from outside.
+/// Vertices have the mean of their triangles' normals weighted by angle, edges the normalised sum of their triangles'
+/// normals. The normals of a closed mesh that is wound inside out are flipped. Triangles without area are ignored; if
+/// the triangles are much smaller than `min_feature`, only as many vertices as needed become samples, the sharpest
+/// first.
 ///
 /// # Errors
 /// No triangle with an area, coordinates that are not finite, a `min_feature` that is not finite and positive; more
@@ -21,8 +22,10 @@ pub fn trimesh(triangles: &[[Point3<f64>; 3]], min_feature: f64) -> Result<Sampl
     spacing(min_feature)?;
     let vertices = triangles.as_flattened();
     finite("mesh vertex", vertices)?;
+
     let size = extent(vertices);
     let name = format!("mesh of {} triangles, {size:.3} m across,", triangles.len());
+
     let facets = facets(vertices, size);
     if facets.faces.is_empty() {
         return Err(Error::argument(format!(
@@ -36,12 +39,13 @@ pub fn trimesh(triangles: &[[Point3<f64>; 3]], min_feature: f64) -> Result<Sampl
     Ok(Samples::new(samples, radius).holding(corners))
 }
 
-/// The triangles with an area, over common corners, wound outwards.
+/// The triangles with an area, with shared corners, wound outwards.
 fn facets(vertices: &[Point3<f64>], size: f64) -> Facets {
     if vertices.is_empty() {
         return Facets { corners: Vec::new(), faces: Vec::new() };
     }
     let (corners, indices) = weld(vertices, size * TOLERANCE);
+
     let mut faces: Vec<Facet> = Vec::with_capacity(indices.len() / 3);
     for outline in indices.chunks_exact(3) {
         let [a, b, c] = [corners[outline[0]], corners[outline[1]], corners[outline[2]]];
@@ -51,16 +55,19 @@ fn facets(vertices: &[Point3<f64>], size: f64) -> Facets {
             faces.push(Facet { outline: outline.to_vec(), normal: normal.normalize() });
         }
     }
+
     if is_inside_out(&corners, &faces) {
         for face in &mut faces {
             face.outline.reverse();
             face.normal = -face.normal;
         }
     }
+
     Facets { corners, faces }
 }
 
-/// Whether the mesh is closed (each edge belongs to two triangles, once in either direction) with a negative volume.
+/// Whether the mesh is closed (each edge belongs to two triangles, once in either direction) and has a negative
+/// volume.
 fn is_inside_out(corners: &[Point3<f64>], faces: &[Facet]) -> bool {
     let mut edges: HashMap<(usize, usize), [u32; 2]> = HashMap::new();
     let mut volume = 0.0;
@@ -82,7 +89,7 @@ mod tests {
     use super::*;
     use nalgebra::Vector3;
 
-    /// A box of 12 triangles, or with every face divided `n` times along each side.
+    /// A triangulated box with every face divided `n` times along each side; 12 triangles for `n = 1`.
     fn box_mesh(lengths: Vector3<f64>, n: usize) -> Vec<[Point3<f64>; 3]> {
         let mut triangles = Vec::new();
         for axis in 0..3 {
@@ -124,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_box_of_triangles_is_covered_as_the_box() {
+    fn a_triangulated_box_is_covered_like_the_box() {
         for (x, y, z) in [(0.4, 0.3, 0.2), (1.0, 1.0, 0.001), (0.01, 0.01, 0.01), (2.0, 0.02, 0.03)] {
             let lengths = Vector3::new(x, y, z);
             for (n, min_feature) in [(1, 0.03), (1, 0.07), (5, 0.03), (40, 0.05)] {
@@ -158,25 +165,25 @@ mod tests {
         let fine = trimesh(&box_mesh(lengths, 80), 0.05).unwrap();
         let plain = box_(lengths, 0.05).unwrap();
         assert!(fine.points().len() < 2 * plain.points().len(), "{}", fine.points().len());
-        // The corners are the sharpest: they stay, and first.
+        // The corners are the sharpest: they are kept and come first.
         assert!(fine.points()[..8].iter().all(|s| (s.point.coords.abs() - lengths / 2.0).amax() < 1e-12));
         assert!((fine.bounding_radius() - lengths.norm() / 2.0).abs() < 1e-12);
     }
 
     #[test]
-    fn a_closed_mesh_wound_inside_out_is_turned() {
+    fn a_closed_mesh_wound_inside_out_is_flipped() {
         let lengths = Vector3::new(0.4, 0.3, 0.2);
         let mut mesh = box_mesh(lengths, 1);
         mesh.iter_mut().for_each(|triangle| triangle.swap(0, 1));
         assert_box(&trimesh(&mesh, 0.03).unwrap(), &lengths);
-        // With a triangle missing there is no inside: the winding stands as given.
+        // A mesh with a hole has no inside, so the winding is kept.
         mesh.pop();
         let open = trimesh(&mesh, 0.03).unwrap();
         assert!(open.points()[0].normal.dot(&open.points()[0].point.coords) < 0.0);
     }
 
     #[test]
-    fn triangles_without_area_are_passed_over() {
+    fn triangles_without_area_are_ignored() {
         let lengths = Vector3::new(0.4, 0.3, 0.2);
         let mut mesh = box_mesh(lengths, 1);
         let clean = trimesh(&mesh, 0.03).unwrap();
@@ -184,7 +191,7 @@ mod tests {
         mesh.push([a, a, b]);
         mesh.push([a, b, nalgebra::center(&a, &b)]);
         assert_eq!(trimesh(&mesh, 0.03).unwrap().points(), clean.points());
-        // Two sheets back to back: nobody can tell their outside.
+        // Two sheets back to back have no outside.
         let sheet = [[a, b, Point3::origin()], [b, a, Point3::origin()]];
         assert!(trimesh(&sheet, 0.03).unwrap().points()[0].normal == Vector3::zeros());
     }

@@ -1,13 +1,13 @@
-//! Points that stand for one corner become one point.
+//! Merges points that represent the same corner.
 
 use nalgebra::{Point3, Vector3};
 use std::collections::HashMap;
 
-/// Corners nearer than this, relative to the body's size, are one; points this near to a plane lie in it. Above the
-/// rounding of single precision coordinates, and nothing that a camera could see.
+/// Corners closer than this, relative to the body's size, are merged; points this close to a plane lie in it. It is
+/// above the rounding of single precision coordinates and below what a camera can resolve.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
-/// The diagonal of the points' box.
+/// The diagonal of the points' bounding box.
 pub(super) fn extent<'a>(points: impl IntoIterator<Item = &'a Point3<f64>>) -> f64 {
     let (mut lower, mut upper) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     for point in points {
@@ -17,10 +17,11 @@ pub(super) fn extent<'a>(points: impl IntoIterator<Item = &'a Point3<f64>>) -> f
     (upper - lower).norm()
 }
 
-/// The distinct points (each the first of its kind), and for every point the index of its own.
+/// The distinct points (each the first of its cluster), and for every point the index of its distinct point.
 pub(super) fn weld(points: &[Point3<f64>], tolerance: f64) -> (Vec<Point3<f64>>, Vec<usize>) {
     let mut distinct: Vec<Point3<f64>> = Vec::new();
     let mut cubes: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+
     let index_of = |point: &Point3<f64>| {
         let [x, y, z]: [i64; 3] = (point - points[0]).map(|x| (x / tolerance).floor() as i64).into();
         let around = (0..27).map(|k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
@@ -32,6 +33,7 @@ pub(super) fn weld(points: &[Point3<f64>], tolerance: f64) -> (Vec<Point3<f64>>,
         cubes.entry([x, y, z]).or_default().push(distinct.len() - 1);
         distinct.len() - 1
     };
+
     let indices = points.iter().map(index_of).collect();
     (distinct, indices)
 }

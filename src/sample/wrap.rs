@@ -1,13 +1,15 @@
-//! The convex hull of points in space by gift wrapping: planes turn about known edges until they meet the next point.
+//! The convex hull of points in space by gift wrapping: planes rotate about known edges until they meet the next
+//! point.
 //!
-//! All points within the tolerance of such a plane make up one face, so that coplanar faces are one polygon from the
-//! start and noise far below the tolerance changes nothing. Quadratic in the number of vertices.
+//! All points within the tolerance of such a plane form one face, so that coplanar faces are one polygon from the
+//! start and noise far below the tolerance has no effect. The time is quadratic in the number of vertices.
 
 use super::facets::Facet;
 use nalgebra::{Point3, Vector2, Vector3};
 use std::collections::{HashSet, VecDeque};
 
-/// The faces of the hull of `points`, distinct by more than `tolerance`; none if they (nearly) lie in a plane.
+/// The faces of the hull of `points`, which are distinct by more than `tolerance`; `None` if they (nearly) lie in a
+/// plane.
 pub(super) fn wrap(points: &[Point3<f64>], tolerance: f64) -> Option<Vec<Facet>> {
     if is_flat(points, tolerance) {
         return None;
@@ -17,6 +19,7 @@ pub(super) fn wrap(points: &[Point3<f64>], tolerance: f64) -> Option<Vec<Facet>>
     let mut known = HashSet::new();
     let mut edges = HashSet::new();
     let mut open = VecDeque::new();
+
     let mut next = Some(wrapping.first_plane());
     while let Some((anchor, normal)) = next.take() {
         let members = wrapping.on_plane(&anchor, &normal);
@@ -28,15 +31,17 @@ pub(super) fn wrap(points: &[Point3<f64>], tolerance: f64) -> Option<Vec<Facet>>
             }
             faces.push(face);
         }
-        // A hull of n corners has 2 n - 4 faces at most: more are noise that the tolerance did not catch.
+
+        // A hull of n corners has at most 2 n - 4 faces: more are caused by noise above the tolerance.
         if faces.len() > 2 * points.len() {
             return None;
         }
+
         while next.is_none()
             && let Some((a, b, normal)) = open.pop_front()
         {
             if !edges.contains(&(b, a)) {
-                next = Some((points[a], wrapping.turn(&points[a], &points[b], &normal)));
+                next = Some((points[a], wrapping.rotate_plane(&points[a], &points[b], &normal)));
             }
         }
     }
@@ -49,23 +54,24 @@ struct Wrapping<'a> {
 }
 
 impl Wrapping<'_> {
-    /// A point and the normal of a plane through it and two others, with no point outside.
+    /// A point and the normal of a plane through it and two others, with no point outside the plane.
     fn first_plane(&self) -> (Point3<f64>, Vector3<f64>) {
         let lowest = |a: &&Point3<f64>, b: &&Point3<f64>| {
             a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
         };
         let a = self.points.iter().min_by(lowest).copied().unwrap_or_else(Point3::origin);
-        let normal = self.turn(&a, &(a + Vector3::y()), &-Vector3::x());
-        // That plane holds a second point; the line through both is the next axis.
+        let normal = self.rotate_plane(&a, &(a + Vector3::y()), &-Vector3::x());
+
+        // This plane contains a second point; the line through both is the next axis.
         let off =
             |p: &&Point3<f64>| (**p - a).norm() * f64::from((**p - a).dot(&normal).abs() <= self.tolerance);
         let b = self.points.iter().max_by(|p, q| off(p).total_cmp(&off(q))).copied().unwrap_or(a);
-        (a, self.turn(&a, &b, &normal))
+        (a, self.rotate_plane(&a, &b, &normal))
     }
 
-    /// Turns the plane of `normal` about the line from `a` to `b`, away from the face on the left of that line,
+    /// Rotates the plane of `normal` about the line from `a` to `b`, away from the face on the left of that line,
     /// until it meets a point; returns the new normal.
-    fn turn(&self, a: &Point3<f64>, b: &Point3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+    fn rotate_plane(&self, a: &Point3<f64>, b: &Point3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
         let away = (b - a).cross(normal).normalize();
         let mut least = (f64::INFINITY, *normal);
         for point in self.points {
@@ -75,6 +81,7 @@ impl Wrapping<'_> {
             if distance <= 2.0 * self.tolerance {
                 continue;
             }
+
             let angle = below.atan2(along);
             if angle < least.0 {
                 least = (angle, (normal * along + away * below) / distance);
@@ -83,12 +90,13 @@ impl Wrapping<'_> {
         least.1.normalize()
     }
 
+    /// The indices of the points on a plane.
     fn on_plane(&self, anchor: &Point3<f64>, normal: &Vector3<f64>) -> Vec<usize> {
         let on = |index: &usize| (self.points[*index] - anchor).dot(normal).abs() <= self.tolerance;
         (0..self.points.len()).filter(on).collect()
     }
 
-    /// The convex polygon of the `members` of a plane, counter-clockwise from outside.
+    /// The convex polygon of the points `members` of a plane, counter-clockwise as seen from outside.
     fn face(&self, members: &[usize], normal: &Vector3<f64>) -> Option<Facet> {
         let start = self.points[*members.first()?];
         let far =
@@ -100,7 +108,7 @@ impl Wrapping<'_> {
         };
         let outline = outline(members.iter().map(flat).collect(), self.tolerance)?;
 
-        // Newell's sum uses all corners, so that no short edge tilts the plane; of a sliver the noise may tilt it more.
+        // Newell's sum uses all corners, so that no short edge tilts the plane; a sliver keeps the plane it was found by.
         let corner = |k: usize| self.points[outline[k % outline.len()]] - start;
         let newell: Vector3<f64> = (0..outline.len()).map(|k| corner(k).cross(&corner(k + 1))).sum();
         let newell = newell.try_normalize(0.0)?;
@@ -109,12 +117,12 @@ impl Wrapping<'_> {
     }
 }
 
-/// The convex outline of labelled points in a plane, counter-clockwise, without corners nearer than `tolerance` to
-/// the line through their neighbours.
+/// The convex outline of labelled points in a plane, counter-clockwise, without corners closer than `tolerance` to the
+/// line through their neighbours.
 fn outline(mut points: Vec<(Vector2<f64>, usize)>, tolerance: f64) -> Option<Vec<usize>> {
     points.sort_by(|(a, _), (b, _)| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut outline: Vec<(Vector2<f64>, usize)> = Vec::new();
-    // Andrew's monotone chain: below from left to right, then above from right to left.
+    // Andrew's monotone chain: the lower part from left to right, then the upper part from right to left.
     for pass in 0..2 {
         let from = outline.len();
         for point in &points {
@@ -131,6 +139,8 @@ fn outline(mut points: Vec<(Vector2<f64>, usize)>, tolerance: f64) -> Option<Vec
             points.reverse();
         }
     }
+
+    // Remove nearly collinear corners, and check the neighbours of a removed corner again.
     let mut k = 0;
     let mut kept = 0;
     while kept < outline.len() && outline.len() >= 3 {
@@ -145,6 +155,7 @@ fn outline(mut points: Vec<(Vector2<f64>, usize)>, tolerance: f64) -> Option<Vec
             k = (k + 1) % n;
         }
     }
+
     (outline.len() >= 3).then(|| outline.into_iter().map(|(_, index)| index).collect())
 }
 

@@ -75,9 +75,9 @@ pub(super) fn distinct<'a>(
     names: impl IntoIterator<Item = &'a str>,
     line: impl Fn(usize) -> usize,
 ) -> Result<()> {
-    let mut lines_by_name = HashMap::new();
+    let mut index_by_name = HashMap::new();
     for (i, name) in names.into_iter().enumerate() {
-        if let Some(first) = lines_by_name.insert(name, i) {
+        if let Some(first) = index_by_name.insert(name, i) {
             let problem = format!(
                 "line {}: expected unique names, found this one on line {} too; rename one of them",
                 line(i),

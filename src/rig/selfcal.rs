@@ -6,7 +6,7 @@
 //! | `camera1.Pmat.cal`, .. | a 3x4 projection matrix, world to undistorted pixels |
 //! | `basename1.rad`, .. | `K11 = ..` to `K33`, `kc1 = ..` to `kc4` (k1 k2 p1 p2): the lens. None, or one a camera |
 //! | `Res.dat` | width and height, a line for each camera |
-//! | `camera_order.txt` | a name for each camera, a line each; else `configdata.m` has the `basename` of the numbered ones |
+//! | `camera_order.txt` | a name for each camera, one a line; else the `basename` in `configdata.m` |
 //!
 //! Pixel centres are whole numbers, as flydra counts. The world's scale and the matrices' signs are arbitrary (see
 //! `projections`). `selfcal/lens.rs` combines matrix and lens.

@@ -63,7 +63,7 @@ mod tests {
         let size = extent(vertices);
         for Sample { point, normal } in samples.points() {
             let beyond = vertices.iter().map(|v| (v - point).dot(normal)).fold(f64::NEG_INFINITY, f64::max);
-            // Two tolerances per face, magnified at a sharp edge (here 4 degrees) by the sum of nearly opposite normals.
+            // Two tolerances per face, magnified at a sharp edge (here 4 degrees) by the sum of opposite normals.
             assert!(beyond.abs() <= 2.0 * TOLERANCE * size / 0.035, "{beyond}");
         }
     }
@@ -84,7 +84,7 @@ mod tests {
                 assert_unit_normals(&samples);
                 assert_supports(&samples, &box_corners(lengths));
 
-                // The box's lattice has at least two cells per side, a hull's face at least one and a sample in the centre.
+                // The box's lattice has at least two cells per side, a face of the hull one and a central sample.
                 assert!(samples.points().len() <= plain.points().len());
                 for sample in samples.points() {
                     let near = |s: &&Sample| (s.point - sample.point).norm() < 1e-12;

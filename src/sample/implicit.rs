@@ -73,7 +73,7 @@ impl Grid {
         }
 
         // Two points of a cell are at most its diagonal apart. Nine tenths of min_feature / 2 allow for a bulge
-        // through a face of the cell whose corners are all outside: 0.14 steps at a curvature radius of min_feature / 2.
+        // through a cell face whose corners are all outside: 0.14 steps at a curvature radius of min_feature / 2.
         let step = 0.9 * min_feature / 2.0 / 3.0_f64.sqrt();
         let cells = size.map(|length| (length / step).ceil().max(2.0));
         let nodes = cells.map(|n| n + 1.0).product();

@@ -36,7 +36,8 @@ impl Ring {
         if self.radius == 0.0 {
             return 1.0;
         }
-        // Points at radii a and b, an angle t and a profile distance c apart have distance^2 = c^2 + 4 a b sin^2(t / 2).
+        // For radii a and b, an angle t and a profile distance c between two points,
+        // distance^2 = c^2 + 4 a b sin^2(t / 2).
         let sine = ((cover * cover - self.reach * self.reach) / (4.0 * self.radius * self.widest)).sqrt();
         let needed = FRAC_PI_2 / sine.min(1.0).asin();
         ((needed / 4.0).ceil() * 4.0).max(8.0)

@@ -108,7 +108,8 @@ impl Wrapping<'_> {
         };
         let outline = outline(members.iter().map(flat).collect(), self.tolerance)?;
 
-        // Newell's sum uses all corners, so that no short edge tilts the plane; a sliver keeps the plane it was found by.
+        // Newell's sum uses all corners, so that no short edge tilts the plane; noise may tilt a sliver too much, which
+        // then keeps the plane it was found by.
         let corner = |k: usize| self.points[outline[k % outline.len()]] - start;
         let newell: Vector3<f64> = (0..outline.len()).map(|k| corner(k).cross(&corner(k + 1))).sum();
         let newell = newell.try_normalize(0.0)?;

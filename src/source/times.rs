@@ -36,6 +36,7 @@ impl Times {
                     }
                     _ => "no times".into(),
                 };
+
                 format!(
                     "frame {number}: expected its time in {}, found {extent}; add it",
                     super::frames_csv::NAME

@@ -13,7 +13,8 @@ fn ring_at_elevation(degrees: f64) -> Vec<Camera> {
 #[test]
 fn the_tent_above_a_table_shrinks_with_the_cameras_elevation() {
     let heights = [30.0, 15.0, 5.0, 0.0].map(|degrees| tent_height(&ring_at_elevation(degrees)));
-    // Two of six cameras look perpendicularly at a face: the far edge of the top, 0.2 m behind its middle, sets the height.
+    // Two of six cameras look perpendicularly at a face: the far edge of the top, 0.2 m behind its middle, sets the
+    // height.
     for (degrees, height) in [30.0f64, 15.0, 5.0].into_iter().zip(heights) {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let expected = 0.2 * 3.0 * sin / (3.0 * cos + 0.2);

@@ -175,8 +175,10 @@ impl RawCamera {
         let translation = translation * metres_per_unit;
         let pose = Isometry3::from_parts(translation.into(), rotation);
         let pinhole = Camera::new(name, size, k, Lens::none(), pose)?;
-        let widths = [0, 1].map(|axis| k[(axis, axis)] / f64::from(size.0));
-        if let Some(bad) = widths.iter().find(|widths| !FOCAL_LENGTHS.contains(*widths)) {
+
+        // A focal length in millimetres or a wrong image size shows here.
+        let focal_lengths = [0, 1].map(|axis| k[(axis, axis)] / f64::from(size.0));
+        if let Some(bad) = focal_lengths.iter().find(|length| !FOCAL_LENGTHS.contains(*length)) {
             let problem = format!(
                 "expected a focal length of 0.1 to 100 image widths, found {bad:.3e}; check its unit (pixels) and the \
                  size of the images, {} x {}",
@@ -184,7 +186,8 @@ impl RawCamera {
             );
             return Err(Error::camera(pinhole.name(), problem));
         }
-        pinhole.with_lens(lens.lens).map_err(|e| lens.at_its_place(e))
+
+        pinhole.with_lens(lens.lens).map_err(|e| lens.error_at_place(e))
     }
 }
 

@@ -167,6 +167,7 @@ fn view(image: &Image, lenses: &HashMap<&str, Intrinsics>) -> Result<RawCamera> 
             "expected a rotation as a quaternion of length 1, found length {length:.4}; {IMAGE}"
         )));
     }
+
     let Some(Intrinsics { size, k, lens }) = lenses.get(camera) else {
         let problem =
             format!("expected camera {camera} of this image in {CAMERAS}, found none; export both together");

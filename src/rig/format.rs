@@ -41,36 +41,36 @@ pub(super) struct RawCamera {
     pub(super) size: Option<(u32, u32)>,
     pub(super) k: Matrix3<f64>,
     pub(super) lens: RawLens,
-    /// World to camera, OpenCV's axes.
+    /// The rotation from world to camera, with OpenCV's axes.
     pub(super) rotation: UnitQuaternion<f64>,
     /// The translation from world to camera, in the file's unit of length.
     pub(super) translation: Vector3<f64>,
 }
 
-/// A lens, and where the file has it: whether it suits the image shows only when both are known.
+/// A lens and its place in the file, for errors that arise only once the image size is known too.
 #[derive(Debug, Clone)]
 pub(super) struct RawLens {
     pub(super) lens: Lens,
-    /// `line 5, \`D\``; empty where the lens suits every image.
+    /// The place in messages, such as `line 5, \`D\``; empty for a lens that fits every image.
     place: String,
-    /// Of several files the one that it stands in.
+    /// The file that holds the lens, if the calibration consists of several.
     path: Option<PathBuf>,
 }
 
-/// The models of lenses that formats name.
+/// The lens models that formats name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LensModel {
     /// OpenCV's polynomial or rational model.
     OpenCv,
-    /// OpenCV's fisheye model, elsewhere called equidistant.
+    /// OpenCV's fisheye model, also called equidistant.
     Fisheye,
 }
 
 impl RawLens {
-    /// The lens of these coefficients, which the file has at `place`.
+    /// The lens with these coefficients, which stand at `place` in the file.
     ///
     /// # Errors
-    /// Coefficients that are too few or too many; the message does not name the place.
+    /// Too few or too many coefficients; the message does not name the place.
     pub(super) fn new(model: LensModel, coefficients: &[f64], place: String) -> Result<Self> {
         let lens = match model {
             LensModel::OpenCv => Distortion::from_opencv(coefficients)?.into(),
@@ -83,16 +83,18 @@ impl RawLens {
         Ok(Self { lens, place, path: None })
     }
 
+    /// A lens without distortion.
     pub(super) fn none() -> Self {
         Distortion::none().into()
     }
 
+    /// Names the file in errors about this lens.
     pub(super) fn in_file(self, path: &Path) -> Self {
         Self { path: Some(path.to_owned()), ..self }
     }
 
-    /// The error that a camera cannot have this lens, with its place.
-    pub(super) fn at_its_place(&self, error: Error) -> Error {
+    /// Adds the lens's place to the error of a camera that cannot have this lens.
+    pub(super) fn error_at_place(&self, error: Error) -> Error {
         let error = match error {
             Error::Camera { camera, problem } => Error::camera(camera, format!("{}: {problem}", self.place)),
             other => other,

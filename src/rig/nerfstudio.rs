@@ -60,19 +60,23 @@ impl<'a> FrameEntry<'a> {
     fn found(self, hints: &Hints) -> Result<RawCamera> {
         let size = self.size()?;
         let k = self.intrinsics(size.or(hints.size))?;
+
         let lens = self.lens()?;
         let (world_from_opengl, centre) = self.frame.require("transform_matrix", FRAME)?.motion()?;
         let rotation = pose::opengl_axes() * world_from_opengl.inverse();
         Ok(RawCamera { name: self.name, size, k, lens, rotation, translation: -(rotation * centre) })
     }
 
+    /// The lens of this frame; refuses coefficients that its model does not have.
     fn lens(&self) -> Result<RawLens> {
         let model = self.lens_model()?;
-        // nerfstudio's k4 of a polynomial lens is its next power, not OpenCV's k4.
+
+        // The k4 of a polynomial lens in nerfstudio is the next power of the polynomial, not OpenCV's k4.
         let (used, unused) = match model {
             LensModel::OpenCv => (["k1", "k2", "p1", "p2", "k3"].as_slice(), ["k4"].as_slice()),
             LensModel::Fisheye => (["k1", "k2", "k3", "k4"].as_slice(), ["p1", "p2"].as_slice()),
         };
+
         for &key in unused {
             if let Some(entry) = self.find(key)
                 && entry.number()? != 0.0
@@ -81,19 +85,21 @@ impl<'a> FrameEntry<'a> {
                 return Err(entry.fail(format!("expected a lens of {used}, found a {key}; {UNDISTORT}")));
             }
         }
+
         let coefficient = |key: &&str| Ok(self.number(key)?.unwrap_or_default());
         let coefficients = used.iter().map(coefficient).collect::<Result<Vec<_>>>()?;
         let place = self.find("k1").map_or_else(|| self.frame.place(), |entry| entry.place());
         RawLens::new(model, &coefficients, place)
     }
 
-    /// By `camera_model`, and by instant-ngp's `is_fisheye`; where both are there they have to agree.
+    /// The lens model by `camera_model` or instant-ngp's `is_fisheye`; if both exist they have to agree.
     fn lens_model(&self) -> Result<LensModel> {
         let of_flag = |entry: &Entry| if entry.is_true() { LensModel::Fisheye } else { LensModel::OpenCv };
         let flag = self.find("is_fisheye");
         let Some(entry) = self.find("camera_model") else {
             return Ok(flag.as_ref().map_or(LensModel::OpenCv, of_flag));
         };
+
         let model = match entry.text()? {
             "OPENCV" | "PINHOLE" | "SIMPLE_PINHOLE" | "PERSPECTIVE" => LensModel::OpenCv,
             "OPENCV_FISHEYE" => LensModel::Fisheye,
@@ -102,6 +108,7 @@ impl<'a> FrameEntry<'a> {
                 return Err(entry.fail(format!("{expected}, found {other}; {UNDISTORT}")));
             }
         };
+
         match flag.filter(|flag| of_flag(flag) != model) {
             Some(flag) => {
                 let found = entry.text()?;

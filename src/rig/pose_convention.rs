@@ -50,7 +50,7 @@ impl Rig {
     /// A pose that is no longer finite.
     pub fn read_as(&self, convention: PoseConvention) -> Result<Self> {
         let camera = |camera: &Camera| {
-            let pose = reading.apply(camera.cam_from_world());
+            let pose = convention.apply(camera.cam_from_world());
             Camera::new(camera.name(), camera.size(), *camera.intrinsics(), *camera.lens(), pose)
         };
         Self::new(self.cameras().iter().map(camera).collect::<Result<_>>()?)

@@ -11,11 +11,11 @@
 //! fisheye = false
 //! ```
 //!
-//! Where `fisheye` is true the distortions are k1 k2 k3 k4 of OpenCV's fisheye model, else 0, 4, 5, 8, 12 or 14
-//! coefficients of its other one. One table per camera, in the file's order; a table `metadata` and unknown keys are
-//! passed over. The pose is world to camera, the rotation a Rodrigues vector, lengths are taken as metres. Pixel
-//! *centres* are whole numbers in the file, pixel corners in a [`Camera`]: the principal point moves by one half on the
-//! way in and back on the way out.
+//! If `fisheye` is true the distortions are k1 k2 k3 k4 of OpenCV's fisheye model, else 0, 4, 5, 8, 12 or 14
+//! coefficients of its standard model. One table per camera, in the file's order; a table `metadata` and unknown keys
+//! are ignored. The pose is world to camera, the rotation a Rodrigues vector, lengths are taken as metres. Pixel
+//! *centres* are whole numbers in the file and pixel corners in a [`Camera`]: the principal point moves by half a
+//! pixel on reading and back on writing.
 
 use super::format::{Format, Hints, LensModel, PixelCentres, RawCalibration, RawCamera, RawLens, pixels};
 use super::source::Source;
@@ -58,9 +58,9 @@ impl Rig {
     /// Reads a rig from the text of a rig file.
     ///
     /// # Errors
-    /// Text that is not TOML, a table that is no camera, a key that is missing or of another type or shape, a number
-    /// that is not finite, a rotation that is none, and all that [`Camera::new`] and [`Rig::new`]
-    /// refuse. Messages name the line, the camera, its table and the key.
+    /// Text that is not TOML, a table that is not a camera, a key that is missing or of another type or shape, a
+    /// number that is not finite, an invalid rotation, and everything that [`Camera::new`] and [`Rig::new`] refuse.
+    /// Messages name the line, the camera, its table and the key.
     pub fn from_toml(text: &str) -> Result<Self> {
         Ok(contents(text)?.into_rig(&Hints::default())?.0)
     }
@@ -116,9 +116,10 @@ fn camera_to_toml(camera: &Camera) -> String {
     k[(0, 2)] -= HALF_PIXEL;
     k[(1, 2)] -= HALF_PIXEL;
     let row = |r: usize| [k[(r, 0)], k[(r, 1)], k[(r, 2)]];
+
     let fisheye = matches!(camera.lens(), Lens::Fisheye(_));
     let distortions = match camera.lens() {
-        // The tools named above expect five at least.
+        // anipose, Pose2Sim and caliscope expect at least five coefficients.
         Lens::OpenCv(lens) => &lens.coefficients()[..lens.shortest().len().max(5)],
         Lens::Fisheye(lens) => lens.coefficients(),
     };
@@ -188,6 +189,7 @@ impl<'a> CameraTable<'a> {
         Ok(RawCamera { name: self.name.clone(), size: Some(size), k, lens, rotation, translation })
     }
 
+    /// The lens by `fisheye` and `distortions`.
     fn lens(&self) -> Result<RawLens> {
         let (model, next_step) = match self.entry("fisheye").map(Spanned::get_ref) {
             None | Some(DeValue::Boolean(false)) => (LensModel::OpenCv, DISTORTIONS),
@@ -196,6 +198,7 @@ impl<'a> CameraTable<'a> {
                 return Err(self.fail("fisheye", format!("expected true or false, found {}", found(other))));
             }
         };
+
         let coefficients = self.numbers("distortions", next_step)?.values;
         RawLens::new(model, &coefficients, self.place("distortions"))
             .map_err(|e| self.fail("distortions", format!("{e}; {next_step}")))
@@ -265,7 +268,7 @@ impl<'a> CameraTable<'a> {
         Error::camera(&self.name, format!("{}: {problem}", self.place(key)))
     }
 
-    /// Where a key stands, for messages; where the table starts if there is none.
+    /// The place of a key for messages; the start of the table if there is no such key.
     fn place(&self, key: &str) -> String {
         let line = line_of(self.text, self.entry(key).map_or(self.start, |value| value.span().start));
         format!("line {line}, table [{}], key `{key}`", self.title)

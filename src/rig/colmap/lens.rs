@@ -8,7 +8,7 @@ use nalgebra::Matrix3;
 
 const CAMERA: &str = "write CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]";
 
-/// A model's name, and where its parameters go. Focal lengths are one or two, the principal point follows, then the
+/// A camera model and the order of its parameters: one or two focal lengths, the principal point, then the
 /// coefficients in the order of OpenCV's lens model.
 struct Model {
     name: &'static str,
@@ -67,6 +67,7 @@ pub(super) fn read(line: &Line) -> Result<Intrinsics> {
     let mut coefficients = rest[2..].to_vec();
     // Radial models have only the first one or two of OpenCV's coefficients.
     coefficients.resize(if model.coefficients > 4 { 8 } else { 4 }, 0.0);
+
     let lens = RawLens::new(model.lens, &coefficients, format!("line {}", line.number));
     Ok(Intrinsics {
         size,

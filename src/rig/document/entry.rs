@@ -36,12 +36,12 @@ impl<'a> Entry<'a> {
         self.fail_at(self.node, problem)
     }
 
-    /// Where it stands, for messages: `line 5, \`K\``.
+    /// The place of this value for messages, such as `line 5, \`K\``.
     pub(in crate::rig) fn place(&self) -> String {
         format!("line {}, `{}`", self.node.line, self.key)
     }
 
-    /// The entry called `key` of the map that it is; none of anything else.
+    /// The entry called `key` of this map; `None` for other values.
     pub(in crate::rig) fn entry(&self, key: &str) -> Option<Self> {
         let inner = self.node.entry(key)?;
         Some(Self { key: format!("{}.{key}", self.key).into(), ..inner })
@@ -160,7 +160,7 @@ impl<'a> Entry<'a> {
         Ok((self.rotation_matrix(&matrix)?, Vector3::new(m[3], m[7], m[11])))
     }
 
-    /// The lens of this model whose coefficients it is, in OpenCV's order.
+    /// The lens of this model, with this list as its coefficients in OpenCV's order.
     pub(in crate::rig) fn lens(&self, model: LensModel) -> Result<RawLens> {
         let coefficients = self.numbers()?.values;
         RawLens::new(model, &coefficients, self.place())

@@ -102,6 +102,7 @@ fn camera(name: &str, intri: &File, extri: &File) -> Result<RawCamera> {
     let rotation = rotation(name, &extri.document).map_err(in_extri)?;
     let translation = extri.document.require(&format!("T_{name}"), "calibrate where it stands");
     let translation = translation.and_then(|entry| entry.vector3()).map_err(in_extri)?;
+
     let lens = distortion.unwrap_or_else(RawLens::none);
     Ok(RawCamera { name: name.to_owned(), size, k, lens, rotation, translation })
 }

@@ -96,6 +96,7 @@ fn camera(entry: &Entry, cam_from_world: &Isometry3<f64>) -> Result<RawCamera> {
             model.fail(format!("{problem} {}, which is not supported yet; {undistort}", model.text()?))
         );
     }
+
     let coefficients = |next_step| node.require("distortion_coeffs", next_step);
     let lens = match node.entry("distortion_model") {
         Some(model) => match model.text()? {

@@ -25,7 +25,7 @@ const MOTION: &[&str] = &["extrinsicmatrix", "extrinsics", "extrinsic", "camfrom
 const WIDTH: &[&str] = &["imagewidth", "imgwidth", "width", "W", "w"];
 const HEIGHT: &[&str] = &["imageheight", "imgheight", "height", "H", "h"];
 const SIZE: &[&str] = &["imagesize", "imgsize", "resolution", "size"];
-/// How OpenCV's calibration sample, and other programs, mark a fisheye.
+/// Keys that mark a fisheye lens, in OpenCV's calibration sample and in other programs.
 const FISHEYE: &[&str] = &["fisheyemodel", "fisheye"];
 /// The mirror parameter of OpenCV's omnidirectional model.
 const MIRROR: &[&str] = &["xi"];
@@ -88,10 +88,10 @@ impl<'a> Keys<'a> {
         }
     }
 
-    /// The key that says that the lens is a fisheye; none where it is OpenCV's polynomial.
+    /// The entry that marks the lens as a fisheye; `None` for OpenCV's polynomial model.
     ///
     /// # Errors
-    /// A mirror, which is neither; a value that does not say which.
+    /// A mirror lens, which is not supported; a mark that is neither on nor off.
     pub(super) fn fisheye(&self) -> Result<Option<Entry<'a>>> {
         let value = |entry: &Entry| match &entry.node.value {
             Value::Scalar(text) => text.to_ascii_lowercase(),
@@ -103,6 +103,7 @@ impl<'a> Keys<'a> {
                  first and calibrate them as a pinhole",
             ));
         }
+
         let Some(entry) = self.find(FISHEYE) else { return Ok(None) };
         match value(&entry).as_str() {
             value if OFF.contains(&value) => Ok(None),

@@ -20,13 +20,13 @@
 //! keys (`K1`, `D1`, `R1`, `T1`, ...), and the pair `intrinsics.yml` and `extrinsics.yml` of OpenCV's stereo sample
 //! (`M1`, `D1`, `M2`, `D2`; `R`, `T` lead from the first camera to the second; `R1`, `R2` rectify and are ignored).
 //!
-//! `fisheye_model: 1`, as OpenCV's calibration sample writes it, or `fisheye: true` makes the coefficients k1 k2 k3 k4
-//! of the fisheye model.
+//! With `fisheye_model: 1`, as OpenCV's calibration sample writes it, or `fisheye: true` the coefficients are k1 k2 k3
+//! k4 of the fisheye model.
 //!
-//! The format has no keys of its own, so that a thing has many names (`keys`). The pose is world to camera, as
-//! `solvePnP` and `calibrateCamera` return it; axes x right, y down, z forward; pixel *centres* are whole numbers;
-//! lengths have no unit and are taken as metres unless they cannot be. Source: the documentation of
-//! `cv::FileStorage`, of OpenCV's module calib3d and of its calibration samples.
+//! FileStorage prescribes no key names, so each part has several (`keys`). The pose is world to camera, as `solvePnP`
+//! and `calibrateCamera` return it; axes x right, y down, z forward; pixel *centres* are whole numbers; lengths have
+//! no unit and are taken as metres unless that is implausible. Source: the documentation of `cv::FileStorage`, of
+//! OpenCV's module calib3d and of its calibration samples.
 
 mod folder;
 mod keys;
@@ -130,7 +130,7 @@ impl OpenCvFile {
         file.map(|file| file.at(path))
     }
 
-    /// With the path that errors about its lenses name.
+    /// Names the file in errors about its lenses.
     fn at(mut self, path: &Path) -> Self {
         let named = self.numbered.iter_mut().chain(&mut self.named).map(|(_, parts)| parts);
         for parts in named.chain([&mut self.shared]) {
@@ -147,6 +147,7 @@ impl OpenCvFile {
         if shared.k.is_some() {
             return Ok(Self { shared, ..Self::default() });
         }
+
         let numbered = |number: String| {
             let parts = Parts::read(&Keys::new(&document, &number), fisheye.as_ref())?;
             Ok((number, parts))
@@ -221,7 +222,8 @@ impl OpenCvFile {
 }
 
 impl Parts {
-    /// `fisheye` is the key that says so of all cameras of the file.
+    /// Reads the parts of one camera. `fisheye` is the mark for all cameras of the file; the camera's own takes
+    /// precedence.
     fn read(keys: &Keys, fisheye: Option<&Entry>) -> Result<Self> {
         let own = keys.fisheye()?;
         let fisheye = own.as_ref().or(fisheye);
@@ -233,12 +235,14 @@ impl Parts {
             rotation: keys.rotation().map(|entry| entry.rotation()).transpose()?,
             translation: keys.translation().map(|entry| entry.vector3()).transpose()?,
         };
+
         if let (Some(entry), Some(_), None) = (fisheye, parts.k, &parts.lens) {
             return Err(entry.fail(
                 "expected a fisheye with its coefficients, found none under their usual names; call them \
                  distortion_coefficients, or D",
             ));
         }
+
         if let Some(entry) = keys.motion() {
             let (rotation, translation) = entry.motion()?;
             parts.rotation = parts.rotation.or(Some(rotation));
@@ -281,6 +285,7 @@ impl Parts {
             let problem = format!("expected a rotation and a translation, found {found}; {NO_POSE}");
             return Err(Error::camera(name, problem));
         };
+
         let lens = self.lens.unwrap_or_else(RawLens::none);
         Ok(RawCamera { name: name.to_owned(), size: self.size, k, lens, rotation, translation })
     }

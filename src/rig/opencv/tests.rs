@@ -49,7 +49,7 @@ fn yaml_xml_and_json_hold_the_same_camera() {
     let camera = read(YAML);
     assert_eq!((camera.name(), camera.size()), ("left", (640, 480)));
     assert_eq!(camera.lens().coefficients()[..2], [-0.1, 0.01]);
-    // On the axis: the principal point, whose pixel centre is a whole number in the file.
+    // A point on the axis appears at the principal point, half a pixel beyond its value in the file.
     let pixel = camera.project(&nalgebra::Point3::new(0.0, 0.25, 0.0)).unwrap();
     assert!(
         (pixel.u - 320.0).abs() < 1e-9 && (pixel.v - 240.0).abs() < 1e-9 && (pixel.depth - 3.0).abs() < 1e-9

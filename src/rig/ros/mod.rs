@@ -111,10 +111,11 @@ fn size(document: &Node) -> Result<(u32, u32)> {
     Ok((side(&["image_width", "width"])?, side(&["image_height", "height"])?))
 }
 
+/// The lens by its model and coefficients.
 fn lens(document: &Node) -> Result<RawLens> {
     let entry = document.entry("distortion_model");
     let model = match entry.as_ref().map_or("", |entry| entry.text().unwrap_or_default()) {
-        // An empty model is how ROS says that there is none.
+        // ROS writes an empty model for a lens without distortion.
         "" | "plumb_bob" | "rational_polynomial" => LensModel::OpenCv,
         "equidistant" => LensModel::Fisheye,
         other => {

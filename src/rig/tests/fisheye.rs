@@ -1,4 +1,4 @@
-//! Fisheye lenses in every format that has them.
+//! Tests of fisheye lenses in every format that has them.
 
 use crate::Result;
 use crate::camera::{Camera, Fisheye, Lens};
@@ -8,11 +8,11 @@ use nalgebra::Point3;
 
 const COEFFICIENTS: [f64; 4] = [0.05, -0.01, 0.002, -0.0003];
 
-/// A calibration in files of which the first is opened; all have a focal length of 500 px and 640 x 480 or 600 x 400
-/// pixels.
+/// A calibration in one or several files, the first of which is opened; all have a focal length of 500 px and images
+/// of 640 x 480 or 600 x 400 pixels.
 struct Sample {
     files: Vec<(&'static str, String)>,
-    /// File and line of the coefficients, as messages have them.
+    /// The file and line of the coefficients in messages.
     place: [&'static str; 2],
     /// The principal point's column in this crate's convention.
     cx: f64,
@@ -29,6 +29,7 @@ impl Sample {
         Ok(Calibration::load(&paths[0], &HINTS)?.rig)
     }
 
+    /// The camera with a fisheye lens.
     fn fisheye(&self) -> Camera {
         let rig = self.load().unwrap_or_else(|e| panic!("{e}"));
         let found = rig.cameras().iter().find(|camera| matches!(camera.lens(), Lens::Fisheye(_)));
@@ -36,7 +37,7 @@ impl Sample {
     }
 }
 
-/// The samples of the formats with these coefficients, in as many of each as there are numbers.
+/// One sample per format with a list of coefficients, which may have any length.
 fn samples(coefficients: &[f64]) -> Vec<Sample> {
     let count = coefficients.len();
     let text: Vec<_> = coefficients.iter().map(f64::to_string).collect();
@@ -44,6 +45,7 @@ fn samples(coefficients: &[f64]) -> Vec<Sample> {
     let toml = toml::tests::CAMERA
         .replace("[-0.1, 0.01, 0.0, 1e-4, 0]", &format!("[{comma}]"))
         .replace("fisheye = false", "fisheye = true");
+
     let yaml = opencv::tests::YAML
         .replace("rows: 5", &format!("rows: {count}"))
         .replace("-1.0e-01, 1.0e-02, 0., 0., 0.", &comma)
@@ -52,16 +54,19 @@ fn samples(coefficients: &[f64]) -> Vec<Sample> {
         .replace("<cols>5</cols>", &format!("<cols>{count}</cols>"))
         .replace("-0.1 0.01 0. 0. 0.", &space)
         .replace("</opencv_storage>", "<fisheye_model>1</fisheye_model>\n</opencv_storage>");
+
     let json = opencv::tests::JSON.replace("-0.1, 0.01, 0.0, 0.0, 0.0", &comma).replacen(
         '{',
         "{\n    \"fisheye\": true,",
         1,
     );
+
     let kalibr = kalibr::tests::CHAIN.replacen("-0.1, 0.01, 0.001, -0.002", &comma, 1).replacen(
         "radtan",
         "equidistant",
         1,
     );
+
     let ros = ros::tests::INFO
         .replace("plumb_bob", "equidistant")
         .replace("cols: 5", &format!("cols: {count}"))
@@ -69,9 +74,12 @@ fn samples(coefficients: &[f64]) -> Vec<Sample> {
     let message = ros::tests::MESSAGE
         .replace("rational_polynomial", "equidistant")
         .replace("0.1, 0.2, 0.0, 0.0, 0.3, 0.4, 0.5, 0.6", &comma);
+
     let pose = ("left_pose.yaml", ros::tests::POSE.to_owned());
+
     let colmap =
         colmap::tests::CAMERAS.replace("OPENCV", "OPENCV_FISHEYE").replace("-0.1 0.02 0.001 -0.002", &space);
+
     vec![
         Sample::new("rig.toml", toml, "line 6"),
         Sample::new("left.yml", yaml, "line 10"),
@@ -88,7 +96,7 @@ fn samples(coefficients: &[f64]) -> Vec<Sample> {
     ]
 }
 
-/// nerfstudio's keys have no number that could be wrong.
+/// A sample of nerfstudio's format, which has a key per coefficient.
 fn nerfstudio_sample(coefficients: [f64; 4]) -> Sample {
     let [k1, k2, k3, k4] = coefficients;
     let top = format!("\"k1\": {k1}, \"k2\": {k2}, \"k3\": {k3}, \"k4\": {k4}");
@@ -105,9 +113,9 @@ fn all_samples(coefficients: [f64; 4]) -> Vec<Sample> {
     samples
 }
 
-/// That a thousand points, pseudorandom all over the image and at depths of 0.3 to 8 m, come back when they are
-/// projected, unprojected and projected again.
-fn assert_points_come_back(camera: &Camera) {
+/// Asserts that a thousand points spread over the image, at depths of 0.3 to 8 m, return to their pixels when they are
+/// unprojected and projected, twice.
+fn assert_points_return(camera: &Camera) {
     let (width, height) = camera.size();
     // Powers of the inverse of the root of x^4 = x + 1 spread points evenly in three dimensions.
     let unit = |i: u32, power: i32| (f64::from(i) * 0.819_172_513_396_164_4_f64.powi(power)).fract();
@@ -132,9 +140,9 @@ fn every_format_gives_its_coefficients_and_pixel_centres() {
 }
 
 #[test]
-fn points_all_over_the_image_come_back_through_the_cameras_of_every_format() {
+fn unprojected_points_project_to_their_pixels_in_every_format() {
     for sample in all_samples(COEFFICIENTS) {
-        assert_points_come_back(&sample.fisheye());
+        assert_points_return(&sample.fisheye());
     }
 }
 
@@ -154,7 +162,7 @@ fn too_few_and_too_many_coefficients_are_refused_by_file_and_line() {
 
 #[test]
 fn a_model_that_folds_back_in_the_image_is_refused_by_file_and_line() {
-    // theta (1 - 2 theta^2) folds 0.27 focal lengths from the axis, the nearest border is 0.39 away.
+    // theta (1 - 2 theta^2) folds back 0.27 focal lengths from the axis; the nearest border is at 0.39.
     for sample in all_samples([-2.0, 0.0, 0.0, 0.0]) {
         assert_refused(sample.load(), &[sample.place[0], sample.place[1], "folds back inside the image"]);
     }
@@ -162,7 +170,7 @@ fn a_model_that_folds_back_in_the_image_is_refused_by_file_and_line() {
 
 #[test]
 fn an_image_of_180_degrees_is_refused_by_file_and_line() {
-    // It grows everywhere and reaches 90 degrees 0.707 focal lengths from the axis, the corners lie 0.72 away and more.
+    // The model is monotonic and reaches 90 degrees 0.707 focal lengths from the axis; the corners are beyond 0.72.
     for sample in all_samples([-0.45, 0.092, 0.0, 0.0]) {
         let parts = ["rays less than 90 degrees from its axis", "crop the images"];
         assert_refused(sample.load(), &[&sample.place, &parts[..]].concat());
@@ -179,9 +187,11 @@ fn rig_files_keep_fisheyes_and_all_counts_of_coefficients() {
         let (k, pose) = (*fisheye.intrinsics(), *fisheye.cam_from_world());
         cameras.push(Camera::new(count.to_string(), fisheye.size(), k, lens, pose).unwrap());
     }
+
     let rig = Rig::new(cameras).unwrap();
     let text = rig.to_toml();
     assert_eq!(text.matches("fisheye = true").count(), 1);
+
     let again = Rig::from_toml(&text).unwrap();
     for (before, after) in rig.cameras().iter().zip(again.cameras()) {
         assert_eq!(before.lens(), after.lens(), "{}", before.name());
@@ -193,7 +203,7 @@ fn rig_files_keep_fisheyes_and_all_counts_of_coefficients() {
 }
 
 #[test]
-fn a_fisheye_without_its_coefficients_is_no_pinhole() {
+fn a_fisheye_without_coefficients_is_refused() {
     let yaml = opencv::tests::YAML.replace("distortion_coefficients", "others") + "fisheye_model: 1\n";
     let sample = Sample::new("left.yml", yaml, "line 20");
     assert_refused(
@@ -203,7 +213,7 @@ fn a_fisheye_without_its_coefficients_is_no_pinhole() {
 }
 
 #[test]
-fn what_says_neither_fisheye_nor_not_is_refused() {
+fn a_fisheye_mark_that_is_neither_on_nor_off_is_refused() {
     let yaml = opencv::tests::YAML.to_owned() + "fisheye_model: 3\n";
     let sample = Sample::new("left.yml", yaml, "");
     assert_refused(sample.load(), &["left.yml", "`fisheye_model`: expected 1 or true for a fisheye"]);
@@ -212,7 +222,7 @@ fn what_says_neither_fisheye_nor_not_is_refused() {
 }
 
 #[test]
-fn a_file_of_several_cameras_says_fisheye_once_or_camera_by_camera() {
+fn fisheyes_are_marked_once_per_file_or_per_camera() {
     let camera =
         "{K: [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]], D: [0.01, 0, 0, 0], R: [0, 0, 0], T: [0, 0, 3]";
     let is_fisheye = |text: String| {
@@ -224,7 +234,7 @@ fn a_file_of_several_cameras_says_fisheye_once_or_camera_by_camera() {
 }
 
 #[test]
-fn nerfstudios_two_words_for_a_fisheye_have_to_agree() {
+fn nerfstudios_two_marks_of_a_fisheye_have_to_agree() {
     let sample = |old: &str, new: &str| {
         let text = nerfstudio_sample(COEFFICIENTS).files.remove(0).1.replace(old, new);
         Sample::new("transforms.json", text, "")
@@ -233,13 +243,14 @@ fn nerfstudios_two_words_for_a_fisheye_have_to_agree() {
     assert_eq!(sample(model, "\"is_fisheye\": true").fisheye().lens().coefficients(), COEFFICIENTS);
     let both = format!("{model}, \"is_fisheye\": true");
     assert_eq!(sample(model, &both).fisheye().lens().coefficients(), COEFFICIENTS);
+
     let contradiction = format!("{model}, \"is_fisheye\": false");
     assert_refused(sample(model, &contradiction).load(), &["line 2, `is_fisheye`", "found OPENCV_FISHEYE"]);
     assert_refused(sample("\"k3\"", "\"p1\"").load(), &["line 3, `p1`", "expected a lens of k1, k2, k3, k4"]);
 }
 
 #[test]
-fn colmaps_radial_fisheyes_are_opencvs_with_fewer_coefficients() {
+fn colmaps_radial_fisheyes_are_opencvs_fisheyes_with_fewer_coefficients() {
     for (name, parameters, expected) in [
         ("SIMPLE_RADIAL_FISHEYE", "0.1", [0.1, 0.0, 0.0, 0.0]),
         ("RADIAL_FISHEYE", "0.1 -0.02", [0.1, -0.02, 0.0, 0.0]),

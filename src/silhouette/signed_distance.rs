@@ -26,7 +26,7 @@ const NONE: i32 = 1 << 30;
 /// have -0.5 and 0.5. Coverage makes no difference except by which pixels are subject.
 ///
 /// The nearest pixel may lie outside the rectangle that is measured. With [`Border::Background`] it may be background
-/// beyond the image. With [`Border::Open`] the image's border is no edge: pixels beyond it count as subject, but are
+/// beyond the image. With [`Border::Unknown`] the image's border is no edge: pixels beyond it count as subject, but are
 /// the nearest subject of no pixel.
 ///
 /// Where there is no pixel of the other kind, the distance is [`f32::INFINITY`] for background (an empty mask) and
@@ -38,7 +38,7 @@ const NONE: i32 = 1 << 30;
 ///
 /// // The left half of the image is subject.
 /// let mask = GrayImage::from_fn(8, 8, |i, _| Luma([if i < 4 { 255 } else { 0 }]));
-/// let silhouette = Silhouette::new(&mask, Border::Open);
+/// let silhouette = Silhouette::new(&mask, Border::Unknown);
 /// let distance = silhouette.signed_distance(&silhouette.image());
 /// assert_eq!((distance.at(0, 3), distance.at(3, 3), distance.at(4, 3), distance.at(6, 3)), (-3.5, -0.5, 0.5, 2.5));
 /// assert_eq!(distance.sample(4.0, 3.5), 0.0, "the edge lies between the pixels");

@@ -6,10 +6,11 @@ use crate::hull::{EdgeModel, Hull};
 use crate::sample::Samples;
 use nalgebra::Isometry3;
 
-/// The paper's response of a body (section 5): the mean of its colliding samples' responses gives the direction, the
-/// longest exit along it the length. Where the responses cancel out, the deepest sample's stands in.
+/// The paper's response of a body (section 5). Its direction is the mean of the responses of the samples inside the hull,
+/// or the response of the deepest sample where these cancel out. Its length is the longest exit of these samples along
+/// that direction.
 ///
-/// Many bodies are sooner answered together, by [`body_responses`].
+/// [`body_responses`] is faster for more than one body.
 pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64>) -> BodyResponse {
     let mut response = [BodyResponse::NONE];
     let body = SampledBody { samples: body, hull_from_body: *hull_from_body, last_escape: None };
@@ -18,21 +19,22 @@ pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64
     response
 }
 
-/// The [`body_response`] of each of `bodies`, in their order, written to `responses`, whose memory is used again.
+/// Computes the [`body_response`] of each of `bodies` and writes them to `responses` in the order of the bodies. The
+/// memory of `responses` is reused.
 ///
-/// With the feature `threads` the bodies are shared out among the threads of rayon's current pool. No body's response
-/// depends on another's.
+/// With the feature `threads` the bodies are divided among the threads of rayon's current pool. The response of a body
+/// does not depend on the other bodies.
 pub fn body_responses(hull: &Hull, bodies: &[SampledBody], responses: &mut Vec<BodyResponse>) {
     responses.clear();
     responses.resize(bodies.len(), BodyResponse::NONE);
     share_out(bodies, responses, &|bodies, responses| respond_on_thread(responses, hull, bodies));
 }
 
-/// Writes the responses of `bodies`, where they touch, to their places.
+/// Writes the responses of those of `bodies` that touch the hull to their elements of `responses`.
 fn respond_on_thread(responses: &mut [BodyResponse], hull: &Hull, bodies: &[SampledBody]) {
     ContactPipeline::with_scratch(|pipeline| {
         pipeline.collect_penetrating(hull, bodies, EdgeModel::Pixel, usize::MAX);
         pipeline.group_by_mean_response(hull);
-        pipeline.each_response(hull, |place, response| responses[place] = response);
+        pipeline.each_response(hull, |body, response| responses[body] = response);
     });
 }

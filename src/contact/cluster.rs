@@ -1,50 +1,55 @@
-//! Penetrating samples with like exit directions, told apart with the help of the body's own normals.
+//! Clusters of penetrating samples with similar exit directions, found with the help of the body's own normals.
 //!
-//! A box set deep into a table has samples on its lower rim whose nearest exit is sideways. The box's normals say
-//! that they belong to its underside: a sample is *supported* when its exit direction runs against the body's outward
-//! normal, and only supported samples found clusters.
+//! A box that is deep in a table has samples on its lower rim whose nearest exit is sideways. The box's normals show
+//! that these samples belong to its underside: a sample is *supported* when its exit direction runs against the body's
+//! outward normal, and only supported samples start clusters.
 
 use super::PenetratingSample;
 use super::tuning::{DIRECTION_WEIGHT, JOIN_COSINE, SUPPORTED_COSINE};
 use nalgebra::Vector3;
 
-/// Samples that leave the hull together, each along its cluster's direction.
+/// The clusters of one body's penetrating samples. Samples are named by their indices among these.
 #[derive(Debug, Default)]
 pub(super) struct Clusters {
     clusters: Vec<Cluster>,
-    /// The cluster of each sample, by its place; `None` where it fits none.
+    /// The cluster of each sample; `None` if the sample fits none.
     of_sample: Vec<Option<usize>>,
-    /// Places of the supported samples, the deepest first.
+    /// The supported samples, the deepest first.
     supported: Vec<usize>,
 }
 
+/// Samples that leave the hull in one direction.
 #[derive(Debug)]
 struct Cluster {
+    /// Sum of the members' exit vectors, in metres.
     sum: Vector3<f64>,
-    /// The direction of V, the mean of the members' exit vectors.
+    /// Unit direction of V, the mean of the members' exit vectors.
     direction: Vector3<f64>,
-    /// Index of the view that gave the direction of its deepest sample; none where no sample gave it.
+    /// Index of the view that gave the direction of the deepest sample; `None` if no sample gave the direction.
     view: Option<usize>,
 }
 
 impl Clusters {
-    /// Finds the clusters of the supported samples, the one with the deepest sample first, joined by the unsupported
-    /// ones that fit; none where no sample is supported. Asks no depth of unsupported ones.
+    /// Finds the clusters of the supported samples, the one with the deepest sample first, and adds the unsupported
+    /// samples that fit. There are no clusters if no sample is supported. The depths of unsupported samples are not used.
     pub(super) fn find(&mut self, penetrating: &[PenetratingSample]) {
         self.clusters.clear();
         self.supported.clear();
-        for (place, sample) in penetrating.iter().enumerate() {
+        for (index, sample) in penetrating.iter().enumerate() {
             if is_supported(sample) {
-                self.supported.push(place);
+                self.supported.push(index);
             }
         }
-        let depth = |place: usize| penetrating[place].depth;
+        let depth = |index: usize| penetrating[index].depth;
         self.supported.sort_unstable_by(|&a, &b| depth(b).total_cmp(&depth(a)).then(a.cmp(&b)));
+
+        // In order of depth, so that the deepest sample starts the first cluster.
         self.of_sample.clear();
         self.of_sample.resize(penetrating.len(), None);
-        for &place in &self.supported {
-            self.of_sample[place] = Some(join_or_found(&mut self.clusters, &penetrating[place]));
+        for &index in &self.supported {
+            self.of_sample[index] = Some(join_or_create(&mut self.clusters, &penetrating[index]));
         }
+
         for (sample, cluster) in penetrating.iter().zip(&mut self.of_sample) {
             if cluster.is_none() {
                 *cluster = best_cluster_for(&self.clusters, sample);
@@ -52,24 +57,25 @@ impl Clusters {
         }
     }
 
-    /// All samples in one cluster, to leave along `direction`.
-    pub(super) fn put_together(&mut self, penetrating: &[PenetratingSample], direction: &Vector3<f64>) {
+    /// Puts all samples into one cluster that leaves along `direction`.
+    pub(super) fn merge_into_one(&mut self, penetrating: &[PenetratingSample], direction: &Vector3<f64>) {
         self.clusters.clear();
         self.clusters.push(Cluster { sum: *direction, direction: direction.normalize(), view: None });
         self.of_sample.clear();
         self.of_sample.resize(penetrating.len(), Some(0));
     }
 
+    /// Whether there are no clusters.
     pub(super) fn is_empty(&self) -> bool {
         self.clusters.is_empty()
     }
 
-    /// The clusters' directions, and the views that gave those of their deepest samples.
+    /// The direction of each cluster, and the view that gave the direction of its deepest sample.
     pub(super) fn directions(&self) -> impl Iterator<Item = (Vector3<f64>, Option<usize>)> {
         self.clusters.iter().map(|cluster| (cluster.direction, cluster.view))
     }
 
-    /// The samples of a cluster, in their order.
+    /// The samples of a cluster, in their order in `penetrating`.
     pub(super) fn members<'a>(
         &'a self,
         cluster: usize,
@@ -80,33 +86,38 @@ impl Clusters {
     }
 }
 
-/// The cluster that a supported sample belongs to, which may be its own.
-fn join_or_found(clusters: &mut Vec<Cluster>, sample: &PenetratingSample) -> usize {
+/// Adds a supported sample to the cluster with the nearest direction, or to a new one if none is near enough. Returns
+/// the cluster's index.
+fn join_or_create(clusters: &mut Vec<Cluster>, sample: &PenetratingSample) -> usize {
     let direction = &sample.direction;
     let cosines = clusters.iter().map(|cluster| cluster.direction.dot(direction));
-    let joined = first_greatest(cosines).filter(|(_, cosine)| *cosine >= JOIN_COSINE);
-    let joined = joined.map_or(clusters.len(), |(nearest, _)| nearest);
-    if joined == clusters.len() {
+    let nearest = first_greatest(cosines).filter(|(_, cosine)| *cosine >= JOIN_COSINE);
+
+    let index = nearest.map_or(clusters.len(), |(nearest, _)| nearest);
+    if index == clusters.len() {
         let (sum, direction) = (Vector3::zeros(), Vector3::zeros());
         clusters.push(Cluster { sum, direction, view: Some(sample.view) });
     }
-    let cluster = &mut clusters[joined];
+
+    let cluster = &mut clusters[index];
     cluster.sum += direction * (sample.depth + DIRECTION_WEIGHT);
     cluster.direction = cluster.sum.normalize();
-    joined
+    index
 }
 
-/// The cluster that an unsupported sample fits best, if any.
+/// The cluster whose direction runs most against the body's normal at an unsupported sample, if the sample would be
+/// supported in that direction.
 fn best_cluster_for(clusters: &[Cluster], sample: &PenetratingSample) -> Option<usize> {
     let against = clusters.iter().map(|cluster| -cluster.direction.dot(&sample.normal));
-    first_greatest(against).filter(|(_, against)| -against <= SUPPORTED_COSINE).map(|(nearest, _)| nearest)
+    first_greatest(against).filter(|(_, against)| -against <= SUPPORTED_COSINE).map(|(best, _)| best)
 }
 
-/// Whether a sample's exit direction runs against the body's normal there, as far as that is known.
+/// Whether a sample's exit direction runs against the body's normal, or the normal is not known.
 pub(super) fn is_supported(sample: &PenetratingSample) -> bool {
     sample.normal == Vector3::zeros() || sample.direction.dot(&sample.normal) <= SUPPORTED_COSINE
 }
 
+/// Index and value of the greatest of `values`, the first among equals.
 fn first_greatest(values: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
     values.enumerate().reduce(|best, next| if next.1 > best.1 { next } else { best })
 }

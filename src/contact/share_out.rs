@@ -1,48 +1,49 @@
-//! Bodies shared out among threads.
+//! Division of a list of bodies among threads.
 
 use super::SampledBody;
 
-/// Runs `work` on `bodies` and the places of their answers: with the feature `threads` in parts, on the threads of
-/// rayon's current pool.
+/// Runs `work` on parts of `bodies` and their `results`, on the threads of rayon's current pool.
 #[cfg(feature = "threads")]
 pub(super) fn share_out<T: Send>(
     bodies: &[SampledBody],
-    answers: &mut [T],
+    results: &mut [T],
     work: &(impl Fn(&[SampledBody], &mut [T]) + Sync),
 ) {
-    /// Fewer bodies fill the lanes too badly to be worth a part of their own.
-    const LEAST: usize = 32;
-    /// Parts a thread: enough that none waits long for the last ones.
+    /// Smallest number of bodies in a part. Fewer leave too many lanes of a batch empty.
+    const MIN_BODIES: usize = 32;
+    /// Parts per thread: enough that no thread idles for long at the end.
     const PARTS: usize = 4;
-    let least = (bodies.len() / (PARTS * rayon::current_num_threads())).max(LEAST);
-    if rayon::current_num_threads() == 1 || bodies.len() < 2 * LEAST {
-        return work(bodies, answers);
+
+    let threads = rayon::current_num_threads();
+    if threads == 1 || bodies.len() < 2 * MIN_BODIES {
+        return work(bodies, results);
     }
-    halve(bodies, answers, least, work);
+    let min_bodies = (bodies.len() / (PARTS * threads)).max(MIN_BODIES);
+    halve(bodies, results, min_bodies, work);
 }
 
-/// Runs `work` on halves of halves, down to parts of less than twice `least` bodies.
+/// Divides `bodies` recursively into parts of fewer than `2 * min_bodies`, and runs `work` on each.
 #[cfg(feature = "threads")]
 fn halve<T: Send>(
     bodies: &[SampledBody],
-    answers: &mut [T],
-    least: usize,
+    results: &mut [T],
+    min_bodies: usize,
     work: &(impl Fn(&[SampledBody], &mut [T]) + Sync),
 ) {
-    if bodies.len() < 2 * least {
-        return work(bodies, answers);
+    if bodies.len() < 2 * min_bodies {
+        return work(bodies, results);
     }
     let (left, right) = bodies.split_at(bodies.len() / 2);
-    let (of_left, of_right) = answers.split_at_mut(left.len());
-    rayon::join(|| halve(left, of_left, least, work), || halve(right, of_right, least, work));
+    let (of_left, of_right) = results.split_at_mut(left.len());
+    rayon::join(|| halve(left, of_left, min_bodies, work), || halve(right, of_right, min_bodies, work));
 }
 
-/// Runs `work` on `bodies` and the places of their answers: without the feature `threads`, at once.
+/// Runs `work` on all `bodies` and their `results`, on the calling thread.
 #[cfg(not(feature = "threads"))]
 pub(super) fn share_out<T>(
     bodies: &[SampledBody],
-    answers: &mut [T],
+    results: &mut [T],
     work: &impl Fn(&[SampledBody], &mut [T]),
 ) {
-    work(bodies, answers);
+    work(bodies, results);
 }

@@ -1,4 +1,4 @@
-//! Contacts on the hull of a box that is the box, so that a contact's place, direction and depth are known.
+//! Contacts on a hull that equals the box it was made from, so that their points, directions and depths are known.
 
 use super::*;
 use crate::hull::{Aabb, Unseen, View};
@@ -8,10 +8,10 @@ use crate::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
 use nalgebra::{UnitQuaternion, point, vector};
 use std::sync::{Arc, LazyLock};
 
-/// A pixel of the rig here at the table, in metres: 0.45 rad over 640 pixels at about 3 m.
+/// Size of a pixel at the table, in metres: 0.45 rad over 640 pixels at a distance of about 3 m.
 const PIXEL: f64 = 0.0022;
 
-/// A table of 0.5 x 0.5 x 0.4 m around the origin, seen with coverage. Drawn once for all tests.
+/// The hull of a table of 0.5 x 0.5 x 0.4 m around the origin, from masks with coverage. It is drawn once for all tests.
 fn table() -> &'static Hull {
     static TABLE: LazyLock<Hull> = LazyLock::new(draw_table);
     &TABLE
@@ -22,6 +22,7 @@ fn draw_table() -> Hull {
     let placed =
         Placed::new(Solid::cuboid(lengths).unwrap(), Isometry3::identity(), Texture::plain([200, 60, 40]));
     let subject = Subject::new(vec![placed]);
+
     let cameras = layout::face_on(lengths, &Isometry3::identity(), 2.8, 0.2, (640, 480), 0.45).unwrap();
     let view = |camera| {
         let silhouette = Silhouette::new(&coverage(&camera, &subject), Border::Background);
@@ -43,7 +44,7 @@ fn contacts(body: &Samples, pose: &Isometry3<f64>) -> Vec<Contact> {
     collide(table(), body, pose, &Settings::default(), None).contacts().collect()
 }
 
-/// A box turned a little about z stands 5 mm deep in the top at (0.03, -0.02).
+/// The pose in which the cube stands 5 mm deep in the table's top at (0.03, -0.02), rotated a little about z.
 fn standing() -> Isometry3<f64> {
     at(0.03, -0.02, 0.295) * UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3)
 }
@@ -53,10 +54,11 @@ fn a_box_on_the_table_is_pushed_straight_up_at_its_corners() {
     let found = contacts(&cube(), &standing());
     assert_eq!(found.len(), 8);
     for contact in &found {
-        // Two degrees: what coverage normals are good for; a third of a pixel of depth.
+        // Coverage normals are accurate to two degrees, coverage edges to a third of a pixel.
         assert!(contact.direction.angle(&Vector3::z()) < 0.035, "{contact:?}");
         assert!((contact.depth - 0.005).abs() < 0.33 * PIXEL, "{contact:?}");
     }
+
     for (x, y) in [(-0.1, -0.1), (-0.1, 0.1), (0.1, -0.1), (0.1, 0.1)] {
         let corner = standing() * point![x, y, -0.1];
         assert!(found.iter().any(|contact| (contact.point - corner).norm() < 1e-9), "no contact at {corner}");
@@ -65,7 +67,7 @@ fn a_box_on_the_table_is_pushed_straight_up_at_its_corners() {
 
 #[test]
 fn a_deep_rim_does_not_push_sideways() {
-    // Set 4 cm deep, half over the edge: the lower rim's nearest exit is at the table's side.
+    // The cube is 4 cm deep and half over the edge: the nearest exit of its lower rim is at the table's side.
     let found = contacts(&cube(), &at(0.24, 0.0, 0.26));
     let up = found.iter().filter(|contact| contact.direction.z > 0.95).count();
     assert!(up >= 4, "{found:?}");
@@ -75,14 +77,14 @@ fn a_deep_rim_does_not_push_sideways() {
 }
 
 #[test]
-fn a_box_at_the_side_is_pushed_off_sideways() {
+fn a_box_at_the_side_is_pushed_sideways() {
     let found = contacts(&cube(), &at(0.346, 0.01, 0.0));
     assert!(!found.is_empty());
     assert!(found.iter().all(|contact| contact.direction.angle(&Vector3::x()) < 0.035), "{found:?}");
 }
 
 #[test]
-fn depth_is_capped_but_in_paper_mode() {
+fn depth_is_capped_except_in_paper_mode() {
     let deep = at(0.0, 0.0, 0.15);
     let hull = table();
     let deepest = |mode| {
@@ -117,22 +119,23 @@ fn a_lying_cylinder_touches_at_both_rims() {
 }
 
 #[test]
-fn a_swallowed_box_is_led_out_the_nearest_way() {
+fn a_swallowed_box_is_pushed_to_the_nearest_exit() {
     let tiny = sample::box_(vector![0.04, 0.04, 0.04], 0.03).unwrap();
     let found = contacts(&tiny, &at(0.05, 0.02, 0.12));
     assert!(!found.is_empty() && found.iter().all(|contact| contact.direction.z > 0.95), "{found:?}");
 }
 
 #[test]
-fn a_pierced_body_is_led_out_one_way_and_keeps_it() {
-    // The table stands through a wide plate: no sample's exit direction runs against the plate's own normal.
+fn a_pierced_body_leaves_in_one_direction_and_keeps_it() {
+    // The table sticks out of a wide plate on both sides: no sample's exit direction runs against the plate's normal.
     let plate = sample::box_(vector![0.8, 0.8, 0.2], 0.05).unwrap();
     let (hull, settings) = (table(), Settings::default());
     let first = collide(hull, &plate, &at(0.0, 0.0, 0.0), &settings, None);
-    let way = first.escape.expect("none of its samples is supported");
-    assert!(way.angle(&Vector3::z()) < 0.1, "up is shortest: {way}");
-    assert!(first.contacts().all(|contact| contact.direction == way));
-    // Another way stays preferred once taken, unless it is more than three times as long.
+    let escape = first.escape.expect("no sample is supported");
+    assert!(escape.angle(&Vector3::z()) < 0.1, "up is the shortest exit: {escape}");
+    assert!(first.contacts().all(|contact| contact.direction == escape));
+
+    // The last step's direction is kept, unless its exit is more than three times as long as the shortest.
     let second = collide(hull, &plate, &at(0.0, 0.0, 0.0), &settings, Some(Vector3::x()));
     assert_eq!(second.escape, Some(Vector3::x()));
 }
@@ -145,13 +148,14 @@ fn a_body_that_reaches_over_the_table_rests_on_it() {
 }
 
 #[test]
-fn reduction_keeps_the_deepest_and_the_spread_whatever_the_cap() {
+fn reduction_keeps_a_deep_point_and_the_spread_for_every_cap() {
     let hull = table();
     let tilted = at(0.0, 0.0, 0.293) * UnitQuaternion::from_euler_angles(0.001, 0.002, 0.0);
     let with_cap = |cap| {
         let settings = Settings { max_contacts: cap, ..Settings::default() };
         collide(hull, &cube(), &tilted, &settings, None).contacts().collect::<Vec<_>>()
     };
+
     let all = with_cap(10_000);
     let deepest = all.iter().map(|contact| contact.depth).fold(0.0, f64::max);
     for cap in 1..12 {
@@ -160,35 +164,38 @@ fn reduction_keeps_the_deepest_and_the_spread_whatever_the_cap() {
         assert!(kept[0].depth >= 0.8 * deepest);
         assert!(kept.iter().all(|contact| all.contains(contact)));
     }
+
     let four = with_cap(4);
     let spread =
         four.iter().flat_map(|a| four.iter().map(move |b| (a.point - b.point).norm())).fold(0.0, f64::max);
-    assert!(spread > 0.27, "the base's diagonal of 0.28 m is kept: {spread}");
+    assert!(spread > 0.27, "expected nearly the base's diagonal of 0.28 m, found {spread}");
 }
 
 #[test]
-fn the_choice_of_samples_does_not_flicker_while_a_box_trembles() {
+fn the_choice_of_samples_does_not_flicker_while_a_box_jitters() {
     let (hull, body) = (table(), cube());
-    let chosen = |tremble: f64| -> Vec<Point3<f64>> {
-        // At rest 3 mm deep; a tremble of 20 micrometres and of as many microradians.
-        let pose = at(0.03 + tremble, -0.02, 0.297 - tremble)
-            * UnitQuaternion::from_euler_angles(tremble, -0.5 * tremble, 0.3);
+    let chosen = |jitter: f64| -> Vec<Point3<f64>> {
+        // The box rests 3 mm deep and jitters by up to 20 micrometres and 20 microradians.
+        let pose = at(0.03 + jitter, -0.02, 0.297 - jitter)
+            * UnitQuaternion::from_euler_angles(jitter, -0.5 * jitter, 0.3);
         let found = collide(hull, &body, &pose, &Settings::default(), None);
         found.points.iter().map(|point| pose.inverse_transform_point(&point.point)).collect()
     };
-    let still = chosen(0.0);
-    for tremble in [-2e-5, -7e-6, 3e-6, 1e-5, 2e-5] {
-        let now = chosen(tremble);
-        assert_eq!(now.len(), still.len());
-        assert!(now.iter().zip(&still).all(|(a, b)| (a - b).norm() < 1e-9), "{now:?}\n{still:?}");
+
+    let at_rest = chosen(0.0);
+    for jitter in [-2e-5, -7e-6, 3e-6, 1e-5, 2e-5] {
+        let jittered = chosen(jitter);
+        assert_eq!(jittered.len(), at_rest.len());
+        let is_close = jittered.iter().zip(&at_rest).all(|(a, b)| (a - b).norm() < 1e-9);
+        assert!(is_close, "{jittered:?}\n{at_rest:?}");
     }
 }
 
 #[test]
-fn the_same_question_has_the_same_bits_as_answer() {
+fn equal_queries_give_equal_bits() {
     let hull = table();
-    let ask = || collide(hull, &cube(), &standing(), &Settings::default(), None);
-    assert_eq!(ask(), ask());
+    let query = || collide(hull, &cube(), &standing(), &Settings::default(), None);
+    assert_eq!(query(), query());
 }
 
 #[test]
@@ -199,9 +206,10 @@ fn the_body_response_moves_the_body_out() {
         let response = body_response(hull, &cube(), &pose);
         assert!(response.colliding > 0);
         let moved = Isometry3::translation(response.vector.x, response.vector.y, response.vector.z) * pose;
-        let left = cube().points().iter().filter(|s| hull.inside(&(moved * s.point))).count();
-        // Rounding may leave samples on the last pixel's side.
-        assert!(left <= response.colliding / 50, "{left} of {} still inside", response.colliding);
+        let remaining = cube().points().iter().filter(|s| hull.inside(&(moved * s.point))).count();
+
+        // Rounding may leave samples just inside the last pixel.
+        assert!(remaining <= response.colliding / 50, "{remaining} of {} still inside", response.colliding);
     }
 }
 
@@ -218,20 +226,23 @@ fn shapes() -> [BodyShape; 5] {
 }
 
 #[test]
-fn bodies_get_the_same_contacts_side_by_side_as_alone() {
+fn bodies_get_the_same_contacts_in_a_batch_as_alone() {
     let hull = table();
     let plate = sample::box_(vector![0.8, 0.8, 0.2], 0.05).unwrap();
     let all: Vec<_> = shapes().iter().map(|shape| shape.sample(0.03).unwrap()).chain([plate]).collect();
     let escapes = [None, Some(Vector3::x()), None];
+
+    // Bodies of all shapes in and above the table, and one without a finite pose at index 40.
     let body = |k: usize| {
         let (x, y) = (0.1 * (k % 7) as f64 - 0.3, 0.07 * (k % 9) as f64 - 0.3);
-        let turned = UnitQuaternion::from_euler_angles(0.2 * k as f64, 0.1 * k as f64, 0.0);
-        let hull_from_body = at(x, y, 0.05 * (k % 8) as f64) * turned;
+        let rotation = UnitQuaternion::from_euler_angles(0.2 * k as f64, 0.1 * k as f64, 0.0);
+        let hull_from_body = at(x, y, 0.05 * (k % 8) as f64) * rotation;
         SampledBody { samples: &all[k % all.len()], hull_from_body, last_escape: escapes[k % 3] }
     };
-    let lost = SampledBody { hull_from_body: at(f64::NAN, 0.0, 0.0), ..body(0) };
-    let bodies: Vec<_> = (0..40).map(body).chain([lost]).chain((40..80).map(body)).collect();
-    // Whatever was in it before.
+    let not_finite = SampledBody { hull_from_body: at(f64::NAN, 0.0, 0.0), ..body(0) };
+    let bodies: Vec<_> = (0..40).map(body).chain([not_finite]).chain((40..80).map(body)).collect();
+
+    // The earlier contents of the list must not matter.
     let mut found = vec![BodyContacts { escape: Some(Vector3::y()), ..BodyContacts::default() }; 100];
     for (mode, max_contacts) in
         [(Mode::Clustered, 8), (Mode::Clustered, 3), (Mode::Paper, 8), (Mode::Point, 8), (Mode::Single, 8)]
@@ -239,20 +250,18 @@ fn bodies_get_the_same_contacts_side_by_side_as_alone() {
         let settings = Settings { mode, max_contacts, ..Settings::default() };
         collide_many(hull, &bodies, &settings, &mut found);
         assert_eq!(found.len(), bodies.len());
-        let mut escapes = 0;
-        for (k, (found, SampledBody { samples, hull_from_body, last_escape })) in
-            found.iter().zip(&bodies).enumerate()
-        {
-            assert_eq!(
-                *found,
-                collide(hull, samples, hull_from_body, &settings, *last_escape),
-                "{k}, {mode:?}"
-            );
-            escapes += usize::from(found.escape.is_some());
+
+        for (k, (found, body)) in found.iter().zip(&bodies).enumerate() {
+            let SampledBody { samples, hull_from_body, last_escape } = body;
+            let alone = collide(hull, samples, hull_from_body, &settings, *last_escape);
+            assert_eq!(*found, alone, "{k}, {mode:?}");
         }
+
+        // The bodies cover all cases: many touch, and some are swallowed or pierced.
         assert!(found.iter().filter(|found| !found.points.is_empty()).count() > 40);
-        assert!((escapes > 0) == (mode == Mode::Clustered), "{escapes}");
         assert!(found[40].points.is_empty());
+        let escapes = found.iter().filter(|found| found.escape.is_some()).count();
+        assert!((escapes > 0) == (mode == Mode::Clustered), "{escapes}");
     }
 }
 
@@ -266,12 +275,11 @@ fn every_shape_on_the_table_is_pushed_up() {
             let found = collide(hull, &samples, &at(0.0, 0.01, 0.296), &settings, None);
             let found: Vec<_> = found.contacts().collect();
             assert!(!found.is_empty(), "{shape:?} {mode:?}");
-            // The paper's 5x5 normals are off by up to 6.6 degrees, and more in single samples.
-            let most = if mode == Mode::Clustered { 0.035 } else { 0.4 };
-            assert!(
-                found.iter().all(|c| c.direction.angle(&Vector3::z()) < most),
-                "{shape:?} {mode:?} {found:?}"
-            );
+
+            // The paper's 5x5 normals are biased by up to 6.6 degrees, and single ones deviate by more.
+            let tolerance = if mode == Mode::Clustered { 0.035 } else { 0.4 };
+            let is_up = |contact: &Contact| contact.direction.angle(&Vector3::z()) < tolerance;
+            assert!(found.iter().all(is_up), "{shape:?} {mode:?} {found:?}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! One bit a pixel: 64 pixels of a row are looked at together.
 
-// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+// Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
 use super::Rect;

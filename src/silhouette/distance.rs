@@ -1,51 +1,56 @@
-//! The exact Chebyshev distance from each subject pixel to the nearest background pixel.
+//! The exact Chebyshev distance from each subject pixel to the nearest background pixel, by two raster passes (Rosenfeld
+//! and Pfaltz 1966).
 //!
 //! ```text
-//!        \ | /        a background pixel nearer in height than in width is reached by rows alone, through one of
-//!     ----   ----     the three pixels above or below; any other first along its own row
+//!        \ | /        the nearest background pixel lies either in the pixel's own row, or is reached through one of
+//!     ----   ----     the three pixels above or one of the three pixels below
 //!        / | \
 //! ```
 //!
-//! So the distance is the smaller of the way along the row and one more than the least of three neighbours, carried
-//! down and then up. Within a row no pixel waits for another, and a row is a few vector instructions. The way along a
-//! row comes from two ramps, one that rises from where a run of subject pixels begins and one that falls to its end.
+//! So the distance is the smaller of the distance along the row and one more than the least distance of three neighbours;
+//! the neighbours above are used in a pass downwards, those below in a pass upwards. No pixel depends on another pixel of
+//! its row, so a row takes a few vector instructions. The distances along a row are the minimum of two ramps, one that
+//! rises from the first pixel of a run of subject pixels and one that falls to its last.
 
-// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+// Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
 use super::mask_crop::{MARGIN, MaskCrop, WORD, Word};
 use super::occupancy::{Occupancy, OccupancyLookup};
 use crate::math::vectorised;
 
-/// The distance where no background exists: an open border and a silhouette without an edge.
+/// The distance where there is no background at all: in a mask that is all subject, with an unknown border.
 pub(crate) const NO_EDGE: u16 = u16::MAX;
 
-/// Distances over a region, in a byte each where they fit.
+/// Chebyshev distances over a crop in pixels, row-major, in one byte each where they fit.
 #[derive(Debug, Default)]
 pub(super) struct DistanceTable {
-    /// Distances up to 254, four a word as they lie in memory; 255 stands for more.
+    /// Distances up to 254, four per word in the order of memory; 255 stands for all above.
     narrow: Vec<u32>,
-    /// All distances, where any is larger than 254; else empty.
+    /// All distances if any is larger than 254; otherwise empty.
     wide: Vec<u16>,
 }
 
 impl DistanceTable {
-    pub(super) fn fill(&mut self, region: &MaskCrop, tiles: &Occupancy) {
-        let (width, height) = (region.rect().width(), region.rect().height());
+    /// Computes the distances of `crop`, whose `occupancy` lets it skip empty parts.
+    pub(super) fn fill(&mut self, crop: &MaskCrop, occupancy: &Occupancy) {
+        let (width, height) = (crop.rect().width(), crop.rect().height());
         let bits = SubjectRows {
-            subject: region.subject(),
-            words: region.words(),
+            subject: crop.subject(),
+            words: crop.words(),
             width,
-            is_open: region.is_open(),
-            occupancy: tiles.lookup(),
+            is_open: crop.is_open(),
+            occupancy: occupancy.lookup(),
         };
+
         self.wide.clear();
         if width == 0 {
             return self.narrow.clear();
         }
         self.narrow.resize((width * height + SKEWED_WIDTH) / FOUR, 0);
         transform_narrow(&bits, bytemuck::cast_slice_mut(&mut self.narrow));
-        // Between two sides that are background nothing is farther away than half their distance.
+
+        // Between two sides of background no distance exceeds half of their separation.
         let may_be_deep = bits.is_open || width.min(height) / 2 >= usize::from(u8::MAX);
         if may_be_deep && self.narrow().contains(&u8::MAX) {
             self.wide.resize(width * height + SKEWED_WIDTH, 0);
@@ -53,67 +58,70 @@ impl DistanceTable {
         }
     }
 
-    /// The distance at `index` of the region.
+    /// The distance at a row-major index of the crop; 0 beyond the end.
     #[inline(always)]
     pub(super) fn at(&self, index: usize) -> u16 {
         match self.narrow().get(index) {
             Some(&u8::MAX) => self.wide.get(index).copied().unwrap_or(NO_EDGE),
-            Some(&near) => u16::from(near),
+            Some(&distance) => u16::from(distance),
             None => 0,
         }
     }
 
-    /// The distances with 255 for all that are larger than 254.
+    /// The distances as bytes; 255 stands for all above 254. Bytes after the last row are padding.
     pub(super) fn narrow(&self) -> &[u8] {
         bytemuck::cast_slice(&self.narrow)
     }
 
-    /// The same, four a word.
+    /// [`Self::narrow`] as words of four distances.
     pub(super) fn narrow_words(&self) -> &[u32] {
         &self.narrow
     }
 
-    /// Bytes of memory behind the tables.
+    /// Bytes of memory of the tables.
     pub(super) fn working_memory(&self) -> usize {
         4 * self.narrow.capacity() + 2 * self.wide.capacity()
     }
 }
 
-/// Pixels done at once. A loop over so many is turned into vector instructions; one over few is unrolled first, and
-/// then no longer.
+/// Pixels of a row that are written at once. The compiler vectorises a loop of this length; a short one it unrolls, and
+/// then does not vectorise.
 const BLOCK: usize = 64;
 
-/// Pixels of a slanted block's row: enough that its vectors do not wait for one another.
+/// Columns of a skewed tile: enough vectors that the latency of one hides behind the others.
 const SKEWED_WIDTH: usize = 128;
 
-/// Rows of a slanted block. It may not leave the margin.
+/// Rows of a skewed tile. A tile is shifted by as many columns from its first row to its last, and the margin is this
+/// wide.
 const SKEWED_ROWS: usize = MARGIN_PX;
 
-/// Columns and rows of background on each side.
+/// Columns and rows of background on each side of a crop.
 const MARGIN_PX: usize = MARGIN as usize;
 
-/// More pixels than any distance has.
+/// Stands for the distance to an end of a run that is not known, in pixels: larger than any distance.
 const UNBOUNDED: usize = 1 << 20;
 
 /// Narrow distances in a word.
 const FOUR: usize = 4;
 
-/// Subject bits, rows of so many words.
+/// The subject bits of a crop.
 struct SubjectRows<'a> {
     occupancy: OccupancyLookup<'a>,
     subject: &'a [Word],
+    /// Words in a row.
     words: usize,
+    /// Pixels in a row.
     width: usize,
-    /// Whether its rim lies beyond an open border, instead of being background.
+    /// Whether the crop reaches beyond an unknown border, so that its rim is not all background.
     is_open: bool,
 }
 
-/// A distance's number.
+/// The integer type of a table of distances, which saturates.
 trait DistanceInt: Copy + Ord {
     const ZERO: Self;
     fn one_more(self) -> Self;
-    /// Distances along a row to the end of a run of subject pixels, for a block that begins `after` pixels behind the
-    /// run's first pixel and `before` pixels before its end.
+    /// Writes the distances of a block of pixels to the nearer end of their run of subject pixels. The block begins
+    /// `after` pixels after the run's first pixel and `before` pixels before its end.
     fn along(after: usize, before: usize, block: &mut [Self; BLOCK]);
 }
 
@@ -135,7 +143,7 @@ impl DistanceInt for u8 {
     }
 }
 
-/// 0 to 255, and 255 for a block.
+/// A ramp from 0 to 255, followed by a block of 255.
 const RISING: [u8; 256 + BLOCK] = {
     let mut ramp = [255; 256 + BLOCK];
     let mut k = 0;
@@ -146,10 +154,10 @@ const RISING: [u8; 256 + BLOCK] = {
     ramp
 };
 
-/// Where in [`FALLING`] the ramp has come down to zero.
+/// The index at which the ramp in [`FALLING`] reaches 0.
 const FALLING_END: usize = 255 + BLOCK;
 
-/// 255 for a block, 255 to 0, and 0 for a block.
+/// A block of 255, followed by a ramp from 255 to 0 and a block of 0.
 const FALLING: [u8; FALLING_END + BLOCK] = {
     let mut ramp = [0; FALLING_END + BLOCK];
     let mut k = 0;
@@ -186,17 +194,19 @@ vectorised! {
     }
 }
 
-/// Fills `table`.
+/// Computes all distances.
 #[inline(always)]
 fn transform<T: DistanceInt>(bits: &SubjectRows, table: &mut [T]) {
     let height = bits.subject.len() / bits.words;
     if bits.is_open {
         return transform_open(bits, table, height);
     }
+
     for y in 0..height {
         row_pass(bits, y, table);
     }
-    // The last group begins early where there are not enough rows: what is taken twice is the same.
+
+    // The last group of rows starts earlier if too few remain: to process a row twice changes nothing.
     let last = height - 2 - SKEWED_ROWS;
     for y in (MARGIN_PX - 1..height - MARGIN_PX).step_by(SKEWED_ROWS).map(|y| y.min(last)) {
         raster_pass(bits, table, y, 1);
@@ -206,34 +216,37 @@ fn transform<T: DistanceInt>(bits: &SubjectRows, table: &mut [T]) {
     }
 }
 
-/// Takes into [`GROUP`] rows what the row before them allows, `from`, and what each allows the next, downwards where
-/// `sign` is 1 and upwards where it is -1.
+/// Updates [`SKEWED_ROWS`] rows, each from the row before it, starting after row `from`: downwards if `sign` is 1,
+/// upwards if it is -1. The rows are processed in tiles by skewed (wavefront) tiling.
 ///
 /// ```text
-///             aaaaaaaabbbbbbbb        a: the first block; it moves left by a pixel a row, so that what a pixel waits
-///            aaaaaaaabbbbbbbb            for, the three above it, is the block's last row as it is, moved by one
-///           aaaaaaaabbbbbbbb             pixel and by two, and never leaves the processor's registers
+///             aaaaaaaabbbbbbbb        a: the first tile, b: the second one. A tile moves left by one pixel per row.
+///            aaaaaaaabbbbbbbb            The three pixels above a pixel are then in the tile's previous row, at the same
+///           aaaaaaaabbbbbbbb             offset and the two before it, and that row stays in registers.
 /// ```
 ///
-/// Blocks reach into the margin on both sides, through it into the next row, and take there what is true as well. The
-/// margin itself is background, and remains so.
+/// Tiles reach into the margins and through them into the adjacent row. The updates there are valid too, as margins are
+/// background and stay 0.
 #[inline(always)]
 fn raster_pass<T: DistanceInt>(bits: &SubjectRows, table: &mut [T], from: usize, sign: isize) {
     let width = bits.width;
     let (top, bottom) =
         if sign > 0 { (from + 1, from + 1 + SKEWED_ROWS) } else { (from - SKEWED_ROWS, from) };
     for column in (MARGIN_PX..width - MARGIN_PX + SKEWED_ROWS).step_by(SKEWED_WIDTH) {
+        // A tile of background alone needs no update.
         let (left, right) = (column - SKEWED_ROWS, column + SKEWED_WIDTH);
         if !bits.occupancy.any_occupied([left as u32, top as u32], [right as u32, bottom as u32]) {
             continue;
         }
+
+        // `row` is the tile's part of the previous row, and `before` holds the two distances to the left of it.
         let mut at = from * width + column;
         let Some(&(mut row)) = table[at..].first_chunk::<SKEWED_WIDTH>() else { return };
-        let mut left = [table[at - 1], table[at - 2]];
+        let mut before = [table[at - 1], table[at - 2]];
         for _ in 0..SKEWED_ROWS {
             at = at.wrapping_add_signed(sign * width as isize - 1);
-            let [mut one, mut two] = left;
-            left = [table[at - 1], table[at - 2]];
+            let [mut one, mut two] = before;
+            before = [table[at - 1], table[at - 2]];
             let Some(here) = table[at..].first_chunk_mut::<SKEWED_WIDTH>() else { return };
             let mut next = *here;
             for k in 0..SKEWED_WIDTH {
@@ -246,24 +259,27 @@ fn raster_pass<T: DistanceInt>(bits: &SubjectRows, table: &mut [T], from: usize,
     }
 }
 
-/// The same where the region reaches beyond an open border, and its rim is not background.
+/// Computes all distances of a crop that reaches beyond an unknown border, row by row. Its rim is not background, so that
+/// tiles must not cross it.
 #[inline(always)]
 fn transform_open<T: DistanceInt>(bits: &SubjectRows, table: &mut [T], height: usize) {
     let width = bits.width;
     for y in 0..height {
         row_pass(bits, y, table);
     }
+
     for y in 1..height {
         let (above, here) = table.split_at_mut(y * width);
         raster_row(&above[(y - 1) * width..], &mut here[..width]);
     }
+
     for y in (1..height).rev() {
         let (above, below) = table.split_at_mut(y * width);
         raster_row(&below[..width], &mut above[(y - 1) * width..]);
     }
 }
 
-/// Takes into the row `here` what the row `from`, just above or below, allows.
+/// Updates the row `here` from the row `from`, directly above or below it.
 #[inline(always)]
 fn raster_row<T: DistanceInt>(from: &[T], here: &mut [T]) {
     let last = here.len() - 1;
@@ -274,23 +290,26 @@ fn raster_row<T: DistanceInt>(from: &[T], here: &mut [T]) {
     here[last] = here[last].min(from[last].min(from[last - 1]).one_more());
 }
 
-/// Fills row `y` with distances to the nearest background pixel of the same row. What the last block writes beyond it
-/// is the next row's, which comes later.
+/// Fills row `y` with the distances to the nearest background pixel of the row. The last block may write into the next
+/// row, which is filled later.
 #[inline(always)]
 fn row_pass<T: DistanceInt>(bits: &SubjectRows, y: usize, table: &mut [T]) {
     let (width, row) = (bits.width, &bits.subject[y * bits.words..(y + 1) * bits.words]);
     let table = &mut table[y * width..];
+
     let mut end = 0;
     while end < width {
+        // The background before the next run of subject pixels.
         let start = next_bit(row, end, 0).unwrap_or(width).min(width);
         for at in (end..start).step_by(BLOCK) {
             let Some(block) = table[at..].first_chunk_mut() else { break };
             *block = [T::ZERO; BLOCK];
         }
+
+        // The run itself. At a side of the crop it continues beyond the image, where nothing is background.
         end = next_bit(row, start, Word::MAX).unwrap_or(width).min(width);
         for at in (start..end).step_by(BLOCK) {
             let Some(block) = table[at..].first_chunk_mut() else { break };
-            // A run at the region's side goes on beyond the image, where nothing is background.
             let after = if start == 0 { UNBOUNDED } else { at - start };
             let before = if end == width { UNBOUNDED } else { end - at };
             T::along(after, before, block);
@@ -298,7 +317,7 @@ fn row_pass<T: DistanceInt>(bits: &SubjectRows, y: usize, table: &mut [T]) {
     }
 }
 
-/// The first set bit of `bits ^ flip` from `from` on.
+/// The index of the first set bit of `bits ^ flip` from index `from` on.
 #[inline(always)]
 fn next_bit(bits: &[Word], from: usize, flip: Word) -> Option<usize> {
     let mut k = from / WORD;

@@ -1,15 +1,15 @@
-//! A silhouette's edge at one of its background pixels, for contacts.
+//! The edge of a silhouette at one pixel, which gives the exit direction of contacts.
 
 use nalgebra::{Point2, Vector2};
 
-/// A mean vector shorter than this, in pixels, has no direction worth trusting (paper, section 4.2; design value).
+/// Length in pixels below which a mean vector has no reliable direction (paper, section 4.2; the value is chosen here).
 pub(crate) const SHORTEST_MEAN: f64 = 0.3;
 
-/// A silhouette's edge at one of its background pixels.
+/// The edge of a silhouette near one of its background pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
-    /// A point of the edge, in image coordinates.
+    /// A point of the edge, in image coordinates (pixels).
     pub point: Point2<f64>,
-    /// Unit normal in the image, from the subject to the background.
+    /// Unit normal in the image, pointing from the subject to the background.
     pub normal: Vector2<f64>,
 }

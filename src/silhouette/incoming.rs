@@ -1,27 +1,28 @@
-//! A mask on its way to a silhouette, in the form in which it comes.
+//! A mask in either form in which it may be passed in, before a silhouette is prepared from it.
 
 use super::{MaskView, PackedMask, TileMask};
 use image::GrayImage;
 
-/// A mask as it comes in.
+/// A mask as it is passed in.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum IncomingMask<'a> {
     Bytes(MaskView<'a>),
     Packed(&'a PackedMask),
 }
 
-/// Memory for a mask on its way to a silhouette.
+/// Memory for converting a mask before a silhouette is prepared from it.
 #[derive(Debug, Default)]
 pub(crate) struct MaskScratch {
-    /// Of bytes that a pinhole saw.
+    /// A mask of a camera without a lens model, packed from bytes.
     pub(crate) packed: PackedMask,
-    /// Of packed pixels that a lens saw.
+    /// A mask of a camera with a lens model, unpacked to bytes.
     pub(crate) bytes: GrayImage,
-    /// Of what a lens saw, as its pinhole would see it.
+    /// A mask of a camera with a lens model, undistorted.
     pub(crate) tiles: TileMask,
 }
 
 impl<'a> IncomingMask<'a> {
+    /// Width and height in pixels.
     pub(crate) fn size(self) -> (u32, u32) {
         match self {
             Self::Bytes(view) => view.size(),
@@ -29,7 +30,7 @@ impl<'a> IncomingMask<'a> {
         }
     }
 
-    /// The mask as bytes, for which there is `memory`.
+    /// The mask as bytes; a packed mask is unpacked to `memory`.
     pub(crate) fn bytes(self, memory: &'a mut GrayImage) -> MaskView<'a> {
         match self {
             Self::Bytes(view) => view,
@@ -40,7 +41,7 @@ impl<'a> IncomingMask<'a> {
         }
     }
 
-    /// The mask packed, for which there is `memory`.
+    /// The mask as a packed mask; bytes are packed to `memory`.
     pub(crate) fn packed(self, memory: &'a mut PackedMask) -> &'a PackedMask {
         match self {
             Self::Bytes(view) => {

@@ -1,4 +1,4 @@
-//! Masks from image files, in the forms in which people have them.
+//! Reading masks from image files of several pixel formats.
 
 use crate::{Error, Result, image_file};
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma};
@@ -6,26 +6,28 @@ use std::path::Path;
 
 type Gray16 = ImageBuffer<Luma<u16>, Vec<u16>>;
 
-/// The mask in an image file: 0 background .. 255 subject, the values between are coverage.
+/// Reads the mask in an image file: 0 is background, 255 is subject, and the values between are coverage.
 ///
-/// A grey image is taken as it is, an image with any transparency gives its alpha channel (a cut-out subject), another
-/// colour image its luma. Sixteen bits are scaled to eight.
+/// The mask is the alpha channel of an image with any transparency (a cut-out subject), the luma of another colour image,
+/// or a grey image itself. Sixteen bits are scaled to eight.
 ///
 /// # Errors
-/// A file that is missing or no image; a greatest value of 1, or of at most 255 in sixteen bits: such a mask would
-/// count as empty.
+/// If the file is missing or not an image. If the greatest value is 1, or at most 255 in an image of sixteen bits: such a
+/// mask would count as empty.
 pub fn load_mask(path: impl AsRef<Path>) -> Result<GrayImage> {
     let path = path.as_ref();
     mask_of(image_file::read(path)?).map_err(|problem| Error::file(path, problem))
 }
 
+/// The mask in an image, or what is wrong with the image.
 fn mask_of(image: DynamicImage) -> std::result::Result<GrayImage, String> {
     let sixteen_bits = image.color().bytes_per_pixel() > image.color().channel_count();
     let mask = match transparency(&image) {
         Some(alpha) => alpha,
         None => image.into_luma16(),
     };
-    // Eight bits became sixteen by a factor of 257.
+
+    // The greatest value in the image's own bits. Eight bits were expanded to sixteen by a factor of 257.
     let greatest = mask.iter().max().map_or(0, |&value| if sixteen_bits { value } else { value / 257 });
     match (sixteen_bits, greatest) {
         (false, 1) => Err("expected 0 .. 255, found a greatest value of 1; multiply by 255".into()),
@@ -37,7 +39,7 @@ fn mask_of(image: DynamicImage) -> std::result::Result<GrayImage, String> {
     }
 }
 
-/// The alpha channel, if any of it is below full.
+/// The alpha channel, if any pixel is not opaque.
 fn transparency(image: &DynamicImage) -> Option<Gray16> {
     if !image.color().has_alpha() {
         return None;

@@ -1,17 +1,17 @@
-//! A mask that is borrowed from whatever holds its bytes.
+//! A mask that is borrowed from the buffer that holds its bytes.
 
 use crate::{Error, Result};
 use image::GrayImage;
 
-/// A mask that is borrowed: a byte a pixel, 0 background .. 255 subject, row by row from the upper one on.
+/// A borrowed mask with one byte per pixel, from 0 (background) to 255 (subject), row by row from the top.
 ///
-/// Between the ends of two rows there may be other bytes, as camera drivers, OpenCV and numpy leave them: the *stride* is
-/// the distance of two rows' first bytes.
+/// Rows may be followed by padding, as in buffers of camera drivers, OpenCV and numpy. The *stride* is the number of bytes
+/// from the first byte of a row to the first byte of the next.
 ///
 /// ```
 /// use ode_visual_hull::silhouette::MaskView;
 ///
-/// // Two rows of three pixels, each followed by a byte that is none.
+/// // Two rows of three pixels, each followed by a byte of padding.
 /// let bytes = [0, 255, 0, 99, 255, 255, 255, 99];
 /// let mask = MaskView::new(&bytes, (3, 2), 4)?;
 /// assert_eq!(mask.row(1), [255, 255, 255]);
@@ -25,11 +25,10 @@ pub struct MaskView<'a> {
 }
 
 impl<'a> MaskView<'a> {
-    /// A mask of `size` pixels, width and height, whose rows begin `stride` bytes apart. What follows the last row is
-    /// not looked at, and need not be there.
+    /// A mask of `size` pixels (width, height) whose rows begin `stride` bytes apart. The last row needs no padding.
     ///
     /// # Errors
-    /// A stride below the width; fewer bytes than the rows take.
+    /// If `stride` is less than the width, or if there are fewer bytes than the rows take.
     pub fn new(bytes: &'a [u8], size: (u32, u32), stride: usize) -> Result<Self> {
         let (width, height) = (size.0 as usize, size.1 as usize);
         if stride < width {
@@ -38,6 +37,8 @@ impl<'a> MaskView<'a> {
                  first pixel to the next row's"
             )));
         }
+
+        // `None` if there are no rows, or on overflow.
         let needed = height.checked_sub(1).and_then(|rows| rows.checked_mul(stride)?.checked_add(width));
         match needed {
             Some(needed) if bytes.len() < needed => Err(Error::argument(format!(
@@ -57,7 +58,7 @@ impl<'a> MaskView<'a> {
         self.size
     }
 
-    /// Bytes from one row's first pixel to the next row's.
+    /// Bytes from the first pixel of a row to the first pixel of the next.
     pub fn stride(&self) -> usize {
         self.stride
     }
@@ -65,19 +66,19 @@ impl<'a> MaskView<'a> {
     /// The bytes of row `y`.
     ///
     /// # Panics
-    /// On a row that is not below the height.
+    /// If `y` is not less than the height.
     pub fn row(&self, y: usize) -> &'a [u8] {
-        assert!(y < self.size.1 as usize, "a row below the height of {}, not {y}", self.size.1);
+        assert!(y < self.size.1 as usize, "expected a row below the height of {}, found {y}", self.size.1);
         &self.bytes[y * self.stride..][..self.size.0 as usize]
     }
 
-    /// The rows, from the upper one on.
+    /// The bytes of all rows, from the top.
     pub fn rows(&self) -> impl DoubleEndedIterator<Item = &'a [u8]> + ExactSizeIterator {
         let view = *self;
         (0..self.size.1 as usize).map(move |y| view.row(y))
     }
 
-    /// All bytes, those between the rows too.
+    /// All bytes, including the padding of rows.
     pub(super) fn bytes(&self) -> &'a [u8] {
         self.bytes
     }

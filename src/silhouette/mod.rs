@@ -1,9 +1,9 @@
-//! One view's mask, prepared for queries: bounding rectangle, distance to the background, edge normals; and on demand
-//! signed distances from its edge on both sides.
+//! One view's mask, prepared for queries: bounding rectangle, distances to the background, edge normals, and on demand
+//! signed distances on both sides of the edge.
 //!
-//! A mask holds one byte a pixel, 0 background .. 255 subject; a pixel is *subject* where its byte is at least
-//! [`SUBJECT`]. The values between are coverage, the fraction of the pixel that the subject covers, and put the edge
-//! inside the pixel. What lies beyond the image is decided by the [`Border`].
+//! A mask holds one byte per pixel, from 0 (background) to 255 (subject). A pixel is *subject* if its byte is at least
+//! [`SUBJECT`]. The values between 0 and 255 are coverage, the fraction of the pixel that the subject covers, and locate
+//! the edge inside the pixel. The [`Border`] defines what pixels beyond the image count as.
 
 pub(crate) mod bit_image;
 mod boundary;
@@ -53,50 +53,52 @@ pub(crate) use mask_crop::Word;
 pub(crate) use occupancy::OccupancyLookup;
 use std::sync::OnceLock;
 
-/// A pixel is subject from this byte upwards: covered by half or more.
+/// The smallest byte of a subject pixel: half of the pixel is covered.
 pub const SUBJECT: u8 = 128;
 
-/// The bilinear coverage at which the edge lies, in the units of a mask's bytes.
+/// The bilinear coverage at the edge, in the units of a mask's bytes.
 pub const HALF_COVERAGE: f64 = 127.5;
 
 /// What the pixels beyond the image count as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Border {
-    /// Background: the image's border cuts the silhouette off.
+    /// They are background, so that the image's border is an edge of a silhouette that it cuts off.
     Background,
-    /// Nothing is known there: the image's border is no edge of the silhouette.
+    /// They are unknown, and the image's border is not an edge of the silhouette. They count as subject in queries.
     Unknown,
 }
 
-/// One view's mask, prepared. Immutable while it is shared, so that any number of threads may ask it.
+/// One view's mask, prepared for queries. Any number of threads may query it at once.
 ///
-/// What is kept of the mask are the subject's rectangle and eight pixels around it. Bytes farther out, which can only
+/// Only a crop of the mask is kept: the subject's rectangle and eight pixels around it. Bytes farther out, which can only
 /// be coverage below one half, count as background.
 ///
-/// Its tables are derived from these bits with the mask. Their memory may be taken for another mask once the silhouette
-/// is past; the first query that needs them afterwards derives them again, with the same answers.
+/// The tables for queries are derived when the mask is set. Their memory may be taken for another mask when the
+/// silhouette is no longer the latest; the next query that needs them derives them again, with the same results.
 #[derive(Debug)]
 pub struct Silhouette {
     border: Border,
+    /// The pixels of the whole image.
     image: Rect,
+    /// The smallest rectangle that holds every subject pixel.
     rect: Rect,
     has_coverage: bool,
     crop: MaskCrop,
-    /// What follows from `region`. Not there after [`Self::take_tables`], until a query derives it again.
+    /// The tables derived from `crop`. Empty after [`Self::take_tables`], until a query derives them again.
     tables: OnceLock<Tables>,
-    /// Memory for the tables of the next mask. It holds those of another mask, which are never looked up.
+    /// Memory for the tables of the next mask. Its contents belong to another mask and are never read.
     recycled_tables: Option<Tables>,
 }
 
 impl Silhouette {
-    /// Prepares `mask`. Any image is accepted; an empty or a full one simply has no edge.
+    /// Prepares `mask`. Any image is accepted; an empty or a full mask may have no edge.
     pub fn new<'a>(mask: impl Into<MaskView<'a>>, border: Border) -> Self {
         let mut silhouette = Self::blank(border);
         silhouette.refill(mask, border);
         silhouette
     }
 
-    /// A silhouette of no image at all.
+    /// A silhouette of an image without pixels.
     pub(crate) fn blank(border: Border) -> Self {
         Self {
             border,
@@ -114,9 +116,9 @@ impl Silhouette {
         self.refill_packed(&PackedMask::new(mask), border);
     }
 
-    /// Prepares another mask, packed already, in the memory of the last one.
+    /// Prepares another mask, which is packed already, in the memory of the last one.
     pub fn refill_packed(&mut self, mask: &PackedMask, border: Border) {
-        self.fill_region(|silhouette| {
+        self.fill_crop(|silhouette| {
             let (width, height) = mask.size();
             (silhouette.image, silhouette.rect) = (Rect::of_image(width, height), mask.rect());
             (silhouette.border, silhouette.has_coverage) = (border, mask.has_coverage());
@@ -124,10 +126,11 @@ impl Silhouette {
         });
     }
 
-    /// Prepares what the pinhole of `lens` sees of a mask, unless every pixel of that is subject: whether it did so.
+    /// Prepares a mask of the original camera as the pinhole camera of `lens` would see it. Returns `false`, and leaves
+    /// the silhouette as it is, if every pixel of the mask is subject.
     ///
     /// # Errors
-    /// A mask of another size than the original camera's image.
+    /// If the mask's size is not that of the original camera's image.
     pub(crate) fn refill_undistorted(
         &mut self,
         mask: &MaskView,
@@ -138,7 +141,8 @@ impl Silhouette {
         if lens.draw(mask, mask_crop::value_beyond(border), tiles)? {
             return Ok(false);
         }
-        self.fill_region(|silhouette| {
+
+        self.fill_crop(|silhouette| {
             (silhouette.image, silhouette.rect) = (tiles.image(), tiles.find_rect());
             (silhouette.border, silhouette.has_coverage) = (border, tiles.has_coverage());
             silhouette.crop.fill_from_tiles(tiles, &silhouette.rect, border);
@@ -146,42 +150,42 @@ impl Silhouette {
         Ok(true)
     }
 
-    /// Takes up other bits by `fill`, and derives their tables.
-    fn fill_region(&mut self, fill: impl FnOnce(&mut Self)) {
-        // Taken out first, so that tables and bits never are those of different masks.
+    /// Replaces the mask by `fill`, and derives the tables of the new one.
+    fn fill_crop(&mut self, fill: impl FnOnce(&mut Self)) {
+        // The tables are taken out first, so that they never belong to another mask than the crop.
         let tables = self.tables.take().or_else(|| self.recycled_tables.take());
         fill(self);
 
-        // Derived here, on the thread that brings the mask, so that no query of the newest frame waits.
+        // The thread that sets the mask derives the tables, so that no query of the latest frame waits for them.
         let mut tables = tables.unwrap_or_default();
         tables.fill(&self.crop);
         self.tables = OnceLock::from(tables);
     }
 
-    /// Takes the tables out, as memory for those of another mask. The next query derives them again.
+    /// Takes the tables out, as memory for another mask's tables. The next query derives them again.
     pub(crate) fn take_tables(&mut self) -> Option<Tables> {
         self.tables.take()
     }
 
-    /// Keeps `tables` as memory for those of the next mask, which [`Self::refill`] prepares.
+    /// Keeps `tables` as memory for the tables of the next mask.
     pub(crate) fn recycle_tables(&mut self, tables: Tables) {
         self.recycled_tables = Some(tables);
     }
 
-    /// The tables, derived here where they have been taken out. A loop over many points fetches them once.
+    /// The tables, which are derived here if they have been taken out. A loop over many points fetches them once.
     #[inline(always)]
     fn derived_tables(&self) -> &Tables {
         self.tables.get_or_init(|| Tables::new(&self.crop))
     }
 
-    /// Bytes of memory for what is prepared, beside the mask's own bytes.
+    /// Bytes of memory of the silhouette, without the mask's own bytes.
     pub fn working_memory(&self) -> usize {
         let tables = self.tables.get().into_iter().chain(&self.recycled_tables);
         let tables: usize = tables.map(Tables::working_memory).sum();
         self.crop.working_memory() + tables
     }
 
-    /// The mask, as far as it is kept.
+    /// The mask, with zeros outside the part that is kept.
     pub(crate) fn to_mask(&self) -> GrayImage {
         GrayImage::from_fn(self.image.x1 as u32, self.image.y1 as u32, |i, j| {
             image::Luma([self.value(i as i32, j as i32)])
@@ -198,17 +202,17 @@ impl Silhouette {
         self.rect
     }
 
-    /// What the pixels beyond the image count as.
+    /// What pixels beyond the image count as.
     pub fn border(&self) -> Border {
         self.border
     }
 
-    /// Whether any byte lies strictly between 0 and 255, so that edges are known inside their pixels.
+    /// Whether any byte of the mask lies strictly between 0 and 255, so that edges are located inside their pixels.
     pub fn has_coverage(&self) -> bool {
         self.has_coverage
     }
 
-    /// The byte of pixel `(i, j)`; beyond the image 0 or, where the border is open, 255.
+    /// The byte of pixel `(i, j)`. Beyond the image it is 0, or 255 with [`Border::Unknown`].
     pub fn value(&self, i: i32, j: i32) -> u8 {
         match self.crop.byte(i, j) {
             Some(byte) => byte,
@@ -217,7 +221,7 @@ impl Silhouette {
         }
     }
 
-    /// Whether pixel `(i, j)` is subject.
+    /// Whether pixel `(i, j)` is subject, or lies beyond an unknown border.
     pub fn is_subject(&self, i: i32, j: i32) -> bool {
         match self.crop.is_subject(i, j) {
             Some(is_subject) => is_subject,
@@ -225,20 +229,21 @@ impl Silhouette {
         }
     }
 
-    /// Whether the image holds all that is kept of the mask, so that lines out of the subject come to background first.
+    /// Whether the crop lies within the image, so that a line out of the subject meets background before the image's
+    /// border.
     pub(crate) fn is_framed_by_background(&self) -> bool {
-        let region = self.crop.rect();
-        region.intersection(&self.image) == region
+        let crop = self.crop.rect();
+        crop.intersection(&self.image) == crop
     }
 
-    /// Whether the window of half-width `reach` around pixel `(i, j)` lies in what is kept of the mask.
+    /// Whether the window of half-width `reach` around pixel `(i, j)` lies in the crop.
     pub(crate) fn keeps_window(&self, (i, j): (i32, i32), reach: i32) -> bool {
-        let region = self.crop.rect();
-        region.contains(i - reach, j - reach) && region.contains(i + reach, j + reach)
+        let crop = self.crop.rect();
+        crop.contains(i - reach, j - reach) && crop.contains(i + reach, j + reach)
     }
 
-    /// Pixels (Chebyshev) from `(i, j)` to the nearest background pixel: 0 where it is background itself,
-    /// [`u16::MAX`] where there is none.
+    /// Chebyshev distance in pixels from pixel `(i, j)` to the nearest background pixel: 0 if it is background itself,
+    /// [`u16::MAX`] if there is no background.
     pub fn distance(&self, i: i32, j: i32) -> u16 {
         if self.rect.contains(i, j) {
             self.derived_tables().distances.at(self.crop.rect().index(i, j))
@@ -249,17 +254,17 @@ impl Silhouette {
         }
     }
 
-    /// The distance at a place of the table.
+    /// [`Self::distance`] of a pixel of the crop, given by its row-major index.
     #[inline]
-    pub(crate) fn distance_at(&self, place: usize) -> u16 {
-        self.derived_tables().distances.at(place)
+    pub(crate) fn distance_at(&self, index: usize) -> u16 {
+        self.derived_tables().distances.at(index)
     }
 
-    /// The distance of the square between four pixel centres whose upper left pixel is at a place of the table.
+    /// The distance of the cell between four pixel centres, given by the row-major index of its upper left pixel.
     #[cold]
-    pub(crate) fn cell_distance_at(&self, place: usize) -> u16 {
+    pub(crate) fn cell_distance_at(&self, index: usize) -> u16 {
         let tables = self.derived_tables();
-        tables.cell_distances.at(place, &tables.distances)
+        tables.cell_distances.at(index, &tables.distances)
     }
 
     /// The table of contact edges.
@@ -272,16 +277,17 @@ impl Silhouette {
         self.derived_tables().slices(&self.crop)
     }
 
-    /// Coverage at image position `(u, v)`, 0 to 255, bilinear between pixel centres.
+    /// Coverage at image position `(u, v)` in pixels, from 0 to 255, bilinear between pixel centres.
     #[inline]
     pub fn coverage(&self, u: f64, v: f64) -> f64 {
-        // `f64::floor` is a call on processors without SSE 4.1, the least that is built for.
+        // `f64::floor` is a function call in code for processors without SSE 4.1, which this is compiled for.
         let floor = |x: f64| {
             let towards_zero = f64::from(x as i32);
             if towards_zero > x { towards_zero - 1.0 } else { towards_zero }
         };
         let (i, j) = (floor(u - 0.5), floor(v - 0.5));
         let (x, y) = (u - 0.5 - i, v - 0.5 - j);
+
         let [c00, c10, c01, c11] = self.cell(i as i32, j as i32);
         (c00 * (1.0 - x) + c10 * x) * (1.0 - y) + (c01 * (1.0 - x) + c11 * x) * y
     }
@@ -296,26 +302,23 @@ impl Silhouette {
         bytes.map(f64::from)
     }
 
-    /// The background pixels with a subject pixel beside, above or below, row-major.
+    /// The background pixels with a subject pixel to the left, right, above or below, row-major.
     pub fn edge_pixels(&self) -> impl Iterator<Item = (i32, i32)> {
         let rect = self.crop.rect();
         let words = self.crop.words().max(1);
-        let subject = |i, j| self.rect.contains(i, j) && self.is_subject(i, j);
-        let beside = move |(i, j): (i32, i32)| {
-            subject(i - 1, j) || subject(i + 1, j) || subject(i, j - 1) || subject(i, j + 1)
-        };
-        let word = move |(k, &word): (usize, &Word)| {
+        let pixels_of_word = move |(k, &word): (usize, &Word)| {
             let (x, y) = (rect.x0 + (k % words * mask_crop::WORD) as i32, rect.y0 + (k / words) as i32);
             (0..mask_crop::WORD as i32).filter(move |bit| word >> bit & 1 == 1).map(move |bit| (x + bit, y))
         };
-        // The table holds pixels beside an open border too, which is no edge.
-        self.derived_tables()
-            .boundary
-            .boundary_pixels()
-            .iter()
-            .enumerate()
-            .flat_map(word)
-            .filter(move |&pixel| beside(pixel))
+
+        // The table also holds the pixels along an unknown border, which is not an edge.
+        let is_subject = |i, j| self.rect.contains(i, j) && self.is_subject(i, j);
+        let is_edge = move |(i, j): (i32, i32)| {
+            is_subject(i - 1, j) || is_subject(i + 1, j) || is_subject(i, j - 1) || is_subject(i, j + 1)
+        };
+
+        let boundary = self.derived_tables().boundary.boundary_pixels();
+        boundary.iter().enumerate().flat_map(pixels_of_word).filter(move |&pixel| is_edge(pixel))
     }
 }
 

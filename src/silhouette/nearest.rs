@@ -1,18 +1,21 @@
-//! The background pixel nearest to a pixel inside, for one pixel: ring by ring, as the paper grows its window.
+//! The nearest background pixel to a single pixel, found ring by ring as the paper grows its window (section 4.2).
 
 use super::{NO_EDGE, Silhouette};
 
 impl Silhouette {
-    /// The background pixel nearest to `(i, j)` (Euclidean, then row-major) within the window of half-width `half`.
+    /// The background pixel nearest to pixel `(i, j)` within the window of half-width `half`, by Euclidean distance. Ties
+    /// go to the first in row-major order.
     pub fn nearest_background(&self, i: i32, j: i32, half: i32) -> Option<(i32, i32)> {
-        let first = match self.distance(i, j) {
+        let first_radius = match self.distance(i, j) {
             0 => return Some((i, j)),
             NO_EDGE => return None,
-            first => i32::from(first),
+            distance => i32::from(distance),
         };
+
+        // Ordered by squared distance, row and column.
         let mut best: Option<(i64, i32, i32)> = None;
-        let mut radius = first;
-        // The ring of this Chebyshev radius holds nothing that is nearer.
+        let mut radius = first_radius;
+        // All pixels of a ring are at least as far as its Chebyshev radius.
         while radius <= half && best.is_none_or(|(squared, ..)| i64::from(radius).pow(2) <= squared) {
             let background = ring(radius).filter(|&(dx, dy)| !self.is_subject(i + dx, j + dy));
             let ranked = background.map(|(dx, dy)| (squared_length(dx, dy), j + dy, i + dx));
@@ -26,8 +29,8 @@ impl Silhouette {
 /// The offsets at a Chebyshev distance.
 fn ring(radius: i32) -> impl Iterator<Item = (i32, i32)> {
     (-radius..=radius).flat_map(move |dy| {
+        // Rows between the upper and the lower side belong to the ring only with their two ends.
         let is_side = dy.abs() == radius;
-        // Between the upper and the lower side only both ends of a row.
         let step = if is_side { 1 } else { 2 * radius };
         (-radius..=radius).step_by(step as usize).map(move |dx| (dx, dy))
     })

@@ -1,42 +1,48 @@
-//! Which squares of 8 x 8 pixels hold subject, summed up, so that any rectangle is asked in four look-ups.
+//! Occupancy of a mask's tiles of 8 x 8 pixels as a summed-area table: four look-ups tell whether any tile in a rectangle
+//! holds subject.
 
-// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+// Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
 use super::mask_crop::{LOW, MaskCrop, WORD, Word};
 use crate::math::vectorised;
 
-/// Pixels on a tile's side.
+/// Pixels on a side of a tile.
 const SIDE: usize = 8;
 
-/// Tiles side by side in a word.
+/// Tiles in the width of a word.
 const TILES: usize = WORD / SIDE;
 
-/// Words done at once.
+/// Words of a row that are processed at once.
 const BLOCK: usize = 32;
 
-/// Tiles with subject above and left of each corner of the tiles, row-major.
+/// A summed-area table of occupied tiles.
 #[derive(Debug, Default)]
 pub(crate) struct Occupancy {
+    /// For each corner of a tile the number of occupied tiles above and to the left of it, row-major.
     sums: Vec<u32>,
+    /// Columns of tiles.
     columns: usize,
+    /// Rows of tiles.
     rows: usize,
 }
 
 vectorised! {
-    /// Sums up tiles with subject below the first row of `sums`, which is zero.
+    /// Computes the table below the first row of `sums`, which is zero. `subject` has rows of `words` words.
     fn sum(subject: &[Word], words: usize, columns: usize, sums: &mut [u32]) {
         let stride = columns + 1;
-        for (tiles, start) in (0..subject.len()).step_by(SIDE * words).enumerate() {
-            let (above, here) = sums[tiles * stride..].split_at_mut(stride);
-            let mut sum = 0;
+        for (row, start) in (0..subject.len()).step_by(SIDE * words).enumerate() {
+            let (above, here) = sums[row * stride..].split_at_mut(stride);
             here[0] = 0;
+
+            // The number of occupied tiles to the left in this row is added to the sum above.
+            let mut sum = 0;
             let (here, above) = (here[1..].as_chunks_mut::<TILES>().0, above[1..].as_chunks::<TILES>().0);
             let blocks = here.chunks_mut(BLOCK).zip(above.chunks(BLOCK));
             for ((here, above), start) in blocks.zip((start..).step_by(BLOCK)) {
-                let any = any_of(subject, words, start);
+                let any = unite_rows(subject, words, start);
                 for ((here, above), any) in here.iter_mut().zip(above).zip(any) {
-                    // One in each byte that is not zero, then in each byte how many there are up to it.
+                    // Set each byte that is not zero to 1, then replace each byte by the sum of all bytes up to it.
                     let ones = (((any & 0x7f7f_7f7f) + 0x7f7f_7f7f) | any) >> 7 & 0x0101_0101;
                     let counts = ones.wrapping_mul(0x0101_0101).to_le_bytes();
                     for k in 0..TILES {
@@ -49,9 +55,9 @@ vectorised! {
     }
 }
 
-/// The bits of a row of tiles from the word `start` on: as many words as a block has, though a row may have fewer.
+/// The union of the bits of a row of tiles, from word `start` on. A block may extend beyond the end of the row.
 #[inline(always)]
-fn any_of(subject: &[Word], words: usize, start: usize) -> [Word; BLOCK] {
+fn unite_rows(subject: &[Word], words: usize, start: usize) -> [Word; BLOCK] {
     let mut any = [0; BLOCK];
     for start in (start..subject.len()).step_by(words).take(SIDE) {
         match subject[start..].first_chunk::<BLOCK>() {
@@ -67,17 +73,18 @@ fn any_of(subject: &[Word], words: usize, start: usize) -> [Word; BLOCK] {
 }
 
 impl Occupancy {
-    pub(super) fn fill(&mut self, region: &MaskCrop) {
-        let words = region.words();
-        (self.columns, self.rows) = (words * TILES, region.rect().height().div_ceil(SIDE));
+    /// Computes the table of `crop`.
+    pub(super) fn fill(&mut self, crop: &MaskCrop) {
+        let words = crop.words();
+        (self.columns, self.rows) = (words * TILES, crop.rect().height().div_ceil(SIDE));
         self.sums.resize((self.columns + 1) * (self.rows + 1), 0);
         self.sums[..=self.columns].fill(0);
         if words > 0 {
-            sum(region.subject(), words, self.columns, &mut self.sums);
+            sum(crop.subject(), words, self.columns, &mut self.sums);
         }
     }
 
-    /// The table, to be looked up many times.
+    /// A borrowed table for many look-ups.
     #[inline(always)]
     pub(crate) fn lookup(&self) -> OccupancyLookup<'_> {
         let sums: &[u32] = if self.sums.is_empty() { &[0] } else { &self.sums };
@@ -86,24 +93,26 @@ impl Occupancy {
         OccupancyLookup { sums: &sums[..=last as usize], last, columns, rows }
     }
 
-    /// Bytes of memory behind the table.
+    /// Bytes of memory of the table.
     pub(super) fn working_memory(&self) -> usize {
         4 * self.sums.capacity()
     }
 }
 
-/// Tiles as many lanes look them up: without a branch, and with indices of which a vector holds many.
+/// A branch-free look-up of occupancy, for many lanes at once. Indices have 32 bits, so that a vector register holds many
+/// of them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OccupancyLookup<'a> {
     sums: &'a [u32],
+    /// Index of the last sum.
     last: u32,
     columns: u32,
     rows: u32,
 }
 
 impl OccupancyLookup<'_> {
-    /// Whether a tile that the pixels `from..to` touch, counted from the region's corner, holds subject; `to` is not
-    /// less than `from`.
+    /// Whether any tile that overlaps the pixels `from..to` holds subject. Both are a column and a row, counted from the
+    /// crop's corner, and `to` is not less than `from`.
     #[inline(always)]
     pub(crate) fn any_occupied(&self, from: [u32; 2], to: [u32; 2]) -> bool {
         let side = SIDE as u32;

@@ -1,6 +1,6 @@
 //! A mask as it is kept and sent: a bit a pixel, and a byte only where the subject covers a pixel in part.
 
-// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+// Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
 use super::bit_image::{BitImage, WORD, pack};

@@ -1,4 +1,4 @@
-//! The tables that follow from a silhouette's bits, and that queries look up.
+//! The look-up tables that are derived from a silhouette's mask.
 
 use super::boundary::Boundary;
 use super::cell_distance::CellDistances;
@@ -8,7 +8,7 @@ use super::mask_crop::{MaskCrop, Word};
 use super::occupancy::Occupancy;
 use super::transposed::Transposed;
 
-/// All that can be derived again from the region alone, which is nine tenths of a silhouette's memory.
+/// The tables derived from the crop of a mask. They take nine tenths of a silhouette's memory.
 #[derive(Debug, Default)]
 pub(crate) struct Tables {
     pub(super) boundary: Boundary,
@@ -19,69 +19,72 @@ pub(crate) struct Tables {
     pub(super) edges: EdgeTable,
 }
 
-/// The tables over a silhouette's region, borrowed as slices for queries of many points: row-major.
+/// The tables over a silhouette's crop, borrowed as row-major slices for queries of many points.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TableSlices<'a> {
-    /// Column and row of the first pixel.
+    /// Column and row in the image of the crop's first pixel.
     pub(crate) corner: (i32, i32),
+    /// Columns of the crop.
     pub(crate) width: usize,
+    /// Rows of the crop.
     pub(crate) height: usize,
     /// Words in a row of bits.
     pub(crate) words: usize,
-    /// Subject pixels, 32 a word, the first in the lowest bit.
+    /// Subject pixels, 32 per word, the first in the lowest bit.
     pub(crate) subject: &'a [Word],
-    /// Subject pixels and those around each.
+    /// Subject pixels and the eight pixels around each, as `subject`.
     pub(crate) dilated: &'a [Word],
     transposed: &'a Transposed,
-    /// Chebyshev distances, four a word as they lie in memory; 255 for all that are larger than 254.
+    /// Chebyshev distances, four per word in the order of memory; 255 stands for all above 254.
     pub(crate) distance_words: &'a [u32],
-    /// Distances of the squares between four pixel centres likewise, where the mask carries coverage.
+    /// Distances of the cells between four pixel centres, as `distance_words`; empty for a mask without coverage.
     pub(crate) cell_distance_words: &'a [u32],
-    /// The mask's bytes; none where each is 0 or 255.
+    /// The mask's bytes; empty if each is 0 or 255.
     pub(crate) coverage: &'a [u8],
     pub(crate) occupancy: &'a Occupancy,
 }
 
 impl Tables {
-    /// Derives the tables of `region` in new memory.
-    pub(super) fn new(region: &MaskCrop) -> Self {
+    /// Derives the tables of `crop` in new memory.
+    pub(super) fn new(crop: &MaskCrop) -> Self {
         let mut tables = Self::default();
-        // A silhouette of no image has no bits, and its tables are the empty ones.
-        if !region.rect().is_empty() {
-            tables.fill(region);
+        // The tables of an empty crop are the empty ones.
+        if !crop.rect().is_empty() {
+            tables.fill(crop);
         }
         tables
     }
 
-    /// Derives the tables of `region` in the memory of these ones.
-    pub(super) fn fill(&mut self, region: &MaskCrop) {
-        self.boundary.fill(region);
+    /// Derives the tables of `crop` in the memory of the last ones.
+    pub(super) fn fill(&mut self, crop: &MaskCrop) {
+        self.boundary.fill(crop);
         self.transposed.invalidate();
-        self.occupancy.fill(region);
-        self.distances.fill(region, &self.occupancy);
-        self.cell_distances.fill(region, &self.distances);
+        self.occupancy.fill(crop);
+        self.distances.fill(crop, &self.occupancy);
+        self.cell_distances.fill(crop, &self.distances);
         self.edges.fill(&self.boundary);
     }
 
-    /// The slices for queries of many points; `region` is the one that the tables were derived from.
-    pub(super) fn slices<'a>(&'a self, region: &'a MaskCrop) -> TableSlices<'a> {
-        let rect = region.rect();
+    /// The slices for queries of many points. `crop` is the one that the tables were derived from.
+    pub(super) fn slices<'a>(&'a self, crop: &'a MaskCrop) -> TableSlices<'a> {
+        let rect = crop.rect();
+
         TableSlices {
             corner: (rect.x0, rect.y0),
             width: rect.width(),
             height: rect.height(),
-            words: region.words(),
-            subject: region.subject(),
+            words: crop.words(),
+            subject: crop.subject(),
             dilated: self.boundary.dilated(),
             transposed: &self.transposed,
             distance_words: self.distances.narrow_words(),
             cell_distance_words: self.cell_distances.narrow_words(),
-            coverage: region.bytes(),
+            coverage: crop.bytes(),
             occupancy: &self.occupancy,
         }
     }
 
-    /// Bytes of memory behind the tables.
+    /// Bytes of memory of the tables.
     pub(super) fn working_memory(&self) -> usize {
         self.boundary.working_memory()
             + self.transposed.working_memory()
@@ -93,7 +96,7 @@ impl Tables {
 }
 
 impl<'a> TableSlices<'a> {
-    /// Subject pixels by columns, column-major, and how many words a column has.
+    /// Subject pixels, column-major, and the number of words in a column.
     pub(crate) fn columns(&self) -> (&'a [Word], usize) {
         self.transposed.columns(self.subject, self.words)
     }

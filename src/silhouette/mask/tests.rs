@@ -15,13 +15,13 @@ fn refusal(image: impl Into<DynamicImage>) -> String {
 }
 
 #[test]
-fn grey_is_taken_as_it_is() {
+fn a_grey_image_is_the_mask_itself() {
     let all = GrayImage::from_fn(256, 1, |x, _| Luma([x as u8]));
     assert_eq!(mask_of(all.clone().into()).unwrap(), all);
 }
 
 #[test]
-fn transparency_makes_the_alpha_channel_the_mask() {
+fn an_image_with_transparency_gives_its_alpha_channel() {
     let cut_out: RgbaImage = pair(Rgba([255, 255, 255, 0]), Rgba([0, 0, 0, 200]));
     assert_eq!(values(cut_out), [0, 200]);
     let grey: GrayAlphaImage = pair(LumaA([255, 3]), LumaA([0, 255]));
@@ -29,7 +29,7 @@ fn transparency_makes_the_alpha_channel_the_mask() {
 }
 
 #[test]
-fn opaque_colour_gives_its_luma() {
+fn an_opaque_colour_image_gives_its_luma() {
     let opaque: RgbaImage = pair(Rgba([255, 255, 255, 255]), Rgba([0, 0, 0, 255]));
     assert_eq!(values(opaque), [255, 0]);
     let colour: RgbImage = pair(Rgb([255, 255, 255]), Rgb([90, 90, 90]));

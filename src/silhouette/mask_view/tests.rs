@@ -1,7 +1,7 @@
 use super::*;
 
 #[test]
-fn rows_leave_out_what_lies_between_them_and_need_nothing_behind_the_last() {
+fn rows_leave_out_their_padding_and_the_last_needs_none() {
     let bytes: Vec<u8> = (0..13).collect();
     let view = MaskView::new(&bytes, (3, 3), 5).unwrap();
     assert_eq!(view.rows().collect::<Vec<_>>(), [[0, 1, 2], [5, 6, 7], [10, 11, 12]]);

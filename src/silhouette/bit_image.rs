@@ -1,4 +1,4 @@
-//! One bit a pixel: 64 pixels of a row are looked at together.
+//! Binary images with one bit per pixel, so that 64 pixels of a row are processed at once.
 
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
@@ -10,10 +10,10 @@ use crate::math::vectorised;
 /// Pixels in a word, the first in the lowest bit.
 pub(crate) const WORD: usize = 64;
 
-/// Words side by side that are looked at together.
+/// Words of a row that are united at once.
 const COLUMNS: usize = 8;
 
-/// A binary image; bits beyond a row's end are zero.
+/// A binary image, row-major. Each row begins with a new word, and the bits after its end are zero.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct BitImage {
     width: usize,
@@ -22,16 +22,18 @@ pub(crate) struct BitImage {
 }
 
 impl BitImage {
-    /// Takes the size, in the memory that it has. What the pixels are is the caller's to write.
+    /// Sets the size, in the memory that it has. The pixels are unspecified until the caller writes them.
     pub(crate) fn resize(&mut self, width: usize, height: usize) {
         (self.width, self.height) = (width, height);
         self.words.resize(width.div_ceil(WORD) * height, 0);
     }
 
+    /// Pixels in a row.
     pub(crate) fn width(&self) -> usize {
         self.width
     }
 
+    /// Number of rows.
     pub(crate) fn height(&self) -> usize {
         self.height
     }
@@ -41,19 +43,22 @@ impl BitImage {
         self.width.div_ceil(WORD)
     }
 
-    /// The pixels of a row's last word.
+    /// The bits of a row's last word that are pixels.
     pub(crate) fn last_word(&self) -> u64 {
         u64::MAX >> (self.stride() * WORD - self.width)
     }
 
+    /// The words of all rows.
     pub(crate) fn words(&self) -> &[u64] {
         &self.words
     }
 
+    /// The words of all rows, for writing. The bits after the end of a row must stay zero.
     pub(crate) fn words_mut(&mut self) -> &mut [u64] {
         &mut self.words
     }
 
+    /// The words of row `y`.
     pub(crate) fn row(&self, y: usize) -> &[u64] {
         &self.words[y * self.stride()..][..self.stride()]
     }
@@ -72,7 +77,7 @@ impl BitImage {
         *word = *word & !(1 << (x % WORD)) | u64::from(is_set) << (x % WORD);
     }
 
-    /// Sets the pixels `start..end` of row `y` that are clear, and clears those that are set.
+    /// Inverts the pixels `start..end` of row `y`.
     pub(crate) fn flip_run(&mut self, y: usize, start: usize, end: usize) {
         let stride = self.stride();
         let row = &mut self.words[y * stride..][..stride];
@@ -88,13 +93,15 @@ impl BitImage {
     pub(crate) fn rect(&self) -> Rect {
         let stride = self.stride().max(1);
         let is_occupied = |row: &[u64]| row.iter().fold(0, |any, word| any | word) != 0;
+
+        // The first and the last row with a pixel that is set.
         let mut rows = self.words.chunks_exact(stride);
         let Some(first) = rows.position(is_occupied) else {
             return Rect::EMPTY;
         };
-        let last = first + rows.rposition(is_occupied).map_or(0, |behind| behind + 1);
+        let last = first + rows.rposition(is_occupied).map_or(0, |after| after + 1);
 
-        // Any row's bits in the words side by side, of which the outermost that are set count.
+        // The first and the last column with a pixel that is set in any of these rows.
         let (mut left, mut right) = (None, 0);
         for start in (0..stride).step_by(COLUMNS) {
             let any = unite(
@@ -117,7 +124,8 @@ impl BitImage {
         self.words.copy_from_slice(&other.words);
     }
 
-    /// The pixels `x - 2 ..= x + 2` of row `y` as five bits; zero where they lie outside the image.
+    /// The pixels `x - 2 ..= x + 2` of row `y` as five bits, the leftmost in the lowest bit. Pixels outside the image are
+    /// zero.
     #[inline]
     pub(crate) fn five(&self, x: usize, y: usize) -> u64 {
         let row = self.row(y);
@@ -129,12 +137,12 @@ impl BitImage {
         (wide >> shift) as u64 & 0b11111
     }
 
-    /// How many pixels are set.
+    /// The number of pixels that are set.
     pub(crate) fn count(&self) -> usize {
         self.words.iter().map(|word| word.count_ones() as usize).sum()
     }
 
-    /// Calls `visit` with the place of each pixel that is set.
+    /// Calls `visit` with column and row of each pixel that is set, row-major.
     pub(crate) fn for_each(&self, mut visit: impl FnMut(usize, usize)) {
         for (y, row) in self.words.chunks_exact(self.stride().max(1)).enumerate() {
             for (k, &word) in row.iter().enumerate() {
@@ -143,13 +151,13 @@ impl BitImage {
         }
     }
 
-    /// Writes 255 where a pixel of row `y` is set, else 0.
+    /// Writes row `y` as bytes: 255 for pixels that are set, 0 for others.
     pub(crate) fn write_row(&self, y: usize, bytes: &mut [u8]) {
         expand(self.row(y), bytes);
     }
 }
 
-/// The highest bits of some bytes, the first one's lowest.
+/// Packs the highest bit of each byte into words, the first byte's into the lowest bit.
 #[inline(always)]
 pub(crate) fn pack<const WORDS: usize>(bytes: &[[u8; WORD]; WORDS]) -> [u64; WORDS] {
     let (eights, mut packed) = (bytes.as_flattened().as_chunks::<8>().0, [[0; 8]; WORDS]);
@@ -160,10 +168,10 @@ pub(crate) fn pack<const WORDS: usize>(bytes: &[[u8; WORD]; WORDS]) -> [u64; WOR
     packed.map(u64::from_le_bytes)
 }
 
-/// The highest bits of eight bytes, the first one's lowest.
+/// Packs the highest bits of eight bytes into one byte, the first byte's into the lowest bit.
 #[inline(always)]
 pub(super) fn top_bits(bytes: &[u8; 8]) -> u8 {
-    // Byte m's highest bit comes to stand at m.
+    // Move the highest bit of byte m to bit m, in steps of one, two and four bytes.
     let tops = u64::from_le_bytes(*bytes) >> 7 & 0x0101_0101_0101_0101;
     let pairs = tops | tops >> 7;
     let fours = pairs | pairs >> 14;
@@ -171,7 +179,7 @@ pub(super) fn top_bits(bytes: &[u8; 8]) -> u8 {
 }
 
 vectorised! {
-    /// The bits of any of `count` rows that begin `stride` words apart, in their first `width` words.
+    /// The union of the first `width` words of `count` rows that begin `stride` words apart.
     fn unite(rows: &[u64], stride: usize, count: usize, width: usize) -> [u64; COLUMNS] {
         let mut any = [0; COLUMNS];
         for row in rows.chunks(stride).take(count) {
@@ -188,20 +196,22 @@ vectorised! {
                 }
             }
         }
-        // What follows a row's last word is none of it.
+
+        // Words after the end of a row belong to the next one.
         any[width..].fill(0);
         any
     }
 }
 
 vectorised! {
-    /// A row's bits as bytes.
+    /// Writes the bits of a row as bytes: 255 for bits that are set, 0 for others.
     fn expand(words: &[u64], bytes: &mut [u8]) {
         for (&word, bytes) in words.iter().zip(bytes.chunks_mut(WORD)) {
             if word == 0 || word == u64::MAX {
                 bytes.fill(word as u8);
                 continue;
             }
+
             for (k, byte) in bytes.iter_mut().enumerate() {
                 *byte = 0u8.wrapping_sub((word >> k & 1) as u8);
             }

@@ -1,4 +1,4 @@
-//! A mask as it is kept and sent: a bit a pixel, and a byte only where the subject covers a pixel in part.
+//! A compact mask for storage and transfer: one bit per pixel, and one byte for each pixel that the subject covers in part.
 
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
@@ -10,10 +10,11 @@ use crate::math::vectorised;
 use image::GrayImage;
 use std::ops::Range;
 
-/// A mask, packed: which pixels are subject, as bits, and the bytes of those that are neither 0 nor 255.
+/// A packed mask: one bit per pixel that tells whether it is subject, and the bytes that are neither 0 nor 255.
 ///
-/// It says what the bytes say, in about a tenth of their memory, and [`to_mask`](Self::to_mask) gives them back. A
-/// [`Segmenter`](crate::segment::Segmenter) makes it, [`HullData::set_packed`](crate::hull::HullData::set_packed) takes it.
+/// It holds the same information as the bytes of a mask in about a tenth of their memory;
+/// [`to_mask`](Self::to_mask) returns the bytes. A [`Segmenter`](crate::segment::Segmenter) produces packed masks, and
+/// [`HullData::set_packed`](crate::hull::HullData::set_packed) accepts them.
 ///
 /// ```
 /// use image::{GrayImage, Luma};
@@ -31,14 +32,15 @@ pub struct PackedMask {
     rect: Rect,
 }
 
-/// Words packed together.
-const TOGETHER: usize = 4;
+/// Words that are packed at once.
+const GROUP: usize = 4;
 
 /// The bytes of a mask that are neither 0 nor 255, row-major.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Coverage {
-    /// How many there are in all rows up to each.
+    /// For each row the number of bytes in all rows up to it.
     ends: Vec<u32>,
+    /// The column of each byte.
     columns: Vec<u32>,
     bytes: Vec<u8>,
 }
@@ -60,8 +62,8 @@ impl PackedMask {
         self.rect = self.subject.rect();
     }
 
-    /// Takes bits, and other bytes for some pixels by `cover`, which calls its argument with column, row and byte of
-    /// each, row-major.
+    /// Copies the bits of `subject`, and replaces some pixels by bytes: `cover` calls its argument with column, row and
+    /// byte of each, row-major.
     pub(crate) fn take_bits(
         &mut self,
         subject: &BitImage,
@@ -69,6 +71,7 @@ impl PackedMask {
     ) {
         self.subject.copy(subject);
         self.coverage.clear();
+
         let (bits, coverage) = (&mut self.subject, &mut self.coverage);
         cover(&mut |x, y, byte| {
             bits.set(x, y, byte >= SUBJECT);
@@ -76,11 +79,12 @@ impl PackedMask {
                 coverage.push(x, y, byte);
             }
         });
+
         coverage.end_rows(bits.height());
         self.rect = bits.rect();
     }
 
-    /// Makes it an empty mask of this size, for bits and coverage that are written to it row by row.
+    /// Starts an empty mask of this size, to which bits and coverage are written row by row. [`Self::close_mask`] ends it.
     pub(super) fn restart(&mut self, size: (u32, u32)) {
         self.subject.resize(size.0 as usize, size.1 as usize);
         self.subject.words_mut().fill(0);
@@ -88,12 +92,12 @@ impl PackedMask {
         self.rect = Rect::EMPTY;
     }
 
-    /// Appends a byte of coverage, in no row before the last one's.
+    /// Appends a byte of coverage. Its row is not above the row of the last one.
     pub(super) fn push_coverage(&mut self, x: usize, y: usize, byte: u8) {
         self.coverage.push(x, y, byte);
     }
 
-    /// Takes up what was written since it was cleared.
+    /// Completes a mask that was begun with [`Self::restart`].
     pub(super) fn close_mask(&mut self) {
         self.coverage.end_rows(self.subject.height());
         self.rect = self.subject.rect();
@@ -124,21 +128,21 @@ impl PackedMask {
         })
     }
 
-    /// Without coverage: 255 where a pixel is subject, else 0.
+    /// The mask without coverage: each byte is 255 if its pixel is subject, and 0 otherwise.
     pub fn binary(mut self) -> Self {
         self.coverage.clear();
         self.coverage.end_rows(self.subject.height());
         self
     }
 
-    /// The mask, a byte a pixel.
+    /// The mask with one byte per pixel.
     pub fn to_mask(&self) -> GrayImage {
         let mut mask = GrayImage::default();
         self.write_to(&mut mask);
         mask
     }
 
-    /// Writes the mask, a byte a pixel, to `mask`, which takes its size.
+    /// Writes the mask with one byte per pixel to `mask`, which is resized to fit.
     pub fn write_to(&self, mask: &mut GrayImage) {
         let (width, height) = self.size();
         if mask.dimensions() != (width, height) {
@@ -157,14 +161,17 @@ impl PackedMask {
         }
     }
 
+    /// The bits of subject pixels.
     pub(crate) fn subject(&self) -> &BitImage {
         &self.subject
     }
 
+    /// The bits of subject pixels, for writing between [`Self::restart`] and [`Self::close_mask`].
     pub(super) fn subject_mut(&mut self) -> &mut BitImage {
         &mut self.subject
     }
 
+    /// The bytes that are neither 0 nor 255.
     pub(super) fn coverage(&self) -> &Coverage {
         &self.coverage
     }
@@ -177,7 +184,7 @@ impl Coverage {
         self.bytes.clear();
     }
 
-    /// Appends a byte, in no row before the last one's.
+    /// Appends a byte. Its row is not above the row of the last one.
     #[inline(always)]
     pub(super) fn push(&mut self, x: usize, y: usize, byte: u8) {
         self.end_rows(y);
@@ -185,7 +192,7 @@ impl Coverage {
         self.bytes.push(byte);
     }
 
-    /// Ends the rows above `y`.
+    /// Marks the rows above `y` as complete.
     #[inline(always)]
     pub(super) fn end_rows(&mut self, y: usize) {
         if self.ends.len() < y {
@@ -193,25 +200,27 @@ impl Coverage {
         }
     }
 
-    /// Column and byte of each in row `y`, by column; none beyond the image.
+    /// The columns and bytes of row `y`, ascending by column; empty for a row beyond the image.
     #[inline(always)]
     pub(super) fn row(&self, y: usize) -> impl Iterator<Item = (usize, u8)> {
         self.columns(y).iter().map(|&x| x as usize).zip(self.bytes(y).iter().copied())
     }
 
+    /// The columns of row `y`, ascending.
     #[inline(always)]
     pub(super) fn columns(&self, y: usize) -> &[u32] {
-        &self.columns[self.places(y)]
+        &self.columns[self.range(y)]
     }
 
+    /// The bytes of row `y`, ascending by column.
     #[inline(always)]
     pub(super) fn bytes(&self, y: usize) -> &[u8] {
-        &self.bytes[self.places(y)]
+        &self.bytes[self.range(y)]
     }
 
-    /// The places of those in row `y`.
+    /// The range of row `y` in `columns` and `bytes`.
     #[inline(always)]
-    fn places(&self, y: usize) -> Range<usize> {
+    fn range(&self, y: usize) -> Range<usize> {
         match self.ends.get(..=y) {
             Some([end]) => 0..*end as usize,
             Some([.., start, end]) => *start as usize..*end as usize,
@@ -221,20 +230,22 @@ impl Coverage {
 }
 
 vectorised! {
-    /// Packs the rows of a mask.
+    /// Packs the rows of a mask: in groups of words, then in single words, then the part of a word that remains.
     fn pack_rows(mask: &MaskView, subject: &mut BitImage, coverage: &mut Coverage) {
         let stride = subject.stride().max(1);
         for (y, (row, words)) in mask.rows().zip(subject.words_mut().chunks_exact_mut(stride)).enumerate() {
             let (blocks, rest) = row.as_chunks::<WORD>();
-            let (groups, others) = blocks.as_chunks::<TOGETHER>();
-            let (packed, last) = words.split_at_mut(TOGETHER * groups.len());
+            let (groups, others) = blocks.as_chunks::<GROUP>();
+            let (packed, last) = words.split_at_mut(GROUP * groups.len());
             for (k, (group, words)) in groups.iter().zip(packed.as_chunks_mut().0).enumerate() {
-                *words = pack_group(group, TOGETHER * WORD * k, y, coverage);
+                *words = pack_group(group, GROUP * WORD * k, y, coverage);
             }
-            let start = TOGETHER * WORD * groups.len();
+
+            let start = GROUP * WORD * groups.len();
             for (k, (block, word)) in others.iter().zip(&mut *last).enumerate() {
                 [*word] = pack_group(&[*block], start + WORD * k, y, coverage);
             }
+
             if !rest.is_empty() {
                 let mut block = [0; WORD];
                 block[..rest.len()].copy_from_slice(rest);
@@ -245,7 +256,7 @@ vectorised! {
     }
 }
 
-/// The bits of a group of pixels, the first of which is in column `x` of row `y`; coverage among them is appended.
+/// The bits of a group of pixels that begins in column `x` of row `y`. Bytes of coverage are appended to `coverage`.
 #[inline(always)]
 fn pack_group<const N: usize>(
     group: &[[u8; WORD]; N],
@@ -253,16 +264,18 @@ fn pack_group<const N: usize>(
     y: usize,
     coverage: &mut Coverage,
 ) -> [u64; N] {
-    // Far most pixels are far from the outline.
+    // Most pixels are background far from the outline.
     if any_bit(group) == 0 {
         return [0; N];
     }
-    // One more makes 255 and 0 the only bytes without a bit above the lowest.
+
+    // After adding 1, only 0 and 255 have no bit above the lowest.
     let mut partial = *group;
     for byte in partial.as_flattened_mut() {
         *byte = byte.wrapping_add(1) >> 1;
     }
     if any_bit(&partial) != 0 {
+        // Adding 127 sets the highest bit of each byte of coverage.
         for byte in partial.as_flattened_mut() {
             *byte += 127;
         }
@@ -272,10 +285,12 @@ fn pack_group<const N: usize>(
             }
         }
     }
+
+    // The highest bit of a byte tells whether its pixel is subject.
     pack(group)
 }
 
-/// The bits that any of some bytes has, folded to eight bytes.
+/// The union of the bits of all bytes, folded to eight bytes; zero if all bytes are.
 #[inline(always)]
 fn any_bit<const N: usize>(bytes: &[[u8; WORD]; N]) -> u64 {
     let mut any = [0; 8];

@@ -1,45 +1,50 @@
-//! The background pixels nearest to many points: by rows where they are near, else by rings of growing radius.
+//! The background pixels nearest to the pixels of a block of points: searched row by row if all of them are near, otherwise
+//! ring by ring.
 //!
 //! ```text
-//!     +---o-x---+   o the middle of a side, from which it is searched both ways, a word of pixels at a time; what lies
-//!     |    a    |     farther from it than the nearest pixel found so far is not looked at
-//!     |         x   x background
+//!     +----o-x--+   a  the pixel whose nearest background is searched for
+//!     |         |   x  background
+//!     |    a    x   o  the middle of a side: each side is searched from there in both directions, one word of pixels at
+//!     |         |      a time, as far as its pixels are nearer than the nearest background found so far
 //!     +---------+
 //! ```
 
 use super::{Bits, Distances, TableSlices};
 use crate::math::point_cloud::LANES;
 
-/// Whole numbers of as many points as are asked together.
+/// An integer for each lane of a block of points.
 type Whole = [i32; LANES];
 
-/// Pixels of one view, from the corner of its silhouette's region.
+/// A pixel for each lane, counted from the corner of the silhouette's crop.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Pixels {
     pub(crate) column: Whole,
     pub(crate) row: Whole,
 }
 
-/// No ring: farther than a window in a silhouette of 60,000 pixels reaches. Its square, twice, fits.
+/// The radius or offset of a lane that has nothing left to search. It exceeds the half-width of any window in a silhouette
+/// of 60,000 pixels, and twice its square fits an `i32`.
 const FAR: i32 = 30_000;
 
-/// Up to this Chebyshev distance the nearest background pixel is in sight of a row's word: it lies at most 14 pixels
-/// away.
+/// Chebyshev distance up to which the search reads one word per row. The Euclidean distance is then less than 15 pixels.
 pub(crate) const NEAR: i32 = 10;
 
-/// Pixels left of the middle one in a word around it.
+/// Pixels to the left of the middle pixel in a word around it.
 const WORD_REACH: i32 = 15;
 
-/// Pixels of a word.
+/// Pixels in a word.
 const WORD: i32 = u32::BITS as i32;
 
-/// A side of a ring: whether it runs along a row, and whether it lies above or left of the middle, -1, or else 1.
+/// A side of a ring.
 #[derive(Clone, Copy)]
 struct RingSide {
+    /// Whether the side runs along a row, or else along a column.
     is_row: bool,
+    /// -1 for the upper or left side, 1 for the lower or right side.
     sign: i32,
 }
 
+/// The sides of a ring: upper, left, right and lower.
 const SIDES: [RingSide; 4] = [
     RingSide { is_row: true, sign: -1 },
     RingSide { is_row: false, sign: -1 },
@@ -47,27 +52,30 @@ const SIDES: [RingSide; 4] = [
     RingSide { is_row: true, sign: 1 },
 ];
 
-/// What is searched, and what is found for as many points as are asked together.
+/// The state of a search by rings.
 struct RingSearch<'a> {
     rows: Bits<'a>,
     columns: Bits<'a>,
     distances: Distances<'a>,
+    /// The pixels whose nearest background is searched for.
     middle: &'a Pixels,
-    /// Of the ring that is searched now.
+    /// Chebyshev radius of the current ring.
     radius: Whole,
-    /// Squared distance of the nearest background so far, and where it is.
+    /// Squared distance to the nearest background pixel found so far.
     squared: Whole,
+    /// The nearest background pixel found so far.
     nearest: Pixels,
 }
 
-/// The background pixel nearest to each middle (Euclidean, then row-major) within its window of half-width `half`,
-/// where `first` is the Chebyshev distance of the nearest ones.
+/// The background pixel nearest to each pixel of `middle`, within its window of half-width `half`, by Euclidean distance.
+/// Ties go to the first in row-major order. `first` is the Chebyshev distance of `middle` to the background.
 #[inline(always)]
 pub(crate) fn nearest(tables: &TableSlices, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
     let rows = Bits::new(tables.subject, tables.words);
     if first.iter().all(|&first| first <= NEAR) {
         return nearest_in_word(rows, middle, half);
     }
+
     let (columns, words_in_column) = tables.columns();
     let mut search = RingSearch {
         rows,
@@ -79,15 +87,16 @@ pub(crate) fn nearest(tables: &TableSlices, middle: &Pixels, first: &Whole, half
         nearest: *middle,
     };
     loop {
+        // Lanes whose ring is larger than their window are done.
         for k in 0..LANES {
-            // No ring beyond the window.
             search.radius[k] = if search.radius[k] <= half[k] { search.radius[k] } else { FAR };
         }
-        if !search.is_open(&[0; LANES]) {
+        if !search.may_improve(&[0; LANES]) {
             return search.nearest;
         }
+
         for side in SIDES {
-            search.look_along(side);
+            search.search_side(side);
         }
         for k in 0..LANES {
             search.radius[k] += 1;
@@ -95,30 +104,33 @@ pub(crate) fn nearest(tables: &TableSlices, middle: &Pixels, first: &Whole, half
     }
 }
 
-/// The same for pixels near background, by rows outwards.
+/// [`nearest`] for pixels with background within [`NEAR`]: searches the rows from the middle one outwards.
 #[inline(always)]
 fn nearest_in_word(rows: Bits, middle: &Pixels, half: &Whole) -> Pixels {
     let (mut squared, mut nearest) = ([i32::MAX; LANES], *middle);
-    for away in 0..=WORD_REACH {
-        let mut left_to_see = 0;
+    for distance in 0..=WORD_REACH {
+        let mut may_improve = 0;
         for k in 0..LANES {
             let half = half[k].min(WORD_REACH);
-            let within = u32::MAX >> (2 * (WORD_REACH - half) + 1) << (WORD_REACH - half);
-            for (dy, handicap) in [(-away, 0), (away, 1)] {
-                let background = !rows.from(middle.column[k] - WORD_REACH, middle.row[k] + dy) & within;
+            let window = u32::MAX >> (2 * (WORD_REACH - half) + 1) << (WORD_REACH - half);
+
+            // The upper row wins ties with all pixels found before it; the lower row has to be strictly nearer.
+            for (dy, handicap) in [(-distance, 0), (distance, 1)] {
+                let background = !rows.from(middle.column[k] - WORD_REACH, middle.row[k] + dy) & window;
                 let left = (background << (WORD_REACH + 1)).leading_zeros() as i32;
                 let right = (background >> WORD_REACH).trailing_zeros() as i32;
-                // The left one wins among equals, and so does the upper one.
+                // The pixel on the left wins ties.
                 let dx = if left <= right { -left } else { right };
                 let rank = dx * dx + dy * dy;
-                let better = (background != 0) & (away <= half) & (rank + handicap <= squared[k]);
-                squared[k] = if better { rank } else { squared[k] };
-                nearest.column[k] = if better { middle.column[k] + dx } else { nearest.column[k] };
-                nearest.row[k] = if better { middle.row[k] + dy } else { nearest.row[k] };
+                let is_better = (background != 0) & (distance <= half) & (rank + handicap <= squared[k]);
+                squared[k] = if is_better { rank } else { squared[k] };
+                nearest.column[k] = if is_better { middle.column[k] + dx } else { nearest.column[k] };
+                nearest.row[k] = if is_better { middle.row[k] + dy } else { nearest.row[k] };
             }
-            left_to_see |= u32::from((away < half) & ((away + 1) * (away + 1) <= squared[k]));
+            may_improve |= u32::from((distance < half) & ((distance + 1) * (distance + 1) <= squared[k]));
         }
-        if left_to_see == 0 {
+
+        if may_improve == 0 {
             break;
         }
     }
@@ -126,34 +138,37 @@ fn nearest_in_word(rows: Bits, middle: &Pixels, half: &Whole) -> Pixels {
 }
 
 impl RingSearch<'_> {
-    /// Whether background so far along a side of the ring is of interest to any point.
+    /// Whether background at `offset` along a side of the ring would improve the result of any lane.
     #[inline(always)]
-    fn is_open(&self, offset: &Whole) -> bool {
-        let mut open = 0;
+    fn may_improve(&self, offset: &Whole) -> bool {
+        let mut any = 0;
         for k in 0..LANES {
-            open |= u32::from(is_in_question(self.radius[k], offset[k], self.squared[k]));
+            any |= u32::from(is_candidate(self.radius[k], offset[k], self.squared[k]));
         }
-        open != 0
+        any != 0
     }
 
-    /// Looks at a whole side, as far as it matters.
+    /// Searches a side of the ring for nearer background.
     #[inline(always)]
-    fn look_along(&mut self, side: RingSide) {
-        // Most sides are clear from their middle on, farther than anybody looks.
+    fn search_side(&mut self, side: RingSide) {
+        // The distance table gives how far the side is subject from its middle on. It mostly exceeds what matters.
         let mut clear = [0; LANES];
         for k in 0..LANES {
             let (column, row) = self.pixel(side, k, 0);
             clear[k] = self.distances.at(column as u32, row as u32) as i32;
         }
-        for way in [-1, 1] {
+
+        for sign in [-1, 1] {
             let mut from = clear;
-            while self.is_open(&from) {
+            while self.may_improve(&from) {
+                // The first background pixel in the next word of each lane.
                 let mut offset = [0; LANES];
                 for k in 0..LANES {
-                    let start = if way < 0 { 1 - WORD - from[k] } else { from[k] };
+                    let start = if sign < 0 { 1 - WORD - from[k] } else { from[k] };
                     let background = !self.side_word(side, k, start);
-                    let on = if way < 0 { background.leading_zeros() } else { background.trailing_zeros() };
-                    let found = way * (from[k] + on as i32);
+                    let skipped =
+                        if sign < 0 { background.leading_zeros() } else { background.trailing_zeros() };
+                    let found = sign * (from[k] + skipped as i32);
                     offset[k] = if background != 0 { found } else { FAR };
                     from[k] += WORD;
                 }
@@ -162,30 +177,33 @@ impl RingSearch<'_> {
         }
     }
 
-    /// Takes up the background pixels so far along a side, where they are better.
+    /// Keeps the background pixel at `offset` along a side in each lane where it is better than the best so far.
     #[inline(always)]
     fn keep_nearer(&mut self, side: RingSide, offset: &Whole) {
         for k in 0..LANES {
             let (column, row) = self.pixel(side, k, offset[k]);
             let (best_column, best_row) = (self.nearest.column[k], self.nearest.row[k]);
             let rank = self.radius[k] * self.radius[k] + offset[k] * offset[k];
-            let upper = (row < best_row) | ((row == best_row) & (column < best_column));
-            let in_question = is_in_question(self.radius[k], offset[k], self.squared[k]);
-            let better = in_question & ((rank < self.squared[k]) | upper);
-            self.squared[k] = if better { rank } else { self.squared[k] };
-            self.nearest.column[k] = if better { column } else { best_column };
-            self.nearest.row[k] = if better { row } else { best_row };
+
+            // Among equals the first in row-major order wins.
+            let is_earlier = (row < best_row) | ((row == best_row) & (column < best_column));
+            let may_win = is_candidate(self.radius[k], offset[k], self.squared[k]);
+            let is_better = may_win & ((rank < self.squared[k]) | is_earlier);
+
+            self.squared[k] = if is_better { rank } else { self.squared[k] };
+            self.nearest.column[k] = if is_better { column } else { best_column };
+            self.nearest.row[k] = if is_better { row } else { best_row };
         }
     }
 
-    /// The subject's bits along a side from so far behind its middle on.
+    /// The word of subject bits along a side that begins at `offset` from its middle, in lane `k`.
     #[inline(always)]
     fn side_word(&self, side: RingSide, k: usize, offset: i32) -> u32 {
         let (column, row) = self.pixel(side, k, offset);
         if side.is_row { self.rows.from(column, row) } else { self.columns.from(row, column) }
     }
 
-    /// The pixel so far along a side.
+    /// Column and row of the pixel at `offset` from the middle of a side, in lane `k`.
     #[inline(always)]
     fn pixel(&self, side: RingSide, k: usize, offset: i32) -> (i32, i32) {
         let (column, row, out) = (self.middle.column[k], self.middle.row[k], side.sign * self.radius[k]);
@@ -193,9 +211,9 @@ impl RingSearch<'_> {
     }
 }
 
-/// Whether a pixel of a ring is, and is not farther away than the nearest background so far.
+/// Whether an offset lies on the side of a ring, and its pixel is no farther away than the nearest background so far.
 #[inline(always)]
-fn is_in_question(radius: i32, offset: i32, squared: i32) -> bool {
+fn is_candidate(radius: i32, offset: i32, squared: i32) -> bool {
     (radius < FAR) & (offset.abs() <= radius) & (radius * radius + offset * offset <= squared)
 }
 
@@ -206,12 +224,13 @@ mod tests {
     use super::*;
     use image::{GrayImage, Luma};
 
-    /// Some pixel of the masks.
+    /// A random pixel of the masks.
     fn pixel(random: &mut Random) -> (i32, i32) {
         ((230.0 * random.unit()) as i32, (190.0 * random.unit()) as i32)
     }
 
-    /// An ellipse with specks of background, so that nearest ones lie on all sides and at all depths, ties among them.
+    /// An ellipse with isolated background pixels, so that the nearest background lies on all sides and at all depths, with
+    /// ties.
     fn mask(specks: usize) -> GrayImage {
         let mut random = Random(specks as u64);
         let holes: Vec<_> = (0..specks).map(|_| pixel(&mut random)).collect();
@@ -222,23 +241,24 @@ mod tests {
     }
 
     #[test]
-    fn lanes_find_the_pixel_that_a_single_search_finds_near_and_deep() {
+    fn all_lanes_find_the_pixel_that_the_single_search_finds() {
         for specks in [0, 3, 12, 60] {
             let silhouette = Silhouette::new(&mask(specks), Border::Background);
             let (tables, mut random) = (silhouette.tables(), Random(7));
             let (x, y) = tables.corner;
-            for (round, more) in (0..60).zip([0, 1, 9].into_iter().cycle()) {
-                // In every third round all pixels are near their background, so that only rows are searched.
-                let most = if round % 3 == 0 { NEAR as u16 } else { u16::MAX };
+            for (round, extra) in (0..60).zip([0, 1, 9].into_iter().cycle()) {
+                // In every third round all pixels are near the background, so that the search by rows is used.
+                let max_distance = if round % 3 == 0 { NEAR as u16 } else { u16::MAX };
                 let (mut middle, mut first, mut half) = (Pixels::default(), [0; LANES], [0; LANES]);
                 for k in 0..LANES {
                     let (i, j) = std::iter::repeat_with(|| pixel(&mut random))
-                        .find(|&(i, j)| (1..=most).contains(&silhouette.distance(i, j)))
+                        .find(|&(i, j)| (1..=max_distance).contains(&silhouette.distance(i, j)))
                         .unwrap();
                     (middle.column[k], middle.row[k]) = (i - x, j - y);
                     first[k] = i32::from(silhouette.distance(i, j));
-                    half[k] = first[k] + more;
+                    half[k] = first[k] + extra;
                 }
+
                 let found = nearest(&tables, &middle, &first, &half);
                 for k in 0..LANES {
                     let (i, j) = (middle.column[k] + x, middle.row[k] + y);

@@ -6,7 +6,7 @@ use image::Luma;
 /// Widths below, at and above a word, and images without pixels.
 const SIZES: [(u32, u32); 8] = [(0, 0), (0, 3), (3, 0), (1, 1), (63, 5), (64, 5), (65, 7), (200, 130)];
 
-/// Discs with coverage along their outlines, and coverage of a speck far from them.
+/// Discs with and without coverage along their outlines, noise, an empty and a full mask.
 fn masks((width, height): (u32, u32)) -> Vec<GrayImage> {
     let mut random = Random(u64::from(width) << 32 | u64::from(height) | 1);
     let mut masks = Vec::new();
@@ -18,6 +18,7 @@ fn masks((width, height): (u32, u32)) -> Vec<GrayImage> {
             Luma([(127.5 + 127.5 * inside / softness) as u8])
         }));
     }
+
     masks.push(GrayImage::from_fn(width, height, |_, _| Luma([(255.0 * random.unit()) as u8])));
     masks.push(GrayImage::new(width, height));
     masks.push(GrayImage::from_pixel(width, height, Luma([255])));
@@ -25,7 +26,7 @@ fn masks((width, height): (u32, u32)) -> Vec<GrayImage> {
 }
 
 #[test]
-fn the_bytes_come_back_whatever_was_packed_in_the_same_memory_before() {
+fn packing_keeps_every_byte_in_reused_memory_too() {
     let (mut packed, mut bytes) = (PackedMask::default(), GrayImage::new(9, 9));
     for mask in SIZES.into_iter().flat_map(masks) {
         packed.pack(&mask);
@@ -38,13 +39,14 @@ fn the_bytes_come_back_whatever_was_packed_in_the_same_memory_before() {
 }
 
 #[test]
-fn rows_with_a_stride_are_packed_like_those_of_an_image() {
+fn padded_rows_are_packed_like_rows_without_padding() {
     for mask in SIZES.into_iter().flat_map(masks) {
         let (width, stride) = (mask.width() as usize, mask.width() as usize + 7);
         let mut bytes = vec![77; stride * mask.height() as usize];
         for (row, from) in bytes.chunks_mut(stride).zip(mask.chunks(width.max(1))) {
             row[..width].copy_from_slice(from);
         }
+
         let view = MaskView::new(&bytes, mask.dimensions(), stride).unwrap();
         assert_eq!(PackedMask::new(view), PackedMask::new(&mask));
     }
@@ -64,7 +66,7 @@ fn the_rectangle_is_the_tightest_around_the_subject() {
 }
 
 #[test]
-fn without_coverage_each_pixel_is_subject_or_not() {
+fn a_binary_mask_keeps_only_which_pixels_are_subject() {
     for mask in SIZES.into_iter().flat_map(masks) {
         let mut binary = mask.clone();
         binary.iter_mut().for_each(|byte| *byte = if *byte >= SUBJECT { 255 } else { 0 });
@@ -78,6 +80,7 @@ fn a_silhouette_holds_the_bytes_of_the_mask_around_its_subject() {
         for border in [Border::Background, Border::Unknown] {
             let silhouette = Silhouette::new(&mask, border);
             let beyond = if border == Border::Unknown { 255 } else { 0 };
+
             let kept = silhouette.rect().grown(8);
             for (i, j) in (kept.y0..kept.y1).flat_map(|j| (kept.x0..kept.x1).map(move |i| (i, j))) {
                 let pixel = u32::try_from(i).ok().zip(u32::try_from(j).ok());

@@ -1,4 +1,4 @@
-//! The runs of a mask, written.
+//! Writing the runs of a mask.
 
 use super::{COUNT, COVERAGE_GAP, EIGHT, ENDS, GAP, MOVED};
 use crate::math::lanes::set_bits;
@@ -7,11 +7,12 @@ use crate::silhouette::{PackedMask, Rect, SUBJECT};
 use bitstream_io::{BigEndian, BitWrite, BitWriter};
 use std::io;
 
-/// Writes the runs of a mask.
+/// Writes the runs of one mask.
 pub(super) struct Encoder {
     writer: BitWriter<Vec<u8>, BigEndian>,
-    /// The columns in which runs of subject begin and end, in the row above and in this one.
+    /// [`Self::ends`] of the row above.
     above: Vec<u32>,
+    /// The first and past-the-last columns of the row's runs of subject, ascending.
     ends: Vec<u32>,
 }
 
@@ -37,6 +38,8 @@ impl Encoder {
             if !with_coverage {
                 continue;
             }
+
+            // First which pixels of the row have coverage, then their bytes.
             covered.resize(mask.subject().width(), 1);
             covered.words_mut().fill(0);
             mask.coverage().columns(y).iter().for_each(|&x| covered.set(x as usize, 0, true));
@@ -46,20 +49,24 @@ impl Encoder {
                 self.writer.write_var(7 * bytes.len() as u32, low)?;
             }
         }
+
         self.writer.byte_align()?;
         Ok(self.writer.into_writer())
     }
 
+    /// Writes the ends of the row's runs.
     fn write_ends(&mut self, rect: &Rect) -> io::Result<()> {
         let is_alike = self.ends.len() == self.above.len();
         self.writer.write_bit(is_alike)?;
         if is_alike {
+            // Movements in zigzag code, which has no sign.
             for (&end, &above) in self.ends.iter().zip(&self.above) {
                 let moved = i64::from(end) - i64::from(above);
                 write_rice(&mut self.writer, (moved << 1 ^ moved >> 63) as u32, MOVED)?;
             }
             return Ok(());
         }
+
         write_rice(&mut self.writer, self.ends.len() as u32 / 2, ENDS)?;
         let mut last = rect.x0 as u32;
         for &end in &self.ends {
@@ -69,8 +76,9 @@ impl Encoder {
         Ok(())
     }
 
-    /// Writes where the pixels `covered` of a row lie, which are cleared.
+    /// Writes which pixels of a row have coverage, given as the bits of `covered`, which are cleared.
     fn write_covered(&mut self, covered: &mut BitImage, rect: &Rect) -> io::Result<()> {
+        // Pixels adjacent to the ends of runs, up to the next end.
         let mut take = |x: u32| {
             let is_covered = covered.get(x as usize, 0);
             covered.set(x as usize, 0, false);
@@ -79,12 +87,12 @@ impl Encoder {
         let nexts = self.ends.iter().skip(1).copied().chain([rect.x1 as u32]);
         for (&end, next) in self.ends.iter().zip(nexts) {
             let before = (rect.x0 as u32..end).rev().take_while(|&x| take(x)).count();
-            let behind = (end..next).take_while(|&x| take(x)).count();
+            let after = (end..next).take_while(|&x| take(x)).count();
             write_rice(&mut self.writer, before as u32, COUNT)?;
-            write_rice(&mut self.writer, behind as u32, COUNT)?;
+            write_rice(&mut self.writer, after as u32, COUNT)?;
         }
 
-        // The ends of all other runs, in pairs.
+        // All other pixels, as runs.
         let others: Vec<u32> = ends_of(covered, 0).collect();
         write_rice(&mut self.writer, others.len() as u32 / 2, COUNT)?;
         let mut last = rect.x0 as u32;
@@ -97,9 +105,10 @@ impl Encoder {
     }
 }
 
-/// The columns in which runs of pixels that are set begin, and those behind which they end, ascending.
+/// The first and past-the-last columns of the runs of pixels that are set in row `y`, ascending.
 fn ends_of(image: &BitImage, y: usize) -> impl Iterator<Item = u32> {
     let row = image.row(y);
+    // A run that reaches the end of the last word has no change of bits after it.
     let last = row.last().is_some_and(|word| word >> 63 == 1).then_some((WORD * row.len()) as u32);
     let inner = row.iter().enumerate().flat_map(move |(k, &word)| {
         let before = if k > 0 { row[k - 1] >> 63 } else { 0 };
@@ -108,6 +117,7 @@ fn ends_of(image: &BitImage, y: usize) -> impl Iterator<Item = u32> {
     inner.chain(last)
 }
 
+/// Writes a Rice code with `low` lowest bits.
 fn write_rice(bits: &mut impl BitWrite, number: u32, low: u32) -> io::Result<()> {
     bits.write_unary::<1>(number >> low)?;
     bits.write_var(low, number & ((1 << low) - 1))

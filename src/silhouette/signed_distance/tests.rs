@@ -1,12 +1,12 @@
 use super::*;
 use image::{GrayImage, Luma};
 
-/// A mask whose pixels are subject where `is_subject` says so.
+/// A mask whose subject pixels are those for which `is_subject` holds.
 fn drawn(width: u32, height: u32, is_subject: impl Fn(i32, i32) -> bool) -> GrayImage {
     GrayImage::from_fn(width, height, |i, j| Luma([if is_subject(i as i32, j as i32) { 255 } else { 0 }]))
 }
 
-/// Pixels that are subject in about `percent` of a hundred cases, without any order.
+/// A mask in which about `percent` percent of the pixels, chosen at random, are subject.
 fn scattered(width: u32, height: u32, percent: u32, seed: u32) -> GrayImage {
     let mut state = seed;
     GrayImage::from_fn(width, height, |_, _| {
@@ -24,9 +24,9 @@ fn pixels(rect: &Rect) -> impl Iterator<Item = (i32, i32)> + use<> {
     (rect.y0..rect.y1).flat_map(move |j| (rect.x0..rect.x1).map(move |i| (i, j)))
 }
 
-/// Compares with the least of the distances from all pixels of the other kind in and around the image.
+/// Compares every distance with the least of the distances to all pixels of the other kind in and around the image.
 fn assert_brute_force(distance: &SignedDistance, s: &Silhouette, what: &str) {
-    // One row and column of background around the image stand for all beyond.
+    // One row and column of background around the image suffice: pixels farther out are not nearer.
     let known = if s.border() == Border::Unknown { s.image() } else { s.image().grown(1) };
     let (subject, background): (Vec<_>, Vec<_>) = pixels(&known).partition(|&(x, y)| s.is_subject(x, y));
     for (i, j) in pixels(&distance.rect()) {
@@ -39,7 +39,7 @@ fn assert_brute_force(distance: &SignedDistance, s: &Silhouette, what: &str) {
     }
 }
 
-/// Rectangles in, around, across and beside an image, and its own.
+/// The rectangle of an image, and rectangles around, in, across and beside it.
 fn rectangles(width: i32, height: i32) -> [Rect; 5] {
     let rect = |x0, y0, x1, y1| Rect { x0, y0, x1, y1 };
     [
@@ -58,12 +58,9 @@ fn distances_are_those_of_the_nearest_pixel_of_the_other_kind() {
             let mask = scattered(width, height, percent, seed);
             for border in [Border::Background, Border::Unknown] {
                 let s = Silhouette::new(&mask, border);
+                let what = format!("{percent} % of {width}x{height}");
                 for rect in rectangles(width as i32, height as i32) {
-                    assert_brute_force(
-                        &s.signed_distance(&rect),
-                        &s,
-                        &format!("{percent} % of {width}x{height}"),
-                    );
+                    assert_brute_force(&s.signed_distance(&rect), &s, &what);
                 }
             }
         }
@@ -71,20 +68,21 @@ fn distances_are_those_of_the_nearest_pixel_of_the_other_kind() {
 }
 
 #[test]
-fn distances_from_a_disc_are_those_of_its_circle_within_a_pixels_diagonal() {
+fn distances_from_a_disc_equal_distances_from_its_circle_within_a_pixels_diagonal() {
     let s = Silhouette::new(&drawn(120, 100, disc(30.0)), Border::Background);
     let distance = s.signed_distance(&s.image());
     for (i, j) in pixels(&s.image()) {
         let analytic = (f64::from(i) + 0.5 - 60.2).hypot(f64::from(j) + 0.5 - 49.7) - 30.0;
-        // A centre of the other kind lies behind the circle, but by no more than a diagonal: a disc half a diagonal
-        // in radius, which touches the circle from behind at its nearest point, holds a centre. Half a pixel is off.
-        let beyond = (f64::from(distance.at(i, j)) - analytic) * analytic.signum();
-        assert!((-0.5 - 1e-5..=std::f64::consts::SQRT_2 - 0.5).contains(&beyond), "({i}, {j}): {beyond}");
+        // The nearest centre of the other kind lies beyond the circle by at most a diagonal: a disc with a radius of half
+        // a diagonal that touches the circle there from the other side always holds a centre. The distance is half a
+        // pixel less.
+        let excess = (f64::from(distance.at(i, j)) - analytic) * analytic.signum();
+        assert!((-0.5 - 1e-5..=std::f64::consts::SQRT_2 - 0.5).contains(&excess), "({i}, {j}): {excess}");
     }
 }
 
 #[test]
-fn the_sign_tells_subject_from_background() {
+fn distances_are_negative_for_subject_and_positive_for_background() {
     for border in [Border::Background, Border::Unknown] {
         let s = Silhouette::new(&scattered(61, 45, 60, 7), border);
         let distance = s.signed_distance(&s.image().grown(4));
@@ -96,14 +94,14 @@ fn the_sign_tells_subject_from_background() {
 }
 
 #[test]
-fn distances_change_by_at_most_one_from_a_pixel_to_the_next() {
+fn distances_of_adjacent_pixels_differ_by_at_most_one() {
     for mask in [drawn(120, 100, disc(30.0)), scattered(120, 100, 3, 5)] {
         let s = Silhouette::new(&mask, Border::Background);
         let distance = s.signed_distance(&s.image());
         for (i, j) in pixels(&s.image()) {
             let here = distance.at(i, j);
             for next in [distance.at(i + 1, j), distance.at(i, j + 1)] {
-                // Rounding of two distances below 256, in units of 2^-24 of 128 each.
+                // Both distances are below 256, so that each is rounded by at most 2^-24 of 128.
                 assert!((next - here).abs() <= 1.0 + 2e-5, "({i}, {j}): {here} and {next}");
             }
         }
@@ -123,7 +121,7 @@ fn distances_move_with_the_mask() {
 }
 
 #[test]
-fn memory_of_an_earlier_mask_does_not_matter() {
+fn reused_memory_gives_equal_distances() {
     let mut distance = SignedDistance::default();
     for (width, height, percent) in [(70, 60, 50), (30, 90, 2), (90, 20, 98), (5, 4, 0), (70, 60, 100)] {
         for border in [Border::Unknown, Border::Background] {
@@ -137,36 +135,41 @@ fn memory_of_an_earlier_mask_does_not_matter() {
 }
 
 #[test]
-fn a_silhouette_without_an_edge_is_infinitely_far_away() {
+fn distances_are_infinite_in_a_silhouette_without_an_edge() {
     let all = |distance: &SignedDistance, value: f32| distance.values().iter().all(|&v| v == value);
     let (empty, full) = (GrayImage::new(9, 7), drawn(9, 7, |_, _| true));
+
     for border in [Border::Background, Border::Unknown] {
         let s = Silhouette::new(&empty, border);
         assert!(all(&s.signed_distance(&s.image()), f32::INFINITY), "{border:?}");
     }
+
     let s = Silhouette::new(&full, Border::Unknown);
     let distance = s.signed_distance(&s.image().grown(2));
     assert!(all(&distance, f32::NEG_INFINITY));
     assert_eq!(distance.sample(4.25, 3.0), f64::NEG_INFINITY);
-    // Beyond the image is background, and the full mask's edge at its border.
+
+    // With background beyond the image, the edge of a full mask is the image's border.
     let s = Silhouette::new(&full, Border::Background);
     assert_eq!(s.signed_distance(&s.image()).at(0, 3), -0.5);
     assert_eq!(s.signed_distance(&s.image()).at(4, 3), -3.5);
 }
 
 #[test]
-fn an_open_border_is_no_edge() {
+fn an_unknown_border_is_not_an_edge() {
     // An arm from the left border to the middle.
     let mask = drawn(40, 30, |i, j| i < 20 && (10..16).contains(&j));
-    let [open, closed] = [Border::Unknown, Border::Background].map(|border| Silhouette::new(&mask, border));
-    let [open, closed] = [&open, &closed].map(|s| s.signed_distance(&s.image()));
-    assert_eq!((open.at(0, 12), closed.at(0, 12)), (-2.5, -0.5), "inside, at the border");
-    assert_eq!((open.at(0, 4), closed.at(0, 4)), (5.5, 5.5), "outside, at the border");
-    assert_eq!((open.at(20, 12), closed.at(20, 12)), (0.5, 0.5));
+    let [unknown, background] = [Border::Unknown, Border::Background].map(|border| {
+        let s = Silhouette::new(&mask, border);
+        s.signed_distance(&s.image())
+    });
+    assert_eq!((unknown.at(0, 12), background.at(0, 12)), (-2.5, -0.5), "inside, at the border");
+    assert_eq!((unknown.at(0, 4), background.at(0, 4)), (5.5, 5.5), "outside, at the border");
+    assert_eq!((unknown.at(20, 12), background.at(20, 12)), (0.5, 0.5));
 }
 
 #[test]
-fn coverage_counts_as_its_pixel_does() {
+fn distances_depend_only_on_which_pixels_are_subject() {
     let bytes = [0, 60, 127, 128, 200, 255];
     let mask = GrayImage::from_fn(48, 32, |i, j| Luma([bytes[((i * i + 3 * j) / 7 % 6) as usize]]));
     let binary = drawn(48, 32, |i, j| mask.get_pixel(i as u32, j as u32).0[0] >= crate::silhouette::SUBJECT);
@@ -183,14 +186,14 @@ fn samples_are_bilinear_between_centres_and_clamped_outside() {
     let distance = s.signed_distance(&s.image());
     assert_eq!(distance.sample(3.5, 4.5), f64::from(distance.at(3, 4)));
     let mean = (distance.at(14, 15) + distance.at(15, 15) + distance.at(14, 16) + distance.at(15, 16)) / 4.0;
-    // Rounding of a sum of four in single precision.
+    // The mean of four values is rounded in single precision.
     assert!((distance.sample(15.0, 16.0) - f64::from(mean)).abs() < 1e-5);
     assert_eq!(distance.sample(-9.0, 50.0), f64::from(distance.at(0, 19)));
     assert_eq!(distance.sample(0.2, 5.5), f64::from(distance.at(0, 5)));
 }
 
 #[test]
-fn no_pixels_have_no_distances() {
+fn an_empty_rectangle_has_no_distances() {
     let s = Silhouette::new(&drawn(12, 12, |i, _| i < 5), Border::Background);
     let distance = s.signed_distance(&Rect { x0: 4, y0: 4, x1: 2, y1: 9 });
     assert!(distance.values().is_empty() && distance.rect().is_empty());

@@ -34,9 +34,9 @@ const LONG: usize = bit_image::WORD;
 /// Words before a row of an image: as far as a crop may begin before it.
 const BEFORE: usize = 1;
 
-/// Words behind a row of an image: for the margin and the rounding of the crop's width, and one that is read after the
+/// Words after a row of an image: for the margin and the rounding of the crop's width, and one that is read after the
 /// last.
-const BEHIND: usize = 3;
+const AFTER: usize = 3;
 
 /// The bits and bytes of a crop, row-major.
 #[derive(Debug, Default)]
@@ -249,7 +249,7 @@ vectorised! {
         let (width, words, stride) = (rect.width(), rect.width().div_ceil(WORD), image.stride());
         let last_word = Word::MAX >> (words * WORD - width);
         row.clear();
-        row.resize(BEFORE + stride + BEHIND, beyond);
+        row.resize(BEFORE + stride + AFTER, beyond);
 
         // The word and bit of `row` at which the crop begins.
         let first = (rect.x0 + (BEFORE * LONG) as i32) as usize;

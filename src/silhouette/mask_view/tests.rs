@@ -10,12 +10,12 @@ fn rows_leave_out_their_padding_and_the_last_needs_none() {
 
 #[test]
 fn a_stride_below_the_width_and_missing_bytes_are_refused() {
-    let says = |bytes: &[u8], size, stride| MaskView::new(bytes, size, stride).unwrap_err().to_string();
-    let narrow = says(&[0; 100], (8, 8), 7);
+    let error = |bytes: &[u8], size, stride| MaskView::new(bytes, size, stride).unwrap_err().to_string();
+    let narrow = error(&[0; 100], (8, 8), 7);
     assert!(narrow.contains("at least the width of 8 pixels, found 7"), "{narrow}");
-    let short = says(&[0; 76], (8, 8), 10);
+    let short = error(&[0; 76], (8, 8), 10);
     assert!(short.contains("at least 78 bytes") && short.contains("found 76"), "{short}");
-    assert!(says(&[0; 76], (8, 8), usize::MAX / 4).contains("stride"));
+    assert!(error(&[0; 76], (8, 8), usize::MAX / 4).contains("stride"));
 }
 
 #[test]

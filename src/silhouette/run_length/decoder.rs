@@ -182,7 +182,7 @@ impl<'a> Decoder<'a> {
 enum RunError {
     /// The bytes end before the last row does.
     Early,
-    /// A number has no valid meaning; the message says what was expected and found.
+    /// A number is out of range; the message names what was expected and what was found.
     Outside(String),
 }
 

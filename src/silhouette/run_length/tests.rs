@@ -77,8 +77,8 @@ fn changed_bytes_never_panic() {
             for _ in 0..1 + random.below(3) {
                 // Half of the changes are in the header or the first rows.
                 let end = if random.unit() < 0.5 { HEADER + 8 } else { changed.len() };
-                let place = random.below(changed.len().min(end) as u32) as usize;
-                changed[place] = random.below(256) as u8;
+                let index = random.below(changed.len().min(end) as u32) as usize;
+                changed[index] = random.below(256) as u8;
             }
 
             check(&changed);
@@ -88,23 +88,23 @@ fn changed_bytes_never_panic() {
 
 #[test]
 fn an_error_names_the_field_that_is_wrong() {
-    let says = |bytes: &[u8]| PackedMask::decode(bytes).unwrap_err().to_string();
+    let error = |bytes: &[u8]| PackedMask::decode(bytes).unwrap_err().to_string();
     let mut bytes = PackedMask::new(&GrayImage::from_pixel(9, 7, Luma([255]))).encode().unwrap();
 
-    assert!(says(b"\x89PNG....").contains("expected bytes that begin with \"VHR1\""));
+    assert!(error(b"\x89PNG....").contains("expected bytes that begin with \"VHR1\""));
     bytes[4] = 2;
-    assert!(says(&bytes).contains("flags of 0 or 1, found 2"));
+    assert!(error(&bytes).contains("flags of 0 or 1, found 2"));
     bytes[4] = 0;
     bytes[9] = 8;
     bytes[11] = 10;
-    assert!(says(&bytes).contains("found columns 8..10 and rows 0..7"));
+    assert!(error(&bytes).contains("found columns 8..10 and rows 0..7"));
 
     // More ends of runs than columns: a unary number of eight zeros, then a one.
     bytes[9] = 0;
     bytes[11] = 9;
     bytes[HEADER..].fill(0);
     bytes[HEADER + 1] = 0b1000_0000;
-    assert!(says(&bytes).contains("row 0: expected at most 10 ends of runs"), "{}", says(&bytes));
+    assert!(error(&bytes).contains("row 0: expected at most 10 ends of runs"), "{}", error(&bytes));
 }
 
 #[test]

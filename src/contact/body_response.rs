@@ -6,9 +6,9 @@ use crate::hull::{EdgeModel, Hull};
 use crate::sample::Samples;
 use nalgebra::Isometry3;
 
-/// The paper's response of a body (section 5). Its direction is the mean of the responses of the samples inside the hull,
-/// or the response of the deepest sample where these cancel out. Its length is the longest exit of these samples along
-/// that direction.
+/// The paper's response of a body (section 5). Its direction is the mean of the responses of the samples inside the
+/// hull, or the response of the deepest sample where these cancel out. Its length is the longest exit of these samples
+/// along that direction.
 ///
 /// [`body_responses`] is faster for more than one body.
 pub fn body_response(hull: &Hull, body: &Samples, hull_from_body: &Isometry3<f64>) -> BodyResponse {

@@ -31,7 +31,8 @@ struct Cluster {
 
 impl Clusters {
     /// Finds the clusters of the supported samples, the one with the deepest sample first, and adds the unsupported
-    /// samples that fit. There are no clusters if no sample is supported. The depths of unsupported samples are not used.
+    /// samples that fit. There are no clusters if no sample is supported. The depths of unsupported samples are not
+    /// used.
     pub(super) fn find(&mut self, penetrating: &[PenetratingSample]) {
         self.clusters.clear();
         self.supported.clear();

@@ -6,9 +6,9 @@ use super::tuning::{ESCAPE_SAMPLES, HYSTERESIS};
 use crate::hull::{EdgeModel, ExitRay, Hull, Scratch};
 use nalgebra::Vector3;
 
-/// The direction in which the longest exit over the penetrating samples is shortest. The candidates are the 26 directions
-/// to the faces, edges and corners of a cube, the mean of the samples' exit vectors, and the last step's direction, which
-/// is preferred.
+/// The direction in which the longest exit over the penetrating samples is shortest. The candidates are the 26
+/// directions to the faces, edges and corners of a cube, the mean of the samples' exit vectors, and the last step's
+/// direction, which is preferred.
 pub(super) fn escape_direction(
     hull: &Hull,
     penetrating: &[PenetratingSample],

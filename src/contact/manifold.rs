@@ -121,8 +121,8 @@ impl Manifolds {
         self.depths.push(depth);
     }
 
-    /// Makes a manifold of the points added since the last one, if there are any. `deepest_guess` counts from the first of
-    /// them.
+    /// Makes a manifold of the points added since the last one, if there are any. `deepest_guess` counts from the first
+    /// of them.
     fn finish_manifold(&mut self, view: Option<usize>, shares_direction: bool, deepest_guess: usize) {
         let start = self.manifolds.last().map_or(0, |manifold| manifold.points.end);
         if start < self.rays.len() {
@@ -241,8 +241,8 @@ impl Manifolds {
         }
     }
 
-    /// Advances `first` of each manifold to the first point that counts as deepest, or that may. Queues the points whose
-    /// exact depths decide it, and returns whether there are any.
+    /// Advances `first` of each manifold to the first point that counts as deepest, or that may. Queues the points
+    /// whose exact depths decide it, and returns whether there are any.
     fn queue_first_deep(&mut self, hull: &Hull) -> bool {
         for manifold in &mut self.manifolds {
             while manifold.first + 1 < manifold.points.end {

@@ -103,8 +103,8 @@ pub struct Contact {
 pub struct Manifold {
     /// Unit direction out of the hull, in the hull's frame.
     pub direction: Vector3<f64>,
-    /// Index of the view whose silhouette edge gave the exit direction of the deepest sample. `None` where the manifold's
-    /// direction comes from no single sample: for a swallowed or pierced body, and for the paper's V.
+    /// Index of the view whose silhouette edge gave the exit direction of the deepest sample. `None` where the
+    /// manifold's direction comes from no single sample: for a swallowed or pierced body, and for the paper's V.
     pub view: Option<usize>,
 }
 
@@ -128,8 +128,8 @@ pub struct BodyContacts {
     pub manifolds: Vec<Manifold>,
     /// The points of all manifolds, the most important first: the manifolds contribute one point each in turn.
     pub points: Vec<ManifoldPoint>,
-    /// The exit direction chosen for a swallowed or pierced body; `None` for any other body. Pass it to the next step as
-    /// [`SampledBody::last_escape`], which prefers it.
+    /// The exit direction chosen for a swallowed or pierced body; `None` for any other body. Pass it to the next step
+    /// as [`SampledBody::last_escape`], which prefers it.
     pub escape: Option<Vector3<f64>>,
 }
 

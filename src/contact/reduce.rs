@@ -21,8 +21,8 @@ struct ManifoldCursor {
 }
 
 impl Reduction {
-    /// Adds at most `max_count` points of a body's manifolds to `kept`. The manifolds contribute one point each in turn,
-    /// the deepest manifold first. A manifold starts with its first deep point and goes on with the point that is
+    /// Adds at most `max_count` points of a body's manifolds to `kept`. The manifolds contribute one point each in
+    /// turn, the deepest manifold first. A manifold starts with its first deep point and goes on with the point that is
     /// farthest from those kept. Ties go to the lower index.
     pub(super) fn farthest_point_sampling(
         &mut self,

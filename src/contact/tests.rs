@@ -11,7 +11,8 @@ use std::sync::{Arc, LazyLock};
 /// Size of a pixel at the table, in metres: 0.45 rad over 640 pixels at a distance of about 3 m.
 const PIXEL: f64 = 0.0022;
 
-/// The hull of a table of 0.5 x 0.5 x 0.4 m around the origin, from masks with coverage. It is drawn once for all tests.
+/// The hull of a table of 0.5 x 0.5 x 0.4 m around the origin, from masks with coverage. It is drawn once for all
+/// tests.
 fn table() -> &'static Hull {
     static TABLE: LazyLock<Hull> = LazyLock::new(draw_table);
     &TABLE

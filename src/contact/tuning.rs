@@ -1,7 +1,7 @@
 //! The constants that decide how bodies behave on a hull, each with its unit and the effect of changing it.
 //!
-//! They were found by simulating boxes, balls and stacks on exact and on noisy silhouettes. Changing any of them changes
-//! trajectories. Two more constants affect contacts: the width of the contact normal's kernel, in
+//! They were found by simulating boxes, balls and stacks on exact and on noisy silhouettes. Changing any of them
+//! changes trajectories. Two more constants affect contacts: the width of the contact normal's kernel, in
 //! `silhouette::contact_edge`, and the shortest mean vector with a usable direction, in `silhouette::edge`.
 
 /// Cosine between a sample's exit direction and the body's outward normal up to which the sample is supported. Nearer
@@ -42,12 +42,12 @@ pub(crate) const SHALLOW_RATIO: f64 = 0.7;
 /// tilting about a deeper one. A smaller value lets noise remove contacts from a face that lies flat.
 pub(crate) const MIN_TILT: f64 = 0.005;
 
-/// Default of [`Settings::max_depth`](super::Settings::max_depth), in metres. Without a limit a swallowed box leaves at 8
-/// to 33 m/s, with this one at about 1 m/s; below 2 cm bodies sink in while they are pushed.
+/// Default of [`Settings::max_depth`](super::Settings::max_depth), in metres. Without a limit a swallowed box leaves at
+/// 8 to 33 m/s, with this one at about 1 m/s; below 2 cm bodies sink in while they are pushed.
 pub(crate) const MAX_DEPTH: f64 = 0.05;
 
-/// Default of [`Settings::max_contacts`](super::Settings::max_contacts). Four contacts support a face; eight also suffice
-/// for grips and rims. More cost the solver time.
+/// Default of [`Settings::max_contacts`](super::Settings::max_contacts). Four contacts support a face; eight also
+/// suffice for grips and rims. More cost the solver time.
 pub(crate) const MAX_CONTACTS: usize = 8;
 
 /// Default `min_feature` of a hull geom, in metres: a real feature of this diameter cannot pass between samples. With a

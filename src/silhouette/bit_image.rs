@@ -124,8 +124,8 @@ impl BitImage {
         self.words.copy_from_slice(&other.words);
     }
 
-    /// The pixels `x - 2 ..= x + 2` of row `y` as five bits, the leftmost in the lowest bit. Pixels outside the image are
-    /// zero.
+    /// The pixels `x - 2 ..= x + 2` of row `y` as five bits, the leftmost in the lowest bit. Pixels outside the image
+    /// are zero.
     #[inline]
     pub(crate) fn five(&self, x: usize, y: usize) -> u64 {
         let row = self.row(y);

@@ -1,5 +1,5 @@
-//! Two bit masks of the pixels at a silhouette's boundary: the subject dilated by one pixel, and the background pixels at
-//! its edge.
+//! Two bit masks of the pixels at a silhouette's boundary: the subject dilated by one pixel, and the background pixels
+//! at its edge.
 
 use super::mask_crop::{MaskCrop, WORD, Word};
 use crate::math::vectorised;
@@ -44,8 +44,8 @@ impl Boundary {
 vectorised! {
     /// Computes both masks. `subject` begins a row and a word before the crop's first row.
     ///
-    /// Bits are shifted across the ends of rows. That sets no wrong bit where the margin is background. Beyond an unknown
-    /// border it may set extra bits; the callers ignore or filter them.
+    /// Bits are shifted across the ends of rows. That sets no wrong bit where the margin is background. Beyond an
+    /// unknown border it may set extra bits; the callers ignore or filter them.
     fn dilate(subject: &[Word], words: usize, dilated: &mut [Word], edges: &mut [Word]) {
         let count = dilated.len();
         let [above, here, below] = [0, words, 2 * words].map(|start| &subject[start..start + count + 2]);

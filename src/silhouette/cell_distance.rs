@@ -1,5 +1,5 @@
-//! Chebyshev distances of the cells between four pixel centres, in which coverage is bilinear: the least distance of the
-//! four pixels.
+//! Chebyshev distances of the cells between four pixel centres, in which coverage is bilinear: the least distance of
+//! the four pixels.
 
 use super::distance::DistanceTable;
 use super::mask_crop::MaskCrop;

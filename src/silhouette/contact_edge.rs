@@ -1,8 +1,8 @@
 //! The contact normals and edge points at background pixels. The normal is the paper's mean vector with weights of
 //! `(1 - coverage)` times a round kernel, which removes the bias of a square window.
 //!
-//! A window of 13x13 pixels is expensive, and its sums have a fixed order. So the sums of several windows are computed in
-//! parallel lanes, and so are the crossings of half coverage.
+//! A window of 13x13 pixels is expensive, and its sums have a fixed order. So the sums of several windows are computed
+//! in parallel lanes, and so are the crossings of half coverage.
 
 use super::edge::{Edge, SHORTEST_MEAN};
 use super::edge_table::EdgePixel;
@@ -19,10 +19,11 @@ const SIDE: usize = 2 * WINDOW as usize + 1;
 /// Windows that are summed at once, one per lane.
 const WINDOWS: usize = 16;
 
-/// Squared distance in pixels at which the weights of the contact normal, `(1 - r^2 / REACH_SQUARED)^3`, reach zero. The
-/// kernel has a standard deviation of 2.2 pixels: wide enough to average out the stairs of a binary edge, narrow enough
-/// to follow a finger. It ends inside the window: a Gaussian that is cut off by the square window tilts the normals of
-/// straight edges by 0.08 degrees on average, enough for a sphere on a flat table to roll away; this kernel by 0.02.
+/// Squared distance in pixels at which the weights of the contact normal, `(1 - r^2 / REACH_SQUARED)^3`, reach zero.
+/// The kernel has a standard deviation of 2.2 pixels: wide enough to average out the stairs of a binary edge, narrow
+/// enough to follow a finger. It ends inside the window: a Gaussian that is cut off by the square window tilts the
+/// normals of straight edges by 0.08 degrees on average, enough for a sphere on a flat table to roll away; this kernel
+/// by 0.02.
 const REACH_SQUARED: f64 = 48.0;
 
 /// The weights of the contact normal's window, row by row.
@@ -50,8 +51,8 @@ type Bytes = [[[u64; WINDOWS]; 2]; SIDE];
 const LAST_EIGHT: usize = SIDE - 8;
 
 impl Silhouette {
-    /// The contact normal and edge point at background pixel `(i, j)`; `None` if the normal is not defined. It is computed
-    /// once per pixel and then remembered.
+    /// The contact normal and edge point at background pixel `(i, j)`; `None` if the normal is not defined. It is
+    /// computed once per pixel and then remembered.
     pub fn edge(&self, i: i32, j: i32) -> Option<Edge> {
         self.edge_at(&self.edge_pixel((i, j)))
     }
@@ -168,8 +169,8 @@ vectorised! {
 }
 
 vectorised! {
-    /// The distances from background pixels' centres to the edge against the normal, in pixels. The edge is where coverage
-    /// reaches one half, or at half a pixel if it does not within two pixels.
+    /// The distances from background pixels' centres to the edge against the normal, in pixels. The edge is where
+    /// coverage reaches one half, or at half a pixel if it does not within two pixels.
     fn depths_of_edges(
         bytes: &Bytes,
         pixels: &[(i32, i32); WINDOWS],
@@ -201,8 +202,8 @@ vectorised! {
     }
 }
 
-/// [`Silhouette::coverage`] at image position `(u, v)`, from the bytes of window `k` around pixel `(i, j)`. The position
-/// is within three pixels of the window's middle.
+/// [`Silhouette::coverage`] at image position `(u, v)`, from the bytes of window `k` around pixel `(i, j)`. The
+/// position is within three pixels of the window's middle.
 #[inline(always)]
 fn coverage(bytes: &Bytes, k: usize, (u, i): (f64, i32), (v, j): (f64, i32)) -> f64 {
     let (left, above) = ((u - 0.5).floor(), (v - 0.5).floor());

@@ -1,5 +1,5 @@
-//! The exact Chebyshev distance from each subject pixel to the nearest background pixel, by two raster passes (Rosenfeld
-//! and Pfaltz 1966).
+//! The exact Chebyshev distance from each subject pixel to the nearest background pixel, by two raster passes
+//! (Rosenfeld and Pfaltz 1966).
 //!
 //! ```text
 //!        \ | /        the nearest background pixel lies either in the pixel's own row, or is reached through one of
@@ -7,10 +7,10 @@
 //!        / | \
 //! ```
 //!
-//! So the distance is the smaller of the distance along the row and one more than the least distance of three neighbours;
-//! the neighbours above are used in a pass downwards, those below in a pass upwards. No pixel depends on another pixel of
-//! its row, so a row takes a few vector instructions. The distances along a row are the minimum of two ramps, one that
-//! rises from the first pixel of a run of subject pixels and one that falls to its last.
+//! So the distance is the smaller of the distance along the row and one more than the least distance of three
+//! neighbours; the neighbours above are used in a pass downwards, those below in a pass upwards. No pixel depends on
+//! another pixel of its row, so a row takes a few vector instructions. The distances along a row are the minimum of two
+//! ramps, one that rises from the first pixel of a run of subject pixels and one that falls to its last.
 
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
@@ -220,9 +220,9 @@ fn transform<T: DistanceInt>(bits: &SubjectRows, table: &mut [T]) {
 /// upwards if it is -1. The rows are processed in tiles by skewed (wavefront) tiling.
 ///
 /// ```text
-///             aaaaaaaabbbbbbbb        a: the first tile, b: the second one. A tile moves left by one pixel per row.
-///            aaaaaaaabbbbbbbb            The three pixels above a pixel are then in the tile's previous row, at the same
-///           aaaaaaaabbbbbbbb             offset and the two before it, and that row stays in registers.
+///             aaaaaaaabbbbbbbb      a: the first tile, b: the second one. A tile moves left by one pixel per row.
+///            aaaaaaaabbbbbbbb          The three pixels above a pixel are then in the tile's previous row, at the
+///           aaaaaaaabbbbbbbb           same offset and the two before it, and that row stays in registers.
 /// ```
 ///
 /// Tiles reach into the margins and through them into the adjacent row. The updates there are valid too, as margins are
@@ -259,8 +259,8 @@ fn raster_pass<T: DistanceInt>(bits: &SubjectRows, table: &mut [T], from: usize,
     }
 }
 
-/// Computes all distances of a crop that reaches beyond an unknown border, row by row. Its rim is not background, so that
-/// tiles must not cross it.
+/// Computes all distances of a crop that reaches beyond an unknown border, row by row. Its rim is not background, so
+/// that tiles must not cross it.
 #[inline(always)]
 fn transform_open<T: DistanceInt>(bits: &SubjectRows, table: &mut [T], height: usize) {
     let width = bits.width;

@@ -1,5 +1,5 @@
-//! Branch-free look-ups in a silhouette's tables, for many lanes at once. Indices have 32 bits, so that a vector register
-//! holds many of them.
+//! Branch-free look-ups in a silhouette's tables, for many lanes at once. Indices have 32 bits, so that a vector
+//! register holds many of them.
 
 use super::mask_crop::{LOW, Word};
 

@@ -8,12 +8,12 @@ type Gray16 = ImageBuffer<Luma<u16>, Vec<u16>>;
 
 /// Reads the mask in an image file: 0 is background, 255 is subject, and the values between are coverage.
 ///
-/// The mask is the alpha channel of an image with any transparency (a cut-out subject), the luma of another colour image,
-/// or a grey image itself. Sixteen bits are scaled to eight.
+/// The mask is the alpha channel of an image with any transparency (a cut-out subject), the luma of another colour
+/// image, or a grey image itself. Sixteen bits are scaled to eight.
 ///
 /// # Errors
-/// If the file is missing or not an image. If the greatest value is 1, or at most 255 in an image of sixteen bits: such a
-/// mask would count as empty.
+/// If the file is missing or not an image. If the greatest value is 1, or at most 255 in an image of sixteen bits: such
+/// a mask would count as empty.
 pub fn load_mask(path: impl AsRef<Path>) -> Result<GrayImage> {
     let path = path.as_ref();
     mask_of(image_file::read(path)?).map_err(|problem| Error::file(path, problem))

@@ -15,7 +15,8 @@ use super::undistort::TileMask;
 use super::{Border, PackedMask, Rect};
 use crate::math::vectorised;
 
-/// Pixels kept around the subject's rectangle. A contact normal's window around an edge pixel reaches 7 pixels beyond it.
+/// Pixels kept around the subject's rectangle. A contact normal's window around an edge pixel reaches 7 pixels beyond
+/// it.
 pub(super) const MARGIN: i32 = 8;
 
 /// The bits of adjacent pixels of a row, the first in the lowest bit.
@@ -243,8 +244,8 @@ fn around(rect: &Rect) -> Rect {
 }
 
 vectorised! {
-    /// Copies the subject bits of `rect` from an image. `beyond` holds the bits of pixels beyond the image, and `row` is
-    /// scratch memory.
+    /// Copies the subject bits of `rect` from an image. `beyond` holds the bits of pixels beyond the image, and `row`
+    /// is scratch memory.
     fn copy_bits(image: &BitImage, rect: &Rect, beyond: u64, row: &mut Vec<u64>, subject: &mut [Word]) {
         let (width, words, stride) = (rect.width(), rect.width().div_ceil(WORD), image.stride());
         let last_word = Word::MAX >> (words * WORD - width);

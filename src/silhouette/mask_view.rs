@@ -5,8 +5,8 @@ use image::GrayImage;
 
 /// A borrowed mask with one byte per pixel, from 0 (background) to 255 (subject), row by row from the top.
 ///
-/// Rows may be followed by padding, as in buffers of camera drivers, OpenCV and numpy. The *stride* is the number of bytes
-/// from the first byte of a row to the first byte of the next.
+/// Rows may be followed by padding, as in buffers of camera drivers, OpenCV and numpy. The *stride* is the number of
+/// bytes from the first byte of a row to the first byte of the next.
 ///
 /// ```
 /// use ode_visual_hull::silhouette::MaskView;

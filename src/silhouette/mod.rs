@@ -2,8 +2,8 @@
 //! signed distances on both sides of the edge.
 //!
 //! A mask holds one byte per pixel, from 0 (background) to 255 (subject). A pixel is *subject* if its byte is at least
-//! [`SUBJECT`]. The values between 0 and 255 are coverage, the fraction of the pixel that the subject covers, and locate
-//! the edge inside the pixel. The [`Border`] defines what pixels beyond the image count as.
+//! [`SUBJECT`]. The values between 0 and 255 are coverage, the fraction of the pixel that the subject covers, and
+//! locate the edge inside the pixel. The [`Border`] defines what pixels beyond the image count as.
 
 pub(crate) mod bit_image;
 mod boundary;
@@ -70,8 +70,8 @@ pub enum Border {
 
 /// One view's mask, prepared for queries. Any number of threads may query it at once.
 ///
-/// Only a crop of the mask is kept: the subject's rectangle and eight pixels around it. Bytes farther out, which can only
-/// be coverage below one half, count as background.
+/// Only a crop of the mask is kept: the subject's rectangle and eight pixels around it. Bytes farther out, which can
+/// only be coverage below one half, count as background.
 ///
 /// The tables for queries are derived when the mask is set. Their memory may be taken for another mask when the
 /// silhouette is no longer the latest; the next query that needs them derives them again, with the same results.

@@ -3,8 +3,8 @@
 use super::{NO_EDGE, Silhouette};
 
 impl Silhouette {
-    /// The background pixel nearest to pixel `(i, j)` within the window of half-width `half`, by Euclidean distance. Ties
-    /// go to the first in row-major order.
+    /// The background pixel nearest to pixel `(i, j)` within the window of half-width `half`, by Euclidean distance.
+    /// Ties go to the first in row-major order.
     pub fn nearest_background(&self, i: i32, j: i32, half: i32) -> Option<(i32, i32)> {
         let first_radius = match self.distance(i, j) {
             0 => return Some((i, j)),

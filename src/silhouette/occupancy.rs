@@ -1,5 +1,5 @@
-//! Occupancy of a mask's tiles of 8 x 8 pixels as a summed-area table: four look-ups tell whether any tile in a rectangle
-//! holds subject.
+//! Occupancy of a mask's tiles of 8 x 8 pixels as a summed-area table: four look-ups tell whether any tile in a
+//! rectangle holds subject.
 
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
@@ -99,8 +99,8 @@ impl Occupancy {
     }
 }
 
-/// A branch-free look-up of occupancy, for many lanes at once. Indices have 32 bits, so that a vector register holds many
-/// of them.
+/// A branch-free look-up of occupancy, for many lanes at once. Indices have 32 bits, so that a vector register holds
+/// many of them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OccupancyLookup<'a> {
     sums: &'a [u32],
@@ -111,8 +111,8 @@ pub(crate) struct OccupancyLookup<'a> {
 }
 
 impl OccupancyLookup<'_> {
-    /// Whether any tile that overlaps the pixels `from..to` holds subject. Both are a column and a row, counted from the
-    /// crop's corner, and `to` is not less than `from`.
+    /// Whether any tile that overlaps the pixels `from..to` holds subject. Both are a column and a row, counted from
+    /// the crop's corner, and `to` is not less than `from`.
     #[inline(always)]
     pub(crate) fn any_occupied(&self, from: [u32; 2], to: [u32; 2]) -> bool {
         let side = SIDE as u32;

@@ -1,4 +1,5 @@
-//! A compact mask for storage and transfer: one bit per pixel, and one byte for each pixel that the subject covers in part.
+//! A compact mask for storage and transfer: one bit per pixel, and one byte for each pixel that the subject covers in
+//! part.
 
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
@@ -84,7 +85,8 @@ impl PackedMask {
         self.rect = bits.rect();
     }
 
-    /// Starts an empty mask of this size, to which bits and coverage are written row by row. [`Self::close_mask`] ends it.
+    /// Starts an empty mask of this size, to which bits and coverage are written row by row. [`Self::close_mask`] ends
+    /// it.
     pub(super) fn restart(&mut self, size: (u32, u32)) {
         self.subject.resize(size.0 as usize, size.1 as usize);
         self.subject.words_mut().fill(0);

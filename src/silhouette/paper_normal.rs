@@ -5,9 +5,9 @@ use super::edge::SHORTEST_MEAN;
 use nalgebra::Vector2;
 
 impl Silhouette {
-    /// The paper's normal (section 4.2) at background pixel `(i, j)`: the unit mean vector from the pixel to the background
-    /// pixels of its 5x5 window. If that mean is too short, the window grows to 7x7 and 9x9; `None` if all three means are
-    /// too short.
+    /// The paper's normal (section 4.2) at background pixel `(i, j)`: the unit mean vector from the pixel to the
+    /// background pixels of its 5x5 window. If that mean is too short, the window grows to 7x7 and 9x9; `None` if all
+    /// three means are too short.
     pub fn paper_normal(&self, i: i32, j: i32) -> Option<Vector2<f64>> {
         [2, 3, 4].into_iter().find_map(|half| {
             let (x, y, count) = self.paper_sum(i, j, half);
@@ -16,8 +16,8 @@ impl Silhouette {
         })
     }
 
-    /// The sum of the vectors from `(i, j)` to the background pixels in its window of half-width `half`, and their number.
-    /// These are integers, so that the order of summation does not matter.
+    /// The sum of the vectors from `(i, j)` to the background pixels in its window of half-width `half`, and their
+    /// number. These are integers, so that the order of summation does not matter.
     #[inline(always)]
     fn paper_sum(&self, i: i32, j: i32, half: i32) -> (i32, i32, i32) {
         let rect = self.crop.rect();

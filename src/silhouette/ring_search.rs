@@ -1,11 +1,11 @@
-//! The background pixels nearest to the pixels of a block of points: searched row by row if all of them are near, otherwise
-//! ring by ring.
+//! The background pixels nearest to the pixels of a block of points: searched row by row if all of them are near,
+//! otherwise ring by ring.
 //!
 //! ```text
 //!     +----o-x--+   a  the pixel whose nearest background is searched for
 //!     |         |   x  background
-//!     |    a    x   o  the middle of a side: each side is searched from there in both directions, one word of pixels at
-//!     |         |      a time, as far as its pixels are nearer than the nearest background found so far
+//!     |    a    x   o  the middle of a side: each side is searched from there in both directions, one word of
+//!     |         |      pixels at a time, while its pixels are no farther than the nearest background so far
 //!     +---------+
 //! ```
 
@@ -22,11 +22,12 @@ pub(crate) struct Pixels {
     pub(crate) row: Whole,
 }
 
-/// The radius or offset of a lane that has nothing left to search. It exceeds the half-width of any window in a silhouette
-/// of 60,000 pixels, and twice its square fits an `i32`.
+/// The radius or offset of a lane that has nothing left to search. It exceeds the half-width of any window in a
+/// silhouette of 60,000 pixels, and twice its square fits an `i32`.
 const FAR: i32 = 30_000;
 
-/// Chebyshev distance up to which the search reads one word per row. The Euclidean distance is then less than 15 pixels.
+/// Chebyshev distance up to which the search reads one word per row. The Euclidean distance is then less than 15
+/// pixels.
 pub(crate) const NEAR: i32 = 10;
 
 /// Pixels to the left of the middle pixel in a word around it.
@@ -67,8 +68,8 @@ struct RingSearch<'a> {
     nearest: Pixels,
 }
 
-/// The background pixel nearest to each pixel of `middle`, within its window of half-width `half`, by Euclidean distance.
-/// Ties go to the first in row-major order. `first` is the Chebyshev distance of `middle` to the background.
+/// The background pixel nearest to each pixel of `middle`, within its window of half-width `half`, by Euclidean
+/// distance. Ties go to the first in row-major order. `first` is the Chebyshev distance of `middle` to the background.
 #[inline(always)]
 pub(crate) fn nearest(tables: &TableSlices, middle: &Pixels, first: &Whole, half: &Whole) -> Pixels {
     let rows = Bits::new(tables.subject, tables.words);
@@ -229,8 +230,8 @@ mod tests {
         ((230.0 * random.unit()) as i32, (190.0 * random.unit()) as i32)
     }
 
-    /// An ellipse with isolated background pixels, so that the nearest background lies on all sides and at all depths, with
-    /// ties.
+    /// An ellipse with isolated background pixels, so that the nearest background lies on all sides and at all depths,
+    /// with ties.
     fn mask(specks: usize) -> GrayImage {
         let mut random = Random(specks as u64);
         let holes: Vec<_> = (0..specks).map(|_| pixel(&mut random)).collect();

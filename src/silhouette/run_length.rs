@@ -9,15 +9,15 @@
 //! An outline seldom moves by more than a pixel or two from one row to the next, so an end of a run takes about three
 //! bits. A byte of coverage takes seven bits, since the runs tell whether its pixel is subject.
 //!
-//! The header consists of the format's mark, a byte of flags, and six little-endian numbers of 16 bits: width, height, and
-//! the rectangle outside which all bytes are 0, as first and past-the-last column, first and past-the-last row. Then follow
-//! bits, the highest of each byte first. For each row of the rectangle these are:
+//! The header consists of the format's mark, a byte of flags, and six little-endian numbers of 16 bits: width, height,
+//! and the rectangle outside which all bytes are 0, as first and past-the-last column, first and past-the-last row.
+//! Then follow bits, the highest of each byte first. For each row of the rectangle these are:
 //!
-//! 1. The ends of the row's runs of subject, ascending. If there are as many as in the row above: a 1, and the movement of
-//!    each end. Otherwise: a 0, half of their number, and the gap before each end.
+//! 1. The ends of the row's runs of subject, ascending. If there are as many as in the row above: a 1, and the movement
+//!    of each end. Otherwise: a 0, half of their number, and the gap before each end.
 //! 2. If coverage is kept: for each end the number of pixels with coverage directly before and directly after it; the
-//!    number of other runs of such pixels, and for each run the gap before it and its length less 1; the lower seven bits
-//!    of each byte of coverage.
+//!    number of other runs of such pixels, and for each run the gap before it and its length less 1; the lower seven
+//!    bits of each byte of coverage.
 //!
 //! Numbers are Rice codes: `n >> k` in unary, then the lowest `k` bits of `n`. A movement `m` is coded as `2 m`, or as
 //! `-2 m - 1` if it is negative.
@@ -71,8 +71,8 @@ impl PackedMask {
         self.encode_as(self.has_coverage())
     }
 
-    /// Encodes the mask without its coverage, as by [`binary`](Self::binary), as run lengths. That takes about a sixth of
-    /// the bytes.
+    /// Encodes the mask without its coverage, as by [`binary`](Self::binary), as run lengths. That takes about a sixth
+    /// of the bytes.
     ///
     /// # Errors
     /// See [`encode`](Self::encode).

@@ -12,9 +12,9 @@ use transform::{Kinds, Scratch, transform};
 
 /// Euclidean distances of pixels from a silhouette's edge, in pixels: negative inside, positive outside, never 0.
 ///
-/// The distance of a background pixel is the distance from its centre to the nearest centre of a subject pixel, less half
-/// a pixel. A subject pixel has the negative of the distance to the nearest background pixel, less half a pixel. So the
-/// pixels on both sides of an edge have -0.5 and 0.5. Coverage only matters by which pixels are subject.
+/// The distance of a background pixel is the distance from its centre to the nearest centre of a subject pixel, less
+/// half a pixel. A subject pixel has the negative of the distance to the nearest background pixel, less half a pixel.
+/// So the pixels on both sides of an edge have -0.5 and 0.5. Coverage only matters by which pixels are subject.
 ///
 /// The nearest pixel may lie outside the rectangle of the distances. With [`Border::Background`] it may be background
 /// beyond the image. With [`Border::Unknown`] the image's border is not an edge: pixels beyond it count as subject, but
@@ -43,8 +43,8 @@ pub struct SignedDistance {
 }
 
 impl Silhouette {
-    /// Computes the distances of the pixels of `rect` from the silhouette's edge, negative inside. `rect` may reach beyond
-    /// the image.
+    /// Computes the distances of the pixels of `rect` from the silhouette's edge, negative inside. `rect` may reach
+    /// beyond the image.
     pub fn signed_distance(&self, rect: &Rect) -> SignedDistance {
         let mut distance = SignedDistance::default();
         distance.refill(self, rect);
@@ -60,7 +60,8 @@ impl Default for SignedDistance {
 }
 
 impl SignedDistance {
-    /// Computes the distances of the pixels of `rect` from the edge of `silhouette`, in the memory of the last distances.
+    /// Computes the distances of the pixels of `rect` from the edge of `silhouette`, in the memory of the last
+    /// distances.
     pub fn refill(&mut self, silhouette: &Silhouette, rect: &Rect) {
         self.rect = if rect.is_empty() { Rect::EMPTY } else { *rect };
         self.values.clear();
@@ -81,8 +82,8 @@ impl SignedDistance {
         &self.values
     }
 
-    /// The distance of pixel `(i, j)` in pixels. A pixel outside the rectangle has the distance of the rectangle's nearest
-    /// pixel. The distance is infinite if the rectangle is empty.
+    /// The distance of pixel `(i, j)` in pixels. A pixel outside the rectangle has the distance of the rectangle's
+    /// nearest pixel. The distance is infinite if the rectangle is empty.
     pub fn at(&self, i: i32, j: i32) -> f32 {
         let (i, j) = (i.min(self.rect.x1 - 1).max(self.rect.x0), j.min(self.rect.y1 - 1).max(self.rect.y0));
         self.values.get(self.rect.index(i, j)).copied().unwrap_or(f32::INFINITY)
@@ -109,8 +110,8 @@ fn mix(from: f64, to: f64, t: f64) -> f64 {
 
 /// A rectangle that holds the nearest pixel of the other kind to each pixel of `rect`.
 fn domain(silhouette: &Silhouette, rect: &Rect) -> Rect {
-    // All subject pixels lie in the subject's rectangle, and no background pixel beyond its rim of one pixel is nearer to
-    // a subject pixel than the rim is.
+    // All subject pixels lie in the subject's rectangle, and no background pixel beyond its rim of one pixel is nearer
+    // to a subject pixel than the rim is.
     let edge = match silhouette.border() {
         _ if silhouette.rect().is_empty() => silhouette.image(),
         Border::Background => silhouette.rect().grown(1),

@@ -257,8 +257,9 @@ fn contact_normals_of_a_straight_edge_are_accurate_at_every_slope() {
 
 #[test]
 fn coverage_normals_of_a_straight_edge_are_accurate_to_a_few_hundredths_of_a_degree_on_average() {
-    // The edge is a table's top at the height of a camera that is rolled by each of these angles. A sphere at rest on the
-    // table rolls away if the normals tilt: weights that are cut off by a square window have a mean error of 0.08 degrees.
+    // The edge is a table's top at the height of a camera that is rolled by each of these angles. A sphere at rest on
+    // the table rolls away if the normals tilt: weights that are cut off by a square window have a mean error of 0.08
+    // degrees.
     let mut errors = Vec::new();
     for k in 0..=45 {
         let slope = f64::from(k).to_radians();

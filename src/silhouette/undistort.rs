@@ -1,4 +1,4 @@
-//! Masks of a camera with a lens, redrawn once as a pinhole camera in the same place would see them.
+//! Undistortion of masks: a mask of a camera with a lens is redrawn once, as a pinhole camera at the same pose sees it.
 //!
 //! ```text
 //!   what the lens saw           what the pinhole sees
@@ -11,26 +11,26 @@
 //!                               +----------------+
 //! ```
 //!
-//! Behind it all geometry is a projection matrix: silhouette edges are straight where the subject's are, and cones,
-//! frusta and ray exits need no lens model. What that costs, measured on four 644 x 486 views of a seated person
-//! through lenses with k1 of about -0.36:
+//! After that a camera is a projection matrix: straight edges of the subject are straight in the silhouette, and cones,
+//! frusta and ray exits need no lens model. The costs, measured on four views of 644 x 486 pixels of a seated person
+//! through lenses with k1 of about -0.36, are:
 //!
-//! - Of a million random points around the person, 0.40 % get another verdict than by projecting them through the lens
-//!   into the distorted mask, and each of them appears within 0.6 px of the silhouette's edge. 7 points in a million
-//!   are lost at the image border, where the centre of their pinhole pixel is just outside.
-//! - [`Undistortion::apply`], which interpolates every pixel, takes 1.3 to 1.6 ms a view on one core, about 2.2 ns per
-//!   pinhole pixel or 30 times a copy of its result. The pinhole's image has twice the pixels.
+//! - Of a million random points around the person, 0.40 % get a different verdict than by projecting them through the
+//!   lens into the distorted mask. Each of them projects to within 0.6 px of the silhouette's edge. 7 points in a
+//!   million are lost at the image border, as the centre of their pinhole pixel is just outside.
+//! - [`Undistortion::apply`], which interpolates every pixel, takes 1.3 to 1.6 ms per view on one core. That is about
+//!   2.2 ns per pinhole pixel, or 30 times a copy of its result. The pinhole's image has twice as many pixels.
 //!
-//! Of a mask's pixels only those at outlines need it. What [`HullData::set_mask`](crate::hull::HullData::set_mask) does
-//! gives the same bits and bytes in three steps:
+//! Only pixels at outlines have to be interpolated. [`HullData::set_mask`](crate::hull::HullData::set_mask) therefore
+//! computes the same bits and bytes in three steps:
 //!
-//! 1. [`source_blocks`] finds the uniform blocks of the mask, in one pass.
-//! 2. [`tile_mask`] fills tiles of the pinhole's image whose source is uniform, and interpolates the others, 1 to 3 % of a
-//!    person's, from the patches that [`tile_map`] holds. Tiles that the subject cannot reach are left out.
-//! 3. [`tile_rows`] makes the packed rows of a region from the tiles.
+//! 1. [`source_blocks`] finds the uniform blocks of the mask in one pass.
+//! 2. [`tile_mask`] fills the tiles of the pinhole's image whose source is uniform. It interpolates the others, 1 to 3
+//!    % of a person's tiles, from the patches in [`tile_map`]. Tiles that the subject cannot reach are skipped.
+//! 3. [`tile_rows`] copies the tiles to the packed rows of a crop.
 //!
-//! For lenses with k1 = -0.2 a person's mask takes 0.1 ms at 640 x 480 and 0.5 ms at 1920 x 1080 pixels with all its
-//! tables, about 2.1 times as long as for a pinhole camera, whose image is smaller by a third.
+//! For lenses with k1 = -0.2, preparing a person's mask takes 0.1 ms at 640 x 480 pixels and 0.5 ms at 1920 x 1080
+//! pixels, with all tables. That is about 2.1 times as long as for a pinhole camera, whose image is smaller by a third.
 
 mod source_blocks;
 mod tile_map;
@@ -46,11 +46,12 @@ use image::{GrayImage, Luma};
 use nalgebra::{Matrix3, Point2};
 use tile_map::TileMap;
 
-/// The way from the masks of a camera with a lens to those of a pinhole camera in its place, of the same focal lengths.
+/// The map from masks of a camera with a lens (the original) to masks of a pinhole camera with its pose and focal
+/// lengths.
 ///
-/// The pinhole's image is the rectangle around all that the original sees, in whole pixels, at most twice as wide and
-/// twice as high as the original's; what exceeds that, far off the axis, is cut. Its pixels whose centre the original
-/// does not see are *unseen*.
+/// The pinhole's image is the bounding rectangle of all that the original sees, in whole pixels. It is at most twice as
+/// wide and twice as high as the original's image; what exceeds that, far off the axis, is cut off. Pixels of the
+/// pinhole's image are *unseen* if the original does not see their centre.
 #[derive(Debug, Clone)]
 pub struct Undistortion {
     pinhole: Camera,
@@ -60,29 +61,30 @@ pub struct Undistortion {
     field_of_view: GrayImage,
 }
 
-/// Where a pinhole pixel's centre lies in the original image.
+/// The position of a pinhole pixel's centre in the original image.
 #[derive(Debug, Clone, Copy)]
 struct Tap {
-    /// Column and row of the upper left of the four pixels around it, or [`UNSEEN`].
+    /// Column and row of the upper left of the four pixels around the position, or [`UNSEEN`].
     upper_left: [u16; 2],
-    /// How far it lies right of and below that pixel's centre, in units of [`FULL`].
+    /// Distance of the position to the right of that pixel's centre, in pixels times [`FULL`].
     right: u16,
+    /// Distance of the position below that pixel's centre, in pixels times [`FULL`].
     below: u16,
 }
 
-/// No pixel: images have at most 65,535 pixels a side.
+/// The [`Tap::upper_left`] of an unseen pixel. Images have at most 65,535 pixels on a side, so that it is no pixel.
 const UNSEEN: [u16; 2] = [u16::MAX; 2];
 
-/// The fixed-point one of the weights.
+/// The value 1 in the fixed-point format of weights.
 const FULL: u32 = 256;
 
-/// Samples a pixel along the borders of what is seen; the borders curve gently, so that more change nothing.
+/// Samples per pixel along the border of the field of view. The border curves so gently that more make no difference.
 const BORDER_SAMPLES: u32 = 2;
 
-/// How many times wider and higher than the original the pinhole's image may be.
+/// Largest ratio of the sides of the pinhole's image to those of the original's.
 const MOST_ENLARGED: i64 = 2;
 
-/// The largest image side that a camera takes.
+/// Largest side of an image that a camera accepts, in pixels.
 const MOST_PIXELS: i64 = 65_535;
 
 impl Undistortion {
@@ -91,11 +93,14 @@ impl Undistortion {
         if camera.lens().is_none() {
             return None;
         }
+
         let pinhole = pinhole_around(camera)?;
         let (width, height) = pinhole.size();
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let centre = |(x, y)| Point2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let to_plane = pinhole.intrinsics().try_inverse()?;
+
+        // From pixel to pixel by way of the plane at depth 1.
         let taps: Vec<Tap> = pixels
             .map(|pixel| {
                 let on_plane = apply_affine(&to_plane, centre(pixel));
@@ -103,6 +108,7 @@ impl Undistortion {
                 Tap::at(distorted.map(|p| apply_affine(camera.intrinsics(), p)), camera.size())
             })
             .collect();
+
         let seen = taps.iter().map(|tap| if tap.upper_left == UNSEEN { 0 } else { 255 }).collect();
         let seen = GrayImage::from_raw(width, height, seen)?;
         let tiles = TileMap::new(&taps, pinhole.size(), camera.size());
@@ -114,26 +120,26 @@ impl Undistortion {
         &self.pinhole
     }
 
-    /// Which of the pinhole's pixels the original sees: 255 there, 0 elsewhere.
+    /// The field of view of the original in the pinhole's image: 255 for pixels that it sees, 0 for unseen ones.
     pub fn field_of_view(&self) -> &GrayImage {
         &self.field_of_view
     }
 
-    /// The pinhole's mask from the original camera's, by bilinear interpolation between pixel centres; unseen pixels
-    /// get `unseen_value`.
+    /// Computes the pinhole's mask from a mask of the original camera, by bilinear interpolation between pixel centres.
+    /// Unseen pixels get `unseen_value`.
     ///
     /// # Errors
-    /// A mask of another size than the original camera's image.
+    /// If the mask's size is not that of the original camera's image.
     pub fn apply<'a>(&self, mask: impl Into<MaskView<'a>>, unseen_value: u8) -> Result<GrayImage> {
         let mut image = GrayImage::default();
         self.apply_into(mask, unseen_value, &mut image)?;
         Ok(image)
     }
 
-    /// The same, written to `image`, which becomes the pinhole's size where it is not yet.
+    /// [`Self::apply`] into `image`, which is resized to the pinhole's size if necessary.
     ///
     /// # Errors
-    /// A mask of another size than the original camera's image.
+    /// If the mask's size is not that of the original camera's image.
     pub fn apply_into<'a>(
         &self,
         mask: impl Into<MaskView<'a>>,
@@ -151,10 +157,11 @@ impl Undistortion {
         Ok(())
     }
 
-    /// Draws the mask that [`Self::apply`] makes by tiles, unless every pixel of `mask` is subject: whether that is so.
+    /// Draws the result of [`Self::apply`] by tiles. Returns `true`, and draws nothing, if every pixel of `mask` is
+    /// subject.
     ///
     /// # Errors
-    /// A mask of another size than the original camera's image.
+    /// If the mask's size is not that of the original camera's image.
     pub(super) fn draw(&self, mask: &MaskView, unseen_value: u8, tiles: &mut TileMask) -> Result<bool> {
         self.check_size(mask)?;
         Ok(tiles.draw(self, mask, unseen_value))
@@ -174,6 +181,7 @@ impl Undistortion {
 }
 
 impl Tap {
+    /// The tap at a position in an image of this width and height; an unseen one for a position outside.
     fn at(source: Option<Point2<f64>>, (width, height): (u32, u32)) -> Self {
         let inside = |p: &Point2<f64>| {
             (0.0..f64::from(width)).contains(&p.x) && (0.0..f64::from(height)).contains(&p.y)
@@ -181,7 +189,8 @@ impl Tap {
         let Some(source) = source.filter(inside) else {
             return Self { upper_left: UNSEEN, right: 0, below: 0 };
         };
-        // Between the outermost centres and the border the value is that of the outermost centre.
+
+        // A position between the border and the outermost centres is moved to the nearest centre.
         let split = |position: f64, length: u32| {
             let from_first_centre = (position - 0.5).clamp(0.0, f64::from(length - 1));
             let pixel = from_first_centre.floor().min(f64::from(length.saturating_sub(2)));
@@ -193,7 +202,7 @@ impl Tap {
         Self { upper_left: [x, y], right, below }
     }
 
-    /// The value in `mask`, an image of the original camera.
+    /// The interpolated value in `mask`, a mask of the original camera.
     #[inline(always)]
     fn value(self, mask: &MaskView, unseen_value: u8) -> u8 {
         if self.upper_left == UNSEEN {
@@ -205,7 +214,8 @@ impl Tap {
         self.interpolate(&mask.bytes()[y * mask.stride() + x..], right, below)
     }
 
-    /// The value from `pixels`, which start at the upper left one; `right` and `below` are the steps to its neighbours.
+    /// The interpolated value from `pixels`, which begin with the upper left pixel. `right` and `below` are the numbers
+    /// of bytes to its neighbours.
     fn interpolate(self, pixels: &[u8], right: usize, below: usize) -> u8 {
         let value = |step: usize| u32::from(pixels[step]);
         let (r, b) = (u32::from(self.right), u32::from(self.below));
@@ -215,16 +225,18 @@ impl Tap {
     }
 }
 
-/// The pinhole camera whose image is the rectangle around what `camera` sees.
+/// The pinhole camera whose image is the bounding rectangle of what `camera` sees.
 ///
-/// `None` does not happen: the intrinsics of a camera can be inverted, and the rest is the camera's own.
+/// `None` cannot occur: the intrinsics of a camera are invertible, and all other values are valid for a camera.
 fn pinhole_around(camera: &Camera) -> Option<Camera> {
     let (width, height) = camera.size();
     let mut k = *camera.intrinsics();
     let mut border = border_on_plane(camera)?.into_iter().map(|p| apply_affine(&k, p));
-    // Without a border the model sees nothing of the image, and the pinhole gets one unseen pixel.
+
+    // Without a border the lens sees no part of the image, and the pinhole's image is one unseen pixel.
     let first = border.next().unwrap_or(Point2::new(k[(0, 2)], k[(1, 2)]));
     let (low, high) = border.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
+
     let (left, new_width) = side(low.x, high.x, k[(0, 2)], width);
     let (top, new_height) = side(low.y, high.y, k[(1, 2)], height);
     k[(0, 2)] -= left as f64;
@@ -232,13 +244,14 @@ fn pinhole_around(camera: &Camera) -> Option<Camera> {
     Camera::new(camera.name(), (new_width, new_height), k, Lens::none(), *camera.cam_from_world()).ok()
 }
 
-/// Points on the plane at depth 1 around the border of what `camera` sees: the image's border where the lens model
-/// reaches it, the rim of the model's range where that lies inside the image.
+/// Points on the plane at depth 1 along the border of what `camera` sees: the image's border where the lens model
+/// reaches it, and the largest radius of the lens model where that lies inside the image.
 fn border_on_plane(camera: &Camera) -> Option<Vec<Point2<f64>>> {
     let (width, height) = (f64::from(camera.size().0), f64::from(camera.size().1));
     let k = camera.intrinsics();
     let to_plane = k.try_inverse()?;
     let lens = camera.lens();
+
     let along = |length: f64| {
         let n = (length as u32) * BORDER_SAMPLES;
         (0..=n).map(move |i| length * f64::from(i) / f64::from(n))
@@ -248,8 +261,9 @@ fn border_on_plane(camera: &Camera) -> Option<Vec<Point2<f64>>> {
     let image_border = rows.chain(columns);
     let mut border: Vec<_> =
         image_border.filter_map(|p| lens.undistort(apply_affine(&to_plane, p))).collect();
+
     if lens.max_radius().is_finite() {
-        // The factor keeps the rim inside when it is turned around.
+        // The factor keeps the points within the radius in spite of rounding.
         let radius = lens.max_radius() * (1.0 - 1e-12);
         let n = 2.0 * (width + height) * f64::from(BORDER_SAMPLES);
         let rim = (0..n as u32).map(|i| {
@@ -264,8 +278,8 @@ fn border_on_plane(camera: &Camera) -> Option<Vec<Point2<f64>>> {
     Some(border)
 }
 
-/// First pixel and length of the pinhole image's side that covers `low..high`; a side that would be too long is the
-/// part nearest to the optical axis.
+/// The first pixel and the length of the pinhole image's side that covers `low..high`. A side that would be too long is
+/// cut to the part nearest to the optical axis.
 fn side(low: f64, high: f64, axis: f64, original: u32) -> (i64, u32) {
     let (first, last) = (low.floor() as i64, high.ceil() as i64);
     let longest = (MOST_ENLARGED * i64::from(original)).min(MOST_PIXELS);
@@ -277,7 +291,7 @@ fn side(low: f64, high: f64, axis: f64, original: u32) -> (i64, u32) {
     (centred.clamp(first, last - length), length as u32)
 }
 
-/// `m` applied to a point of an image or of the plane at depth 1; its last row is `0 0 1`.
+/// Applies `m`, whose last row is `0 0 1`, to a point of an image or of the plane at depth 1.
 fn apply_affine(m: &Matrix3<f64>, p: Point2<f64>) -> Point2<f64> {
     Point2::from((m * p.to_homogeneous()).xy())
 }

@@ -68,15 +68,15 @@ impl ContactPipeline {
         }
     }
 
-    /// Makes one manifold of each body's samples, in the direction of the paper's V: the mean of the samples' responses,
-    /// or the response of the deepest sample where the responses cancel out.
+    /// Makes one manifold of each body's samples, in the direction of the paper's V: the mean of the samples'
+    /// responses, or the response of the deepest sample where the responses cancel out.
     pub(in crate::contact) fn group_by_mean_response(&mut self, hull: &Hull) {
         self.find_all_depths(hull, EdgeModel::Pixel);
         self.group_along(|penetrating, _| mean_direction(penetrating), |_| true);
     }
 
-    /// Calls `visit` with the index of each body that touches and the paper's response: V with the length of the longest
-    /// exit of the body's samples along it.
+    /// Calls `visit` with the index of each body that touches and the paper's response: V with the length of the
+    /// longest exit of the body's samples along it.
     pub(in crate::contact) fn each_response(
         &mut self,
         hull: &Hull,
@@ -91,8 +91,8 @@ impl ContactPipeline {
         }
     }
 
-    /// Makes one manifold of each body's samples, in the direction of the paper's response. The samples are those inside
-    /// by the coverage edge, at which contacts begin in every mode.
+    /// Makes one manifold of each body's samples, in the direction of the paper's response. The samples are those
+    /// inside by the coverage edge, at which contacts begin in every mode.
     pub(in crate::contact) fn group_by_paper(&mut self, hull: &Hull) {
         self.group_by_mean_response(hull);
         self.manifolds.find_deepest(hull, 0, &mut self.scratch);

@@ -73,9 +73,9 @@ fn distances_from_a_disc_equal_distances_from_its_circle_within_a_pixels_diagona
     let distance = s.signed_distance(&s.image());
     for (i, j) in pixels(&s.image()) {
         let analytic = (f64::from(i) + 0.5 - 60.2).hypot(f64::from(j) + 0.5 - 49.7) - 30.0;
-        // The nearest centre of the other kind lies beyond the circle by at most a diagonal: a disc with a radius of half
-        // a diagonal that touches the circle there from the other side always holds a centre. The distance is half a
-        // pixel less.
+        // The nearest centre of the other kind lies beyond the circle by at most a diagonal: a disc with a radius of
+        // half a diagonal that touches the circle there from the other side always holds a centre. The distance is half
+        // a pixel less.
         let excess = (f64::from(distance.at(i, j)) - analytic) * analytic.signum();
         assert!((-0.5 - 1e-5..=std::f64::consts::SQRT_2 - 0.5).contains(&excess), "({i}, {j}): {excess}");
     }

@@ -3,15 +3,16 @@
 //! In each column, only the pixel of the other kind that is nearest to a row matters for that row. One pass upwards and
 //! one downwards find these pixels for all columns at once. Along the row, the squared distance to such a pixel is a
 //! parabola, and the squared distance to the nearest one is the lower envelope of the parabolas. The envelope is found
-//! separately for each run of pixels of one kind: the pixels at its ends are of the other kind, and no pixel beyond them
-//! is nearer.
+//! separately for each run of pixels of one kind: the pixels at its ends are of the other kind, and no pixel beyond
+//! them is nearer.
 
 use super::super::mask_crop::WORD;
 use super::super::{Border, Rect, Silhouette};
 use crate::math::vectorised;
 use std::ops::Range;
 
-/// Number of rows to the nearest pixel of the other kind in a column without one. It leaves room to add a number of rows.
+/// Number of rows to the nearest pixel of the other kind in a column without one. It leaves room to add a number of
+/// rows.
 const NONE: i32 = 1 << 30;
 
 /// A background pixel.
@@ -127,8 +128,8 @@ fn row_of(rect: &Rect, j: i32, width: usize) -> Range<usize> {
     start..start + width
 }
 
-/// Advances a pass by one row, whose kinds are `scratch.kinds`. Updates the range `row` of `scratch.rows`, which is empty
-/// for a row without distances.
+/// Advances a pass by one row, whose kinds are `scratch.kinds`. Updates the range `row` of `scratch.rows`, which is
+/// empty for a row without distances.
 #[inline(always)]
 fn count_rows(scratch: &mut Scratch, row: Range<usize>) {
     let Scratch { kinds, since_subject, since_background, rows, .. } = scratch;

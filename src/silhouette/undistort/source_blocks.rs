@@ -1,7 +1,7 @@
-//! Which parts of a distorted mask are uniform, found in one pass over it.
+//! Classification of the parts of a distorted mask as uniform or mixed, in one pass over the mask.
 //!
 //! ```text
-//!   mask                      blocks of 4 x 4 pixels     windows of 2 x 2 blocks, by their upper left one
+//!   mask                      blocks of 4 x 4 pixels     windows of 2 x 2 blocks, by their upper left block
 //!   . . . . . . . . . . # #   +---+---+---+              +-------+
 //!   . . . . . . . . . # # #   | . | . | x |              |  .  x |      . all background     x neither
 //!   . . . . . . . . . # # #   +---+---+---+              |       |      # all subject
@@ -30,22 +30,24 @@ pub(super) const FOREGROUND: u8 = NOT_EMPTY;
 /// The class of all other pixels.
 pub(super) const MIXED: u8 = NOT_FULL | NOT_EMPTY;
 
-/// Sides of windows in blocks, each made from four windows of the side before.
+/// The sides of windows in blocks. The class of a window comes from four windows of the previous side.
 pub(super) const SIDES: [usize; 6] = [1, 2, 3, 4, 8, 16];
 
-/// Place of a window that counts as mixed whatever the mask.
+/// Index in the table of classes that is always mixed.
 pub(super) const ALWAYS_MIXED: u32 = 0;
 
-/// Place of a window for what the lens does not see.
+/// Index in the table of classes for what the lens does not see.
 pub(super) const UNSEEN_WINDOW: u32 = 1;
 
-/// Places before those of the mask's own windows.
+/// Indices in the table of classes before those of the mask's own windows.
 const RESERVED: usize = 2;
 
-/// The blocks of an image, and where the class of a window stands in the table.
+/// The blocks of an image, and the layout of the table of classes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BlockGrid {
+    /// Blocks in a row.
     across: usize,
+    /// Rows of blocks.
     down: usize,
 }
 
@@ -55,7 +57,8 @@ impl BlockGrid {
         Self { across: width.div_ceil(BLOCK), down: height.div_ceil(BLOCK) }
     }
 
-    /// The smallest window around the pixels `x0..=x1`, `y0..=y1`: its place, and the index of its side.
+    /// The smallest window around the pixels `x0..=x1`, `y0..=y1`: its index in the table of classes, and the index of
+    /// its side in [`SIDES`].
     pub(super) fn window(&self, (x0, y0): (usize, usize), (x1, y1): (usize, usize)) -> (u32, usize) {
         let (left, top) = (x0 / BLOCK, y0 / BLOCK);
         let side = (x1 / BLOCK - left).max(y1 / BLOCK - top) + 1;
@@ -63,17 +66,20 @@ impl BlockGrid {
         let Some(level) = (0..SIDES.len()).find(fits) else {
             return (ALWAYS_MIXED, 0);
         };
+
+        // A window that would leave the image is moved inside.
         let (left, top) = (left.min(self.across - SIDES[level]), top.min(self.down - SIDES[level]));
         let place = RESERVED + level * self.count() + top * self.across + left;
         u32::try_from(place).map_or((ALWAYS_MIXED, 0), |place| (place, level))
     }
 
+    /// Number of blocks.
     fn count(&self) -> usize {
         self.across * self.down
     }
 }
 
-/// Some blocks side by side and one above the other.
+/// A rectangle of blocks.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BlockRect {
     pub(super) columns: Range<usize>,
@@ -83,14 +89,15 @@ pub(super) struct BlockRect {
 /// The class of every window of a mask.
 #[derive(Debug, Default)]
 pub(super) struct SourceBlocks {
+    /// The classes of windows, by side and then row-major by the upper left block.
     classes: Vec<u8>,
-    /// For each column of blocks the bits of all their classes.
+    /// For each column of blocks the union of the bits of their classes.
     columns: Vec<u8>,
 }
 
 impl SourceBlocks {
-    /// Classifies the windows of `mask` up to the side of index `last_level`; what the lens does not see has the class
-    /// `unseen`. Returns whether every pixel is subject.
+    /// Classifies the windows of `mask` up to the side with index `last_level`. What the lens does not see gets the
+    /// class `unseen`. Returns whether every pixel is subject.
     pub(super) fn classify(
         &mut self,
         mask: &MaskView,
@@ -103,10 +110,10 @@ impl SourceBlocks {
         self.classes[ALWAYS_MIXED as usize] = MIXED;
         self.classes[UNSEEN_WINDOW as usize] = unseen;
 
-        // One pass over the mask; all that follows works on a sixteenth of its bytes.
+        // One pass over the mask; everything after it works on a sixteenth of the bytes.
         let is_full = classify_blocks(mask, &mut self.classes[RESERVED..][..count]);
 
-        // Each side's windows from those of the side before.
+        // The windows of each side from the windows of the previous side.
         for level in 1..=last_level {
             let (smaller, larger) = self.classes[RESERVED + (level - 1) * count..].split_at_mut(count);
             enlarge(smaller, SIDES[level] - SIDES[level - 1], grid.across, &mut larger[..count]);
@@ -119,13 +126,14 @@ impl SourceBlocks {
         self.columns.clear();
         self.columns.resize(grid.across, 0);
         let rows = unite(&self.classes[RESERVED..][..grid.count()], &mut self.columns);
+
         let is_occupied = |class: &u8| class & NOT_EMPTY != 0;
         let left = self.columns.iter().position(is_occupied).unwrap_or(0);
         let right = self.columns.iter().rposition(is_occupied).map_or(left, |last| last + 1);
         BlockRect { columns: left..right, rows }
     }
 
-    /// The class of the window at `place`.
+    /// The class of the window with an index from [`BlockGrid::window`].
     #[inline(always)]
     pub(super) fn class(&self, place: u32) -> u8 {
         self.classes[place as usize]
@@ -133,17 +141,17 @@ impl SourceBlocks {
 }
 
 vectorised! {
-    /// Writes the class of each block; returns whether every byte is subject.
+    /// Writes the class of each block. Returns whether every pixel is subject.
     fn classify_blocks(mask: &MaskView, classes: &mut [u8]) -> bool {
         let width = mask.size().0 as usize;
         let (across, whole) = (width.div_ceil(BLOCK), width / BLOCK);
         let mut common = u32::MAX;
         let last = mask.size().1 as usize - 1;
         for (top, classes) in (0..).step_by(BLOCK).zip(classes.chunks_exact_mut(across)) {
-            // The last row stands in for those that the lowest blocks lack.
+            // The lowest blocks may have fewer rows: there the last row is repeated.
             let four = [0, 1, 2, 3].map(|down| mask.row((top + down).min(last)));
 
-            // A block's row of four bytes is a word.
+            // The four bytes of a block's row are one word.
             let words = four.map(|row| &row.as_chunks::<BLOCK>().0[..whole]);
             let inner = &mut classes[..whole];
             let mut common_here = u32::MAX;
@@ -169,7 +177,7 @@ vectorised! {
 }
 
 vectorised! {
-    /// Unites the classes of each column in `columns`; returns the rows from the first to the last that is occupied.
+    /// Unites the classes of each column in `columns`. Returns the range from the first to the last occupied row.
     fn unite(classes: &[u8], columns: &mut [u8]) -> Range<usize> {
         let mut occupied = 0..0;
         for (row, classes) in classes.chunks_exact(columns.len()).enumerate() {
@@ -186,21 +194,22 @@ vectorised! {
     }
 }
 
-/// The class of pixels of which these are the bits that any of them and that every one of them has.
+/// The class of pixels, given the union (`any`) and the intersection (`every`) of the bits of their bytes.
 #[inline(always)]
 fn class_of(any: u32, every: u32) -> u8 {
     (u8::from(every != u32::MAX) * NOT_FULL) | (u8::from(any != 0) * NOT_EMPTY)
 }
 
 vectorised! {
-    /// Writes the classes of windows that are `by` blocks wider and higher than those of `smaller`. Those that leave the
-    /// image come out wrong, and are no window of any tile.
+    /// Writes the classes of windows that are `by` blocks wider and higher than those in `smaller`. Classes of windows
+    /// that leave the image are wrong; no tile uses them.
     fn enlarge(smaller: &[u8], by: usize, across: usize, larger: &mut [u8]) {
         let count = smaller.len().saturating_sub(by * across + by);
         let shifted = [0, by, by * across, by * across + by].map(|shift| &smaller[shift.min(smaller.len())..]);
         if count == 0 {
             return;
         }
+
         let [a, b, c, d] = shifted.map(|classes| &classes[..count]);
         let larger = &mut larger[..count];
         for k in 0..count {

@@ -20,9 +20,9 @@ fn with_lens(focal: f64, lens: impl Into<Lens>) -> Camera {
     Camera::new("test", SIZE, k, lens, pose).unwrap()
 }
 
-/// The lenses the claims are tested with: barrel, pincushion, rational, one that folds back inside its image, a thin
-/// prism before a tilted sensor; fisheyes that see 58 and 87 degrees off the axis, and one that folds back in the
-/// corners.
+/// The cameras of most tests. Their lenses are: barrel, pincushion, rational, one that folds back inside its image, and
+/// a thin prism before a tilted sensor; fisheyes that see 58 and 87 degrees off the axis, and one that folds back in
+/// the corners.
 fn cameras() -> [Camera; 8] {
     [
         camera(270.0, &[-0.369, 0.203, 3e-4, 2e-5, -0.071]),
@@ -44,7 +44,7 @@ fn is_in(p: &Point2<f64>, (width, height): (u32, u32)) -> bool {
     (0.0..f64::from(width)).contains(&p.x) && (0.0..f64::from(height)).contains(&p.y)
 }
 
-/// Where `to` sees what `from` sees at `p`.
+/// The position in the image of `to` of the direction that `from` sees at `p`.
 fn seen_by(to: &Camera, from: &Camera, p: Point2<f64>) -> Option<Point2<f64>> {
     to.project(&from.unproject(p.x, p.y, 2.0)?).map(|pixel| Point2::new(pixel.u, pixel.v))
 }
@@ -53,7 +53,7 @@ fn value_at(mask: &GrayImage, p: &Point2<f64>) -> u8 {
     mask.get_pixel(p.x as u32, p.y as u32).0[0]
 }
 
-/// The distance from `p` to the nearest pixel whose verdict differs from that of p's own, looked for within 3 px.
+/// The distance from `p` to the nearest pixel whose verdict differs from that of the pixel at `p`, within 3 px.
 fn distance_to_edge(mask: &GrayImage, p: &Point2<f64>) -> f64 {
     let own = value_at(mask, p) >= 128;
     let around = |x: f64, length: u32| (x as u32).saturating_sub(3)..(x as u32 + 4).min(length);
@@ -79,7 +79,7 @@ fn star() -> GrayImage {
     })
 }
 
-/// Numbers in `[0, 1)`, the same in every run.
+/// A generator of pseudo-random numbers in `[0, 1)`.
 fn uniform(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -114,6 +114,7 @@ fn world_points_find_the_same_verdict_in_both_images_but_at_the_edge() {
     for camera in cameras() {
         let undistortion = Undistortion::new(&camera).unwrap();
         let undistorted = undistortion.apply(&mask, 0).unwrap();
+
         let mut random = uniform(7);
         let (mut compared, mut differ) = (0, 0);
         for _ in 0..100_000 {
@@ -125,6 +126,7 @@ fn world_points_find_the_same_verdict_in_both_images_but_at_the_edge() {
             if !is_in(&a, SIZE) || !is_in(&b, undistorted.dimensions()) {
                 continue;
             }
+
             compared += 1;
             if (value_at(&mask, &a) >= 128) != (value_at(&undistorted, &b) >= 128) && {
                 value_at(undistortion.field_of_view(), &b) == 255
@@ -134,7 +136,7 @@ fn world_points_find_the_same_verdict_in_both_images_but_at_the_edge() {
             }
         }
         assert!(compared > 2_000, "only {compared} points seen");
-        // The arms leave no point of the star far from an edge; a wrong map would differ at a third of the points.
+        // No point of the star is far from an edge, so that a wrong map would differ at a third of the points.
         assert!(differ * 20 < compared, "{differ} of {compared} differ");
     }
 }
@@ -146,7 +148,8 @@ fn unseen_pixels_are_exactly_those_whose_source_is_outside() {
         for (x, y, seen) in undistortion.field_of_view().enumerate_pixels() {
             let source = seen_by(&camera, undistortion.pinhole(), centre(x, y));
             let expected = source.is_some_and(|p| is_in(&p, SIZE));
-            // Rounding decides for a source within 1e-9 px of the border.
+
+            // Rounding decides if the source is within 1e-9 px of the border.
             let at_border =
                 source.is_some_and(|p| is_in(&(p + nalgebra::Vector2::repeat(1e-9)), SIZE) != expected);
             assert!((seen.0[0] == 255) == expected || at_border, "pixel {x}, {y}: source {source:?}");
@@ -164,9 +167,10 @@ fn the_pinhole_covers_all_that_the_camera_sees_and_no_more() {
             let place = seen_by(pinhole, &camera, centre(x, y)).unwrap();
             assert!(is_in(&place, pinhole.size()), "source pixel {x}, {y} would fall on {place}");
         }
+
+        // The field of view reaches into the outermost rows and columns, but need not reach their centres. So it holds
+        // pixels of the second ones.
         let (width, height) = pinhole.size();
-        // The outermost rows and columns are touched by what is seen; half a pixel of it need not hold a centre, so
-        // the second ones must.
         let seen = |x, y| undistortion.field_of_view().get_pixel(x, y).0[0] == 255;
         assert!((0..height).any(|y| seen(1, y)) && (0..height).any(|y| seen(width - 2, y)));
         assert!((0..width).any(|x| seen(x, 1)) && (0..width).any(|x| seen(x, height - 2)));
@@ -207,7 +211,7 @@ fn what_lies_beyond_the_fold_of_a_fisheye_is_unseen() {
     let seen = undistortion.field_of_view().enumerate_pixels().filter(|(_, _, value)| value.0[0] == 255);
     let farthest =
         seen.map(|(x, y, _)| apply_affine(&to_plane, centre(x, y)).coords.norm()).fold(0.0, f64::max);
-    // To a pixel, 1/170 on the plane.
+    // The tolerance is a pixel, 1/170 on the plane.
     assert!((fold - farthest).abs() < 1.0 / 170.0, "{farthest} {fold}");
 }
 
@@ -232,7 +236,8 @@ fn a_straight_line_in_the_world_is_straight_in_the_undistorted_mask() {
     let line = [camera.unproject(60.0, 5.0, 2.0).unwrap(), camera.unproject(25.0, 230.0, 3.0).unwrap()];
     let normal = (line[0] - camera.centre()).cross(&(line[1] - camera.centre())).normalize();
     let side = |p: Point2<f64>| camera.ray(p.x, p.y).unwrap().direction.dot(&normal);
-    // Coverage by 8 x 8 samples a pixel, through the lens; a pixel is at most 0.004 wide seen from the camera.
+
+    // Coverage by 8 x 8 samples per pixel, through the lens. A pixel is at most 0.004 rad wide.
     let coverage = |x: u32, y: u32| {
         let middle = centre(x, y);
         if side(middle).abs() > 0.01 {
@@ -244,6 +249,8 @@ fn a_straight_line_in_the_world_is_straight_in_the_undistorted_mask() {
     };
     let mask = GrayImage::from_fn(SIZE.0, SIZE.1, |x, y| Luma([(255.0 * coverage(x, y)).round() as u8]));
     let undistorted = undistortion.apply(&mask, 0).unwrap();
+
+    // In each row the distance from the line's image to where the undistorted mask crosses half coverage.
     let [a, b] = line.map(|p| pinhole.project(&p).unwrap());
     let mut errors = Vec::new();
     for y in a.v as u32 + 3..b.v as u32 - 3 {
@@ -258,12 +265,14 @@ fn a_straight_line_in_the_world_is_straight_in_the_undistorted_mask() {
         errors.push(found - expected);
     }
     assert!(errors.len() > 200);
-    // Linear interpolation of coverage misplaces an edge by up to 0.086 px per axis and pass, to either side alike.
+
+    // Linear interpolation of coverage misplaces an edge by up to 0.086 px per axis and pass, equally to both sides.
     let worst = errors.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()));
     assert!(worst < 0.2, "{worst}");
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     assert!(mean.abs() < 0.02, "{mean}");
-    // The same line through the lens bows by several pixels: the test would see a missing undistortion.
+
+    // Through the lens the line bows by several pixels, so that the test would detect a missing undistortion.
     let middle = camera.project(&nalgebra::center(&line[0], &line[1])).unwrap();
     let chord = line.map(|p| camera.project(&p).unwrap()).map(|p| Point2::new(p.u, p.v));
     let along = (chord[1] - chord[0]).normalize();
@@ -281,7 +290,7 @@ fn values_are_interpolated_between_pixel_centres() {
         let source = seen_by(camera, undistortion.pinhole(), centre(x, y)).filter(|p| is_in(p, SIZE));
         match source {
             None => assert_eq!(value.0[0], 77),
-            // Half a grey level of rounding, and 1/512 px of the fixed-point weights.
+            // Rounding to grey levels adds half a level, and the fixed-point weights add 1/512 px.
             Some(p) => {
                 assert!((f64::from(value.0[0]) - (p.x - 0.5).clamp(0.0, 199.0)).abs() < 0.503, "{x}, {y}")
             }

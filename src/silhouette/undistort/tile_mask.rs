@@ -1,9 +1,10 @@
-//! A pinhole's mask by tiles of 8 x 8 pixels: uniform ones have a class and bits, the others bytes too.
+//! A pinhole's mask in tiles of 8 x 8 pixels. Each tile has a class and bits; tiles that are not uniform also have
+//! bytes.
 //!
-//! Only the tiles that the subject can reach are drawn. All others are background, and keep whatever an earlier mask
-//! left in their places.
+//! Only the tiles that the subject can reach are drawn. All others are background, and their entries in the tables
+//! still hold values of earlier masks.
 
-// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+// Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
 use super::Undistortion;
@@ -23,60 +24,62 @@ type TileBits = u64;
 /// The bits of a tile's leftmost column.
 const LEFTMOST: TileBits = 0x0101_0101_0101_0101;
 
-/// Tiles whose patches are read from memory side by side.
+/// Tiles whose patches are fetched from memory at once.
 const TILES_FETCHED: usize = 8;
 
-/// Classes looked at together.
+/// Classes that are compared at once.
 const CHUNK: usize = 8;
 
-/// A pinhole's mask, drawn from the original camera's; memory for the next one.
+/// A pinhole's mask that is drawn from a mask of the original camera. Its memory is reused for the next mask.
 #[derive(Debug, Default)]
 pub(crate) struct TileMask {
     blocks: SourceBlocks,
     width: usize,
     height: usize,
-    /// Tiles side by side.
+    /// Tiles in a row.
     pub(super) across: usize,
     /// The tiles that are drawn.
     pub(super) drawn: TileRect,
     /// The class of each tile.
     classes: Vec<u8>,
-    /// The subject pixels of each tile, those beyond the image too.
+    /// The subject pixels of each tile, also beyond the image.
     pub(super) subject: Vec<TileBits>,
-    /// The tiles that are not uniform, in ascending order, and scratch behind them.
+    /// The tiles that are not uniform, ascending: the first `mixed_count` elements. The others are scratch memory.
     mixed: Vec<u32>,
-    /// How many there are.
+    /// Number of tiles that are not uniform.
     mixed_count: usize,
-    /// The bytes of the tiles that are not uniform, in the order of that list.
+    /// The bytes of the tiles that are not uniform, in the order of `mixed`.
     bytes: Vec<Tile>,
-    /// For each column of tiles the subject pixels of all its tiles together.
+    /// For each column of tiles the union of the subject pixels of its tiles.
     columns: Vec<TileBits>,
     has_coverage: bool,
 }
 
 impl TileMask {
-    /// Draws what the pinhole of `lens` sees of `mask`, a mask of the original camera; returns whether every pixel of
-    /// that is subject, and then draws nothing.
+    /// Draws `mask`, a mask of the original camera, as the pinhole of `lens` sees it. Returns `true`, and draws
+    /// nothing, if every pixel of `mask` is subject.
     pub(super) fn draw(&mut self, lens: &Undistortion, mask: &MaskView, unseen_value: u8) -> bool {
         let (map, unseen) = (&lens.tile_map, if unseen_value == 0 { BACKGROUND } else { FOREGROUND });
         if self.blocks.classify(mask, &map.blocks, map.last_level, unseen) {
             return true;
         }
+
         let size = lens.pinhole.size();
         (self.width, self.height, self.across) = (size.0 as usize, size.1 as usize, map.across);
 
-        // Where the unseen part is subject, tiles far from the mask's subject may hold some.
+        // If unseen pixels count as subject, tiles far from the mask's subject may hold subject too.
         let all = TileRect { columns: 0..map.across, rows: 0..map.windows.len() / map.across };
         self.drawn = match unseen {
             BACKGROUND => map.reached_from(&self.blocks.find_occupied(&map.blocks)),
             _ => all,
         };
+
         let count = map.windows.len();
         self.classes.resize(count, 0);
         self.subject.resize(count, 0);
         self.mixed.resize(count, 0);
 
-        // Uniform tiles are filled at once; the others are listed, so that interpolating them has no branch.
+        // Uniform tiles are filled here, and the others are listed, so that the loop that interpolates has no branch.
         self.classify(lens, unseen);
         self.mixed_count = 0;
         for row in self.drawn.rows.clone() {
@@ -91,7 +94,7 @@ impl TileMask {
         false
     }
 
-    /// Finds the class of each tile that is drawn; what the lens does not see has the class `unseen`.
+    /// Sets the class of each tile that is drawn. What the lens does not see has the class `unseen`.
     fn classify(&mut self, lens: &Undistortion, unseen: u8) {
         let (map, blocks) = (&lens.tile_map, &self.blocks);
         for row in self.drawn.rows.clone() {
@@ -102,7 +105,7 @@ impl TileMask {
             }
         }
 
-        // A tile of which a part is unseen is uniform only if the rest is as the unseen part.
+        // A tile with unseen pixels is uniform only if the others have the same value.
         for &(column, row) in &map.partly_seen {
             let (column, row) = (column as usize, row as usize);
             if self.drawn.columns.contains(&column) && self.drawn.rows.contains(&row) {
@@ -116,7 +119,7 @@ impl TileMask {
         self.mixed[..self.mixed_count].iter().map(|&tile| tile as usize).zip(&self.bytes)
     }
 
-    /// The class of each tile that is drawn in a row of tiles, from the leftmost one on.
+    /// The class of each tile that is drawn in a row of tiles, from left to right.
     #[inline(always)]
     pub(super) fn classes_in_row(&self, row: usize) -> &[u8] {
         &self.classes[self.tiles_in_row(row)]
@@ -139,7 +142,7 @@ impl TileMask {
         self.has_coverage
     }
 
-    /// The smallest rectangle around the subject.
+    /// Computes the smallest rectangle around the subject.
     pub(in crate::silhouette) fn find_rect(&mut self) -> Rect {
         let TileRect { columns, rows } = self.drawn.clone();
         if columns.is_empty() || rows.is_empty() {
@@ -148,19 +151,20 @@ impl TileMask {
         self.columns.clear();
         self.columns.resize(columns.len(), 0);
 
-        // The tiles drawn, and how far the image reaches, from the upper left one of them on.
+        // The first pixel of the drawn tiles, and their size in pixels within the image.
         let (x0, y0) = (SIDE * columns.start, SIDE * rows.start);
         let size = (self.width.min(SIDE * columns.end) - x0, self.height.min(SIDE * rows.end) - y0);
         let subject = &self.subject[rows.start * self.across + columns.start..];
         let (first_row, last_row) = take_extremes(subject, self.across, size, &mut self.columns);
 
-        // The outermost columns of tiles that hold subject, and in each the outermost column of pixels.
+        // The outermost columns of tiles with subject, and in each the outermost column of pixels.
         let column = |bits: &TileBits| (0..SIDE).fold(0, |any, row| any | (bits >> (SIDE * row)) as u8);
         let left = self.columns.iter().position(|&bits| bits != 0);
         let right = self.columns.iter().rposition(|&bits| bits != 0);
         let (Some(left), Some(right)) = (left, right) else {
             return Rect::EMPTY;
         };
+
         let first = column(&self.columns[left]).trailing_zeros();
         let last = u8::BITS - column(&self.columns[right]).leading_zeros();
         Rect {
@@ -173,7 +177,7 @@ impl TileMask {
 }
 
 vectorised! {
-    /// Writes the bits of uniform tiles; those of the others mean nothing yet.
+    /// Writes the bits of uniform tiles. The bits of other tiles are set later.
     fn fill_uniform(classes: &[u8], subject: &mut [TileBits]) {
         for (&class, subject) in classes.iter().zip(subject) {
             *subject = TileBits::from(class == FOREGROUND).wrapping_neg();
@@ -181,16 +185,19 @@ vectorised! {
     }
 }
 
-/// Lists the tiles that are not uniform, of which the one of the first class is `start`, and counts them.
+/// Writes the tiles that are not uniform to `mixed`, and returns their number. `start` is the tile of the first class.
 fn list_mixed(classes: &[u8], start: u32, mixed: &mut [u32]) -> usize {
     let mut count = 0;
     let mut list = |classes: &[u8], first: u32| {
-        // Each tile is written, and the next one in its place if it is uniform: no branch that is hard to predict.
+        // Every tile is written, and a uniform one is overwritten by the next: that avoids a branch that is hard to
+        // predict.
         for (&class, tile) in classes.iter().zip(first..) {
             mixed[count] = tile;
             count += usize::from(class == MIXED);
         }
     };
+
+    // Chunks of uniform tiles alone are skipped: a mixed class has both bits.
     let (chunks, rest) = classes.as_chunks::<CHUNK>();
     for (chunk, first) in chunks.iter().zip((start..).step_by(CHUNK)) {
         let classes = u64::from_le_bytes(*chunk);
@@ -203,13 +210,13 @@ fn list_mixed(classes: &[u8], start: u32, mixed: &mut [u32]) -> usize {
 }
 
 vectorised! {
-    /// Interpolates the tiles that are not uniform; returns whether any has coverage.
+    /// Interpolates the tiles that are not uniform. Returns whether any of them has coverage.
     fn interpolate_mixed(lens: &Undistortion, mask: &MaskView, unseen_value: u8, drawn: &mut TileMask) -> bool {
         let map = &lens.tile_map;
         let mut coverage = [0; PIXELS];
         let groups = drawn.mixed[..drawn.mixed_count].chunks(TILES_FETCHED).zip(drawn.bytes.chunks_mut(TILES_FETCHED));
         for (tiles, bytes) in groups {
-            // Few of the patches are in the cache, and each alone would be waited for.
+            // Most patches are not in the cache: several cache misses overlap.
             for &tile in tiles {
                 map.patches[tile as usize].fetch();
             }
@@ -221,10 +228,10 @@ vectorised! {
                 };
             }
 
-            // Not straight after each tile, whose bytes are still being written then.
+            // A loop of its own, since the bytes of a tile cannot be read back at once after they are written.
             for (&tile, bytes) in tiles.iter().zip(&*bytes) {
                 for k in 0..PIXELS {
-                    // One more makes 255 and 0 the only bytes without a bit above the lowest.
+                    // After adding 1, only 0 and 255 have no bit above the lowest.
                     coverage[k] |= bytes[k].wrapping_add(1) >> 1;
                 }
                 drawn.subject[tile as usize] = subject_of(bytes);
@@ -234,7 +241,7 @@ vectorised! {
     }
 }
 
-/// The bytes of a tile whose pixels are spread too far over the original for a patch.
+/// Interpolates a tile without a patch, pixel by pixel.
 #[inline(never)]
 fn interpolate_each(lens: &Undistortion, mask: &MaskView, unseen_value: u8, tile: usize) -> Tile {
     let (width, height) = lens.pinhole.size();
@@ -255,8 +262,8 @@ fn subject_of(bytes: &Tile) -> TileBits {
 }
 
 vectorised! {
-    /// Unites the tiles of each column in `columns`, as far as they lie in the first `size` pixels; returns the first
-    /// and the last row of pixels with subject, zero where none has any. `across` tiles on lies the next row's.
+    /// Unites the tiles of each column in `columns`, as far as they lie in the first `size` pixels. Returns the first
+    /// and the last row of pixels with subject; zeros if there is none. Rows of tiles begin `across` tiles apart.
     fn take_extremes(
         subject: &[TileBits],
         across: usize,
@@ -274,6 +281,8 @@ vectorised! {
                 *column |= tile & in_image;
                 any |= tile;
             }
+
+            // The last column of tiles may reach beyond the image.
             let last = tiles[last_column] & in_last_column;
             columns[last_column] |= last & in_image;
 

@@ -1,13 +1,13 @@
-//! Rows of pixels from tiles: how a mask drawn by tiles becomes a region's bits and bytes.
+//! Conversion of a mask in tiles to the rows of bits and bytes of a crop.
 //!
 //! ```text
 //!      tiles     +-------+-------+-------+
 //!                |   +---|-------|---+   |
-//!                |   |   |       |   |   |   the region begins and ends anywhere in a tile, and may reach beyond
-//!                +---|---+-------+---|---+   the image, where all is what the border says
+//!                |   |   |       |   |   |   the crop begins and ends anywhere in a tile, and may reach beyond the
+//!                +---|---+-------+---|---+   image, where the border defines the pixels
 //! ```
 
-// A loop over the lanes of several arrays says what happens to lane k, and becomes vector instructions as a whole.
+// Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
 use super::source_blocks::FOREGROUND;
@@ -17,14 +17,15 @@ use crate::math::vectorised;
 use crate::silhouette::Rect;
 use crate::silhouette::mask_crop::{MARGIN, WORD, Word};
 
-/// Bytes of eight pixels before a row of tiles, as far as a region reaches beyond the image.
+/// Bytes of eight pixels before a row of tiles: as far as a crop may begin before the image.
 const BEFORE: usize = MARGIN as usize / SIDE;
 
-/// Bytes of eight pixels behind a row of tiles: the margin, what the region's width is rounded up by, and a word.
+/// Bytes of eight pixels after a row of tiles: for the margin, the rounding of the crop's width, and a word.
 const BEHIND: usize = BEFORE + 1 + 2 * WORD / SIDE;
 
 impl TileMask {
-    /// Writes the subject bits of `rect`, and 0 behind its rows; `row` is scratch.
+    /// Writes the subject bits of `rect`, and zeros in the rest of each row's last word. `beyond` is the byte of pixels
+    /// outside the drawn tiles; `row` is scratch memory.
     pub(in crate::silhouette) fn write_subject(
         &self,
         rect: &Rect,
@@ -37,7 +38,7 @@ impl TileMask {
         write_bits(self, rect, beyond, row, subject);
     }
 
-    /// Writes the bytes of `rect`; where there are no tiles they are `beyond`. `row` is scratch.
+    /// Writes the bytes of `rect`; pixels outside the drawn tiles are `beyond`. `row` is scratch memory.
     pub(in crate::silhouette) fn write_bytes(
         &self,
         rect: &Rect,
@@ -49,12 +50,13 @@ impl TileMask {
         row.resize(SIDE * (BEFORE + self.across + BEHIND), beyond);
         write_uniform(self, rect, beyond, row, bytes);
 
-        // The tiles that are not uniform, whose list ascends.
+        // The tiles that are not uniform replace what was written. They ascend, so that their row is found on the way.
         let (mut row, width) = (self.drawn.rows.start, rect.width());
         for (tile, rows) in self.mixed() {
             while tile >= (row + 1) * self.across {
                 row += 1;
             }
+
             // The rows of pixels of this tile that lie in the rectangle.
             let top = (SIDE * row) as i32 - rect.y0;
             let (first, end) = ((-top).max(0), (rect.height() as i32 - top).min(SIDE as i32));
@@ -67,7 +69,7 @@ impl TileMask {
     }
 }
 
-/// Copies a tile's rows to column `left` of `bytes`, which are `width` wide; what does not fit is cut off.
+/// Copies a tile's rows to column `left` of `bytes`, whose rows have `width` bytes. What does not fit is cut off.
 #[inline(always)]
 fn copy_rows(rows: &[[u8; SIDE]], left: i32, width: usize, bytes: &mut [u8]) {
     if left >= 0 && left as usize + SIDE <= width {
@@ -85,15 +87,15 @@ fn copy_rows(rows: &[[u8; SIDE]], left: i32, width: usize, bytes: &mut [u8]) {
 }
 
 vectorised! {
-    /// Writes the bytes of `rect` as if all tiles were uniform. `row` is `beyond` but for the drawn tiles' part, which is
-    /// scratch.
+    /// Writes the bytes of `rect` as if all tiles were uniform. `row` holds `beyond`, except in the part of the drawn
+    /// tiles, which is scratch memory.
     fn write_uniform(mask: &TileMask, rect: &Rect, beyond: u8, row: &mut [u8], bytes: &mut [u8]) {
         let (width, drawn) = (rect.width(), &mask.drawn);
         let start = (rect.x0 + MARGIN) as usize;
         let mut y = rect.y0;
         let mut rest = bytes;
         while y < rect.y1 {
-            // All rows of pixels in a row of tiles are the same.
+            // All rows of pixels in a row of uniform tiles are equal.
             let tiles = y.div_euclid(SIDE as i32);
             let end = (SIDE as i32 * (tiles + 1)).min(rect.y1);
             let inner = &mut row.as_chunks_mut::<SIDE>().0[BEFORE..][drawn.columns.clone()];
@@ -106,6 +108,7 @@ vectorised! {
                 }
                 None => inner.fill([beyond; SIDE]),
             }
+
             let rows;
             (rows, rest) = rest.split_at_mut((end - y) as usize * width);
             for bytes in rows.chunks_exact_mut(width) {
@@ -117,7 +120,7 @@ vectorised! {
 }
 
 vectorised! {
-    /// Writes the bits of `rect`. `row` is `beyond` but for the drawn tiles' part, which is scratch.
+    /// Writes the bits of `rect`. `row` holds `beyond`, except in the part of the drawn tiles, which is scratch memory.
     fn write_bits(mask: &TileMask, rect: &Rect, beyond: u8, row: &mut [u8], subject: &mut [Word]) {
         let (width, words, drawn) = (rect.width(), rect.width().div_ceil(WORD), &mask.drawn);
         let first = (rect.x0 + MARGIN) as usize;
@@ -138,7 +141,7 @@ vectorised! {
                 None => inner.fill(beyond),
             }
 
-            // The region begins within a byte.
+            // The crop may begin within a byte.
             let source = &row[start..].as_chunks::<4>().0[..words + 1];
             let bits = &mut bits[..words];
             for k in 0..words {

@@ -1,4 +1,4 @@
-//! Masks drawn by tiles beside those that `apply` makes pixel by pixel: every bit and byte of what is kept.
+//! Masks drawn by tiles compared with masks that `apply` computes pixel by pixel, in every bit and byte that is kept.
 
 use super::super::tile_mask::TileMask;
 use super::*;
@@ -7,7 +7,8 @@ use crate::silhouette::mask_crop::value_beyond;
 use crate::silhouette::tests::Random;
 use crate::silhouette::{Border, Silhouette};
 
-/// A lens with a skewed principal point. Images of a few pixels, and of some hundred that no tile and no block divides.
+/// A camera with a random lens, skew and principal point. Its image has a few pixels on a side, or some hundred that
+/// are not a multiple of a tile or a block.
 fn random_camera(random: &mut Random, k: u32) -> Camera {
     let size = match k % 8 {
         0 => (1 + random.below(6), 1 + random.below(6)),
@@ -15,9 +16,11 @@ fn random_camera(random: &mut Random, k: u32) -> Camera {
         2 => (1 + random.below(20), 1 + random.below(300)),
         _ => (16 + random.below(280), 16 + random.below(200)),
     };
+
     let (width, height) = (f64::from(size.0), f64::from(size.1));
     let focal = random.between(0.5, 1.5) * width.max(height);
     let (u, v) = (width * random.between(0.2, 0.8), height * random.between(0.2, 0.8));
+
     let k1 = random.between(-0.4, 0.3);
     let small = |random: &mut Random, most: f64| random.between(-most, most);
     let mut coefficients =
@@ -26,18 +29,20 @@ fn random_camera(random: &mut Random, k: u32) -> Camera {
         coefficients.extend([small(random, 0.2), small(random, 0.05), small(random, 0.02)]);
     }
     let (focal, lens) = match k % 5 {
-        // Focal lengths with which the corners stay below 90 degrees.
+        // With these focal lengths the corners stay below 90 degrees off the axis.
         3 => {
             let k1 = 0.2 * k1.abs();
             (1.5 * focal, Fisheye::from_opencv(&[k1, 0.1 * k1, 0.0, 1e-3]).unwrap().into())
         }
         _ => (focal, Lens::from(Distortion::from_opencv(&coefficients).unwrap())),
     };
+
     let intrinsics = Matrix3::new(focal, random.between(-2.0, 2.0), u, 0.0, focal * 1.01, v, 0.0, 0.0, 1.0);
     Camera::new("random", size, intrinsics, lens, Isometry3::identity()).unwrap()
 }
 
-/// Noise, specks, blobs, coverage, uniform masks, and full ones but for one pixel.
+/// A mask of noise with or without coverage, of single pixels, of all subject but one pixel, of one value, or of a
+/// disc.
 fn random_mask(random: &mut Random, (width, height): (u32, u32), k: u32) -> GrayImage {
     let pixel = |random: &mut Random| (random.below(width), random.below(height));
     let mut mask = GrayImage::new(width, height);
@@ -56,7 +61,7 @@ fn random_mask(random: &mut Random, (width, height): (u32, u32), k: u32) -> Gray
         4 => mask.fill(random.below(128) as u8),
         5 => {}
         kind => {
-            // Discs, which often touch the image's border, with a soft rim or without.
+            // A disc with a sharp or a soft rim, which often touches the image's border.
             let (x, y) = pixel(random);
             let radius = random.between(0.05, 0.7) * f64::from(width.max(height));
             let softness = if kind == 6 { 0.01 } else { random.between(0.5, 6.0) };
@@ -69,7 +74,7 @@ fn random_mask(random: &mut Random, (width, height): (u32, u32), k: u32) -> Gray
     mask
 }
 
-/// Whether two silhouettes are the same in all that is kept of the mask.
+/// Checks that two silhouettes are equal in everything that is kept of the mask.
 fn assert_same(drawn: &Silhouette, expected: &Silhouette, what: &str) {
     assert_eq!(drawn.image(), expected.image(), "{what}");
     assert_eq!(drawn.rect(), expected.rect(), "{what}");
@@ -84,7 +89,8 @@ fn assert_same(drawn: &Silhouette, expected: &Silhouette, what: &str) {
     assert!(drawn.crop.bytes() == expected.crop.bytes(), "{what}");
 }
 
-/// The silhouette of what `lens` sees of `mask` in the memory of `silhouette` and `tiles`, compared with the slow way.
+/// Undistorts `mask` by tiles into `silhouette`, in the memory of `tiles`, and compares it with the result of `apply`.
+/// Returns 1 if the silhouette has a subject, or else 0.
 fn check(
     silhouette: &mut Silhouette,
     tiles: &mut TileMask,
@@ -109,7 +115,8 @@ fn masks_drawn_by_tiles_are_those_that_apply_makes_whatever_was_in_their_memory(
     let mut random = Random(3);
     let (mut silhouette, mut tiles) = (Silhouette::blank(Border::Unknown), TileMask::default());
     let mut filled = 0;
-    // Each kind of size seven times, by each kind of mask and border.
+
+    // Seven cameras for each kind of size, with each kind of mask and border.
     for k in 0..56 {
         let camera = random_camera(&mut random, k);
         let Some(lens) = Undistortion::new(&camera) else { continue };

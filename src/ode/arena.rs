@@ -1,10 +1,11 @@
-//! Ids that outlive what they name: a slot's generation tells its past inhabitants apart.
+//! Generational arena: ids stay safe to use after their object is removed, because each reuse of a slot raises its
+//! generation number.
 
 use std::fmt;
 
 use crate::Error;
 
-/// World, slot, and how often the slot was used before.
+/// An arena's key: the world's serial number, the slot's index, and the slot's generation (how often it was reused).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Key {
     world: u32,
@@ -13,13 +14,14 @@ pub(super) struct Key {
 }
 
 impl Key {
-    /// What is written into the user data of an ODE object; never 0, so that a foreign object shows.
+    /// The value stored as the user data of the ODE object. It is never 0, which is ODE's
+    /// default and so the user data of objects that other code made.
     pub(super) fn user_data(self) -> usize {
         self.index as usize + 1
     }
 }
 
-/// A typed id, and how its absence is put into words.
+/// A typed id, with the noun that error messages use for its object.
 pub(super) trait Id: Copy + fmt::Debug {
     const NOUN: &'static str;
     fn key(self) -> Key;
@@ -29,7 +31,7 @@ macro_rules! id {
     ($(#[$doc:meta])* $name:ident, $noun:literal) => {
         $(#[$doc])*
         ///
-        /// Copyable and cheap. It never names anything else, also when the slot is used again.
+        /// Cheap to copy. It never refers to another object, even after its slot is reused.
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub struct $name(pub(super) Key);
 
@@ -81,7 +83,7 @@ struct Entry<T> {
     value: Option<T>,
 }
 
-/// The records of one kind, in slots that are used again.
+/// The records of one kind of object, in slots that are reused after removal.
 #[derive(Debug)]
 pub(super) struct Arena<T> {
     world: u32,
@@ -97,7 +99,7 @@ impl<T> Arena<T> {
     pub(super) fn insert(&mut self, value: T) -> Key {
         let index = self.vacant.pop().unwrap_or_else(|| {
             self.slots.push(Entry { generation: 0, value: None });
-            u32::try_from(self.slots.len() - 1).expect("ODE's memory ends before 2^32 objects")
+            u32::try_from(self.slots.len() - 1).expect("memory runs out before 2^32 objects exist")
         });
         let slot = &mut self.slots[index as usize];
         slot.value = Some(value);
@@ -118,7 +120,8 @@ impl<T> Arena<T> {
         self.get(key)?;
         let slot = &mut self.slots[key.index as usize];
         let value = slot.value.take();
-        // A slot whose generations are used up rests for ever.
+
+        // A slot whose generation number would overflow is never reused, so that old keys stay invalid.
         if let Some(next) = slot.generation.checked_add(1) {
             slot.generation = next;
             self.vacant.push(key.index);
@@ -126,7 +129,7 @@ impl<T> Arena<T> {
         value
     }
 
-    /// The inhabitant that wrote this [`Key::user_data`], if it still lives.
+    /// The record whose [`Key::user_data`] is `data`, if it still exists.
     pub(super) fn by_user_data(&self, data: usize) -> Option<(Key, &T)> {
         let index = data.checked_sub(1)?;
         let slot = self.slots.get(index)?;
@@ -142,7 +145,7 @@ impl<T> Arena<T> {
         self.iter().count()
     }
 
-    /// The record of `id`, or why there is none.
+    /// The record of `id`, or an error that says why there is none.
     pub(super) fn find(&self, id: impl Id) -> Result<&T, Error> {
         self.get(id.key()).ok_or_else(|| self.missing(id))
     }
@@ -151,7 +154,7 @@ impl<T> Arena<T> {
     ///
     /// # Panics
     ///
-    /// If there is none.
+    /// Panics if there is no such record.
     #[track_caller]
     pub(super) fn expect(&self, id: impl Id) -> &T {
         self.find(id).unwrap_or_else(|error| panic!("{error}"))
@@ -160,10 +163,10 @@ impl<T> Arena<T> {
     fn missing<I: Id>(&self, id: I) -> Error {
         let noun = I::NOUN;
         if id.key().world == self.world {
-            Error::argument(format!("{id:?}: expected a {noun} of this world, but it was removed"))
+            Error::argument(format!("{id:?}: expected an existing {noun}, but it was removed"))
         } else {
             Error::argument(format!(
-                "{id:?}: expected a {noun} of world {}, found one of another",
+                "{id:?}: expected a {noun} of world {}, found an id of another world",
                 self.world
             ))
         }
@@ -186,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn a_key_does_not_find_the_next_inhabitant_of_its_slot() {
+    fn a_key_does_not_find_the_next_value_in_its_slot() {
         let mut arena = Arena::new(7);
         let old = arena.insert('a');
         arena.remove(old);
@@ -205,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slot_whose_generations_are_used_up_is_not_used_again() {
+    fn a_slot_whose_generation_number_is_at_its_maximum_is_not_reused() {
         let mut arena = Arena::new(1);
         let key = arena.insert('a');
         arena.slots[0].generation = u32::MAX;
@@ -216,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn user_data_leads_back_to_the_living_only() {
+    fn user_data_finds_only_values_that_still_exist() {
         let mut arena = Arena::new(1);
         let key = arena.insert('a');
         assert_eq!(arena.by_user_data(key.user_data()), Some((key, &'a')));

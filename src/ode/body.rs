@@ -1,4 +1,4 @@
-//! Bodies: what has mass and moves.
+//! Rigid bodies: mass, pose, velocities and forces.
 
 use std::marker::PhantomData;
 
@@ -18,7 +18,7 @@ use super::parameters::{AutoDisable, Damping};
 use super::{check, convert};
 use crate::Result;
 
-/// A body to read. Vectors are in the world's frame.
+/// Read access to a body of a [`World`](super::World). Vectors and points are in the world's frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Body<'w> {
     raw: dBodyID,
@@ -31,12 +31,12 @@ impl Body<'_> {
         Self { raw, id, world: PhantomData }
     }
 
-    /// Its id.
+    /// The body's id.
     pub fn id(&self) -> BodyId {
         self.id
     }
 
-    /// Where it is: world from body.
+    /// The transform from the body's frame to the world's.
     pub fn pose(&self) -> Isometry3<f64> {
         let (mut position, mut quaternion) = ([0.0; 4], [0.0; 4]);
         // SAFETY: the view borrows the world, so the body is alive; both arrays hold four numbers.
@@ -47,7 +47,7 @@ impl Body<'_> {
         convert::pose(&position, &quaternion)
     }
 
-    /// Where its origin, the centre of mass, is.
+    /// The position of the body's origin, which is its centre of mass.
     pub fn position(&self) -> Point3<f64> {
         let mut position = [0.0; 4];
         // SAFETY: the body is alive, and the array holds four numbers.
@@ -55,19 +55,19 @@ impl Body<'_> {
         convert::point(&position)
     }
 
-    /// The velocity of its origin, m/s.
+    /// The velocity of the body's origin, m/s.
     pub fn linear_velocity(&self) -> Vector3<f64> {
         // SAFETY: the body is alive, and ODE returns four numbers in it.
         unsafe { convert::vector_at(dBodyGetLinearVel(self.raw)) }
     }
 
-    /// Its angular velocity, rad/s.
+    /// The body's angular velocity, rad/s.
     pub fn angular_velocity(&self) -> Vector3<f64> {
-        // SAFETY: as above.
+        // SAFETY: the body is alive, and ODE returns four numbers in it.
         unsafe { convert::vector_at(dBodyGetAngularVel(self.raw)) }
     }
 
-    /// The velocity of the point of the body that is at `point` of the world, m/s.
+    /// The velocity of the body's material point at `point`, m/s.
     pub fn velocity_at(&self, point: &Point3<f64>) -> Vector3<f64> {
         let mut velocity = [0.0; 4];
         // SAFETY: the body is alive, and the array holds four numbers.
@@ -75,19 +75,19 @@ impl Body<'_> {
         convert::vector(&velocity)
     }
 
-    /// The force that was added since the last step, N.
+    /// The sum of the forces added since the last step, N.
     pub fn force(&self) -> Vector3<f64> {
         // SAFETY: the body is alive, and ODE returns four numbers in it.
         unsafe { convert::vector_at(dBodyGetForce(self.raw)) }
     }
 
-    /// The torque that was added since the last step, N m.
+    /// The sum of the torques added since the last step, N m.
     pub fn torque(&self) -> Vector3<f64> {
-        // SAFETY: as above.
+        // SAFETY: the body is alive, and ODE returns four numbers in it.
         unsafe { convert::vector_at(dBodyGetTorque(self.raw)) }
     }
 
-    /// Its mass.
+    /// The body's mass and inertia.
     pub fn mass(&self) -> Mass {
         let mut mass = dMass::default();
         // SAFETY: the body is alive, and the structure is writable.
@@ -95,54 +95,57 @@ impl Body<'_> {
         Mass::from_ode(&mass)
     }
 
-    /// Whether it is awake. A sleeping body does not move; a contact with an awake one wakes it.
+    /// Whether the body is awake. A sleeping body does not move; a contact with an awake body wakes it.
     pub fn is_enabled(&self) -> bool {
         // SAFETY: the body is alive.
         unsafe { dBodyIsEnabled(self.raw) != 0 }
     }
 
-    /// Whether it moves as it is told and cannot be pushed.
+    /// Whether the body is kinematic: it moves with its set velocity, and nothing pushes it.
     pub fn is_kinematic(&self) -> bool {
         // SAFETY: the body is alive.
         unsafe { dBodyIsKinematic(self.raw) != 0 }
     }
 
-    /// Whether gravity acts on it.
+    /// Whether gravity acts on the body.
     pub fn has_gravity(&self) -> bool {
         // SAFETY: the body is alive.
         unsafe { dBodyGetGravityMode(self.raw) != 0 }
     }
 
-    /// Whether it falls asleep when it rests.
+    /// Whether the body falls asleep when it rests.
     pub fn has_auto_disable(&self) -> bool {
         // SAFETY: the body is alive.
         unsafe { dBodyGetAutoDisableFlag(self.raw) != 0 }
     }
 
-    /// When it falls asleep.
+    /// The conditions under which the body falls asleep.
     pub fn auto_disable(&self) -> AutoDisable {
         // SAFETY: the body is alive.
         unsafe { AutoDisable::of_body(self.raw) }
     }
 
-    /// How its motion fades.
+    /// The damping of the body's velocities.
     pub fn damping(&self) -> Damping {
         // SAFETY: the body is alive.
         unsafe { Damping::of_body(self.raw) }
     }
 
-    /// ODE's own id.
+    /// ODE's own id of the body.
     ///
     /// # Safety
     ///
-    /// Valid until the body is removed. As for [`World::raw`](super::World::raw).
+    /// The id is valid until the body is removed, and its use must follow the rules of
+    /// [`World::raw`](super::World::raw).
     pub unsafe fn raw(&self) -> dBodyID {
         self.raw
     }
 }
 
-/// A body to change. Vectors are in the world's frame. Nothing here wakes a sleeping body but
-/// [`set_enabled`](Self::set_enabled).
+/// Write access to a body of a [`World`](super::World). Vectors and points are in the world's frame.
+///
+/// None of these functions wakes a sleeping body, except [`set_enabled`](Self::set_enabled) and switching auto-disable
+/// off.
 #[derive(Debug)]
 pub struct BodyMut<'w> {
     raw: dBodyID,
@@ -154,11 +157,11 @@ impl BodyMut<'_> {
         Self { raw, world: PhantomData }
     }
 
-    /// Places the body.
+    /// Sets the transform from the body's frame to the world's.
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Argument`] if the pose is not finite or beyond [`REACH`](super::REACH).
+    /// [`crate::Error::Argument`] if the pose is not finite or its position is beyond [`REACH`](super::REACH).
     pub fn set_pose(&mut self, pose: &Isometry3<f64>) -> Result<()> {
         check::pose("pose of the body", pose)?;
         let (position, quaternion) = (pose.translation.vector, convert::ode_quaternion(&pose.rotation));
@@ -174,7 +177,7 @@ impl BodyMut<'_> {
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Argument`] if it is not finite.
+    /// [`crate::Error::Argument`] if the velocity is not finite.
     pub fn set_linear_velocity(&mut self, velocity: &Vector3<f64>) -> Result<()> {
         check::vector("linear velocity", velocity)?;
         // SAFETY: the body is alive; the numbers are finite.
@@ -182,11 +185,11 @@ impl BodyMut<'_> {
         Ok(())
     }
 
-    /// Sets the angular velocity, rad/s.
+    /// Sets the body's angular velocity, rad/s.
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Argument`] if it is not finite.
+    /// [`crate::Error::Argument`] if the velocity is not finite.
     pub fn set_angular_velocity(&mut self, velocity: &Vector3<f64>) -> Result<()> {
         check::vector("angular velocity", velocity)?;
         // SAFETY: the body is alive; the numbers are finite.
@@ -194,11 +197,11 @@ impl BodyMut<'_> {
         Ok(())
     }
 
-    /// Adds a force on the centre of mass during the next step, N.
+    /// Adds a force, N, that acts on the centre of mass during the next step.
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Argument`] if it is not finite.
+    /// [`crate::Error::Argument`] if the force is not finite.
     pub fn add_force(&mut self, force: &Vector3<f64>) -> Result<()> {
         check::vector("force", force)?;
         // SAFETY: the body is alive; the numbers are finite.
@@ -206,11 +209,11 @@ impl BodyMut<'_> {
         Ok(())
     }
 
-    /// Adds a force that acts at `point` of the world during the next step, N.
+    /// Adds a force, N, that acts at `point` during the next step.
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Argument`] if a number is not finite.
+    /// [`crate::Error::Argument`] if the force is not finite or the point is beyond [`REACH`](super::REACH).
     pub fn add_force_at(&mut self, force: &Vector3<f64>, point: &Point3<f64>) -> Result<()> {
         check::vector("force", force)?;
         check::point("point of the force", point)?;
@@ -219,11 +222,11 @@ impl BodyMut<'_> {
         Ok(())
     }
 
-    /// Adds a torque during the next step, N m.
+    /// Adds a torque, N m, that acts during the next step.
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Argument`] if it is not finite.
+    /// [`crate::Error::Argument`] if the torque is not finite.
     pub fn add_torque(&mut self, torque: &Vector3<f64>) -> Result<()> {
         check::vector("torque", torque)?;
         // SAFETY: the body is alive; the numbers are finite.
@@ -231,7 +234,7 @@ impl BodyMut<'_> {
         Ok(())
     }
 
-    /// Forgets the forces and torques that were added since the last step.
+    /// Removes the forces and torques added since the last step.
     pub fn clear_forces(&mut self) {
         // SAFETY: the body is alive.
         unsafe {
@@ -240,7 +243,7 @@ impl BodyMut<'_> {
         }
     }
 
-    /// Gives the body a mass. A kinematic body becomes a dynamic one.
+    /// Sets the body's mass and inertia. A kinematic body becomes dynamic.
     ///
     /// # Errors
     ///
@@ -258,36 +261,38 @@ impl BodyMut<'_> {
         unsafe { if enabled { dBodyEnable(self.raw) } else { dBodyDisable(self.raw) } };
     }
 
-    /// Makes the body move as its velocity says, pushing what is in its way and pushed by nothing; or no longer.
+    /// Makes the body kinematic or dynamic again. A kinematic body moves with its set velocity, pushes other bodies,
+    /// and nothing pushes it.
     pub fn set_kinematic(&mut self, kinematic: bool) {
         // SAFETY: the body is alive.
         unsafe { if kinematic { dBodySetKinematic(self.raw) } else { dBodySetDynamic(self.raw) } };
     }
 
-    /// Whether gravity acts on the body.
+    /// Sets whether gravity acts on the body.
     pub fn set_gravity(&mut self, on: bool) {
         // SAFETY: the body is alive.
         unsafe { dBodySetGravityMode(self.raw, on.into()) };
     }
 
-    /// Whether the torque of its own rotation acts on the body. On at first; long, fast bodies are steadier without.
+    /// Sets whether the gyroscopic torque of the body's own rotation acts on it. It is on by default; long bodies that
+    /// spin fast are more stable without it.
     pub fn set_gyroscopic(&mut self, on: bool) {
         // SAFETY: the body is alive.
         unsafe { dBodySetGyroscopicMode(self.raw, on.into()) };
     }
 
-    /// Whether the body falls asleep when it rests. Switching that off wakes it, and resets its own steps and time to
-    /// the world's.
+    /// Sets whether the body falls asleep when it rests. Switching this off wakes the body, and resets its steps and
+    /// time of [`AutoDisable`] to the world's.
     pub fn set_auto_disable(&mut self, on: bool) {
         // SAFETY: the body is alive.
         unsafe { dBodySetAutoDisableFlag(self.raw, on.into()) };
     }
 
-    /// When the body falls asleep.
+    /// Sets the conditions under which the body falls asleep.
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Argument`] for negative numbers and NaN.
+    /// [`crate::Error::Argument`] for negative numbers, NaN, and counts that are out of range.
     pub fn set_auto_disable_parameters(&mut self, parameters: &AutoDisable) -> Result<()> {
         parameters.check()?;
         // SAFETY: the body is alive, the numbers are checked.
@@ -295,7 +300,7 @@ impl BodyMut<'_> {
         Ok(())
     }
 
-    /// How the body's motion fades.
+    /// Sets the damping of the body's velocities.
     ///
     /// # Errors
     ///
@@ -307,7 +312,7 @@ impl BodyMut<'_> {
         Ok(())
     }
 
-    /// The fastest the body may turn, rad/s; infinity is no limit.
+    /// Sets the limit of the body's angular speed, rad/s; infinity means no limit.
     ///
     /// # Errors
     ///

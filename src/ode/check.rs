@@ -1,19 +1,21 @@
-//! Arguments are checked here before they reach ODE, which aborts the process on many bad ones.
+//! Checks of arguments before they reach ODE, which aborts the process on many invalid ones.
+//!
+//! Each function takes the argument's name for the error message.
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use crate::{Error, Result};
 
-/// The largest coordinate, offset and size that a [`World`](super::World) takes, in metres: 10 000 km.
+/// The largest coordinate, offset and size that a [`World`](super::World) accepts, in metres: 10 000 km.
 ///
-/// ODE's hash space counts its cells in 32-bit integers and aborts the process where they overflow. A body that
-/// flies or falls farther is stopped by the step that takes it there.
+/// ODE's hash space numbers its cells with 32-bit integers and aborts the process when they overflow. A body that
+/// flies or falls beyond this limit is stopped by the step in which it does.
 pub const REACH: f64 = 1e7;
 
-/// Larger numbers are refused as if they were infinite: ODE squares and multiplies what it is given.
+/// Larger numbers are refused as if they were infinite, because their squares and products in ODE would overflow.
 const LARGEST: f64 = 1e30;
 
-/// A finite number.
+/// Accepts a finite number.
 pub(super) fn finite(name: &str, value: f64) -> Result<f64> {
     if value.abs() <= LARGEST {
         Ok(value)
@@ -22,7 +24,7 @@ pub(super) fn finite(name: &str, value: f64) -> Result<f64> {
     }
 }
 
-/// A finite number in `low..=high`.
+/// Accepts a number in `low..=high`.
 pub(super) fn within(name: &str, value: f64, low: f64, high: f64) -> Result<f64> {
     if (low..=high).contains(&value) {
         Ok(value)
@@ -31,7 +33,7 @@ pub(super) fn within(name: &str, value: f64, low: f64, high: f64) -> Result<f64>
     }
 }
 
-/// A finite number above zero.
+/// Accepts a finite number above zero.
 pub(super) fn positive(name: &str, value: f64) -> Result<f64> {
     if value > 0.0 && value <= LARGEST {
         Ok(value)
@@ -40,7 +42,7 @@ pub(super) fn positive(name: &str, value: f64) -> Result<f64> {
     }
 }
 
-/// A finite number, zero or above.
+/// Accepts a finite number, zero or above.
 pub(super) fn not_negative(name: &str, value: f64) -> Result<f64> {
     if (0.0..=LARGEST).contains(&value) {
         Ok(value)
@@ -49,12 +51,12 @@ pub(super) fn not_negative(name: &str, value: f64) -> Result<f64> {
     }
 }
 
-/// Zero, above, or infinity.
+/// Accepts a finite number, zero or above, or positive infinity.
 pub(super) fn not_negative_or_infinite(name: &str, value: f64) -> Result<f64> {
     if value == f64::INFINITY { Ok(value) } else { not_negative(name, value) }
 }
 
-/// A length above zero and within [`REACH`].
+/// Accepts a length above zero and up to [`REACH`], in metres.
 pub(super) fn length(name: &str, value: f64) -> Result<f64> {
     if value > 0.0 && value <= REACH {
         Ok(value)
@@ -63,7 +65,7 @@ pub(super) fn length(name: &str, value: f64) -> Result<f64> {
     }
 }
 
-/// Three finite numbers.
+/// Accepts a vector of three finite numbers.
 pub(super) fn vector(name: &str, value: &Vector3<f64>) -> Result<()> {
     if value.iter().all(|x| x.abs() <= LARGEST) {
         Ok(())
@@ -73,7 +75,7 @@ pub(super) fn vector(name: &str, value: &Vector3<f64>) -> Result<()> {
     }
 }
 
-/// A place within [`REACH`] of the origin in each coordinate.
+/// Accepts a point whose coordinates are each within [`REACH`].
 pub(super) fn point(name: &str, value: &Point3<f64>) -> Result<()> {
     if value.iter().all(|x| x.abs() <= REACH) {
         Ok(())
@@ -85,14 +87,14 @@ pub(super) fn point(name: &str, value: &Point3<f64>) -> Result<()> {
     }
 }
 
-/// A finite vector that has a direction, normalised.
+/// Accepts a finite vector that is not zero, and returns it normalised.
 pub(super) fn direction(name: &str, value: &Vector3<f64>) -> Result<Unit<Vector3<f64>>> {
     vector(name, value)?;
     Unit::try_new(*value, 1e-12)
         .ok_or_else(|| Error::argument(format!("{name}: expected a direction, found a vector of length 0")))
 }
 
-/// A pose with a place within [`REACH`] and a rotation of unit length.
+/// Accepts a pose with coordinates within [`REACH`] and a unit quaternion.
 pub(super) fn pose(name: &str, value: &Isometry3<f64>) -> Result<()> {
     point(name, &value.translation.vector.into())?;
     let norm = value.rotation.as_ref().norm();
@@ -110,7 +112,7 @@ mod tests {
     const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
     #[test]
-    fn nothing_that_is_not_finite_passes() {
+    fn numbers_that_are_not_finite_are_refused() {
         for bad in BAD {
             assert!(finite("x", bad).is_err());
             assert!(within("x", bad, 0.0, 1.0).is_err());
@@ -132,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quaternion_of_no_length_is_refused() {
+    fn a_quaternion_of_length_zero_is_refused() {
         let broken = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(0.0, 0.0, 0.0, 0.0));
         assert!(pose("pose", &Isometry3::from_parts(Default::default(), broken)).is_err());
     }

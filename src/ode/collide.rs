@@ -1,4 +1,4 @@
-//! Finding what touches, and the contacts that keep it apart.
+//! Collision detection: pairs of geoms, their contact points, and the contact joints between their bodies.
 
 use crate::lock::lock;
 use std::any::Any;
@@ -25,37 +25,38 @@ use super::world::World;
 use super::{check, convert, panic};
 use crate::{Error, Result};
 
-/// The most contacts that one call of ODE can return: the count has 16 bits.
-const MOST_CONTACTS: usize = 0xffff;
+/// The largest number of contacts that one call of ODE can return: the count has 16 bits.
+const MAX_CONTACTS: usize = 0xffff;
 
-/// Debian's ODE keeps one cache for all collisions with meshes, whatever the thread.
+/// Guards the cache that Debian's ODE shares between all threads for collisions with meshes.
 static MESH_CACHE: Mutex<()> = Mutex::new(());
 
-/// A point where two geoms touch.
+/// A contact point of two geoms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactGeom {
-    /// Where, in the world.
+    /// The position, in the world's frame.
     pub position: Point3<f64>,
-    /// Points into the first geom: moving that along it by `depth` separates the two.
+    /// The unit normal, which points into the first geom: moving that geom along it by `depth` separates the two.
     pub normal: Vector3<f64>,
-    /// How deep they are in each other, m, 0 or more. For a ray, how far away the hit is.
+    /// The penetration depth, m, 0 or more. For a ray it is the distance of the hit from the ray's origin.
     pub depth: f64,
-    /// The two geoms.
+    /// The first and the second geom.
     pub geoms: [GeomId; 2],
 }
 
-/// Two geoms whose boxes overlap, and which the world's [`collide`](World::collide) shows to its closure.
+/// Two geoms whose bounding boxes overlap, as [`World::collide`] passes them to its closure.
 pub struct Pair<'c> {
     world: &'c World,
-    problem: &'c Cell<Option<Error>>,
+    first_error: &'c Cell<Option<Error>>,
     raw: [dGeomID; 2],
     geoms: [GeomId; 2],
 }
 
-/// The contacts of a pair. A slice, in memory that is used again for the next pair.
+/// The contacts of a pair, as a slice in a buffer that the next pair reuses.
 pub struct Contacts<'c> {
     points: Vec<ContactGeom>,
-    home: &'c Cell<Vec<ContactGeom>>,
+    /// The cell that takes the buffer back when this value is dropped.
+    reused: &'c Cell<Vec<ContactGeom>>,
 }
 
 impl Deref for Contacts<'_> {
@@ -74,45 +75,49 @@ impl fmt::Debug for Contacts<'_> {
 
 impl Drop for Contacts<'_> {
     fn drop(&mut self) {
-        self.home.set(std::mem::take(&mut self.points));
+        self.reused.set(std::mem::take(&mut self.points));
     }
 }
 
 impl World {
-    /// Shows every pair of geoms that may touch to `visit`, which attaches contacts to it. The contacts of the last
-    /// collide are removed first, and visual hulls take up the latest frame that was published.
+    /// Calls `visit` for every pair of geoms that may touch, so that it can attach contacts between them. The contacts
+    /// of the last collide are removed first, and visual hulls switch to the latest published frame.
     ///
-    /// Pairs are found across nested spaces, each once. Two geoms of one body are no pair, neither are disabled geoms,
-    /// nor those whose category and collide bits do not meet. Pairs come in the same order in each run.
+    /// Pairs are found across nested spaces, each pair once, and in the same order in each run. Two geoms of one
+    /// body are left out, as are disabled geoms and geoms whose category and collide bits exclude each other.
     ///
     /// # Errors
     ///
-    /// The first thing that was wrong with an [`attach`](Pair::attach); the other contacts are attached.
+    /// The first error of an [`attach`](Pair::attach); all other contacts are attached.
     ///
     /// # Panics
     ///
-    /// If `visit` does. The pairs after that are not visited, and the world works on.
+    /// If `visit` panics. The remaining pairs are not visited, and the world remains usable.
     pub fn collide(&mut self, mut visit: impl FnMut(&Pair<'_>)) -> Result<()> {
         self.ode.ensure_thread_data()?;
         self.clear_contacts();
         self.apply_latest_frames();
-        let problem = Cell::new(None);
-        let mut search = PairSearch { world: self, visit: &mut visit, problem: &problem, panic: None };
+
+        let first_error = Cell::new(None);
+        let mut search =
+            PairSearch { world: self, visit: &mut visit, first_error: &first_error, panic: None };
         let data: *mut PairSearch<'_> = &mut search;
         for (_, space) in self.spaces.iter() {
-            // SAFETY: the space is alive, `data` points to a search that outlives the call, and nothing in the
-            // callback adds, moves or removes a geom: all that needs the world mutably.
+            // SAFETY: the space is alive, `data` points to a search that outlives the call, and the callback cannot
+            // add, move or remove a geom, which needs the world mutably.
             unsafe { dSpaceCollide(space.raw, data.cast(), Some(near_callback)) };
         }
+
+        // Panics of the closure, and then of the hull's callbacks, resume here, outside of ODE.
         if let Some(payload) = search.panic.take() {
             resume_unwind(payload);
         }
         panic::resume_parked();
-        problem.take().map_or(Ok(()), Err)
+        first_error.take().map_or(Ok(()), Err)
     }
 
-    /// The usual way to collide: up to `max` contacts with this surface for each pair with a body that moves, except
-    /// between bodies that a joint connects.
+    /// Collides all pairs and attaches up to `max` contacts with this surface to each, the usual collision step. Pairs
+    /// without a body, and pairs of bodies that another joint connects, get none.
     ///
     /// # Errors
     ///
@@ -131,15 +136,15 @@ impl World {
 
     /// Removes the contacts that the last collide attached.
     pub fn clear_contacts(&mut self) {
-        // SAFETY: the group is alive as long as the world, and no record leads to its joints.
+        // SAFETY: the group is alive as long as the world, and no record refers to its joints.
         unsafe { dJointGroupEmpty(self.contacts) };
     }
 
-    /// Up to `max` contacts of two geoms, whatever spaces they are in. They are not attached.
+    /// Up to `max` contacts of two geoms in any spaces, without attaching them.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if a geom is gone.
+    /// [`Error::Argument`] if a geom was removed.
     pub fn collide_geoms(&mut self, first: GeomId, second: GeomId, max: usize) -> Result<Vec<ContactGeom>> {
         self.ode.ensure_thread_data()?;
         let raw = [self.geoms.find(first)?.raw, self.geoms.find(second)?.raw];
@@ -151,23 +156,23 @@ impl World {
 }
 
 impl<'c> Pair<'c> {
-    /// The two geoms.
+    /// The ids of the two geoms.
     pub fn geoms(&self) -> [GeomId; 2] {
         self.geoms
     }
 
-    /// The two geoms, to read.
+    /// Read access to the two geoms.
     pub fn geom_views(&self) -> [Geom<'c>; 2] {
         self.geoms.map(|geom| self.world.geom(geom))
     }
 
-    /// The bodies of the two geoms; `None` for a geom that belongs to the world.
+    /// The bodies of the two geoms; `None` for a geom without a body.
     pub fn bodies(&self) -> [Option<BodyId>; 2] {
-        // SAFETY: ODE has just passed both geoms, and so they are alive, as are their bodies.
+        // SAFETY: both geoms are alive, since ODE has just passed them, and so are their bodies.
         self.raw.map(|geom| unsafe { self.world.body_id(dGeomGetBody(geom)) })
     }
 
-    /// A body, to read.
+    /// Read access to a body, if it exists in this world.
     pub fn body(&self, id: BodyId) -> Option<Body<'c>> {
         self.world.get_body(id)
     }
@@ -187,26 +192,26 @@ impl<'c> Pair<'c> {
         contacts(self.world, self.raw, self.geoms, max, 0)
     }
 
-    /// Whether they touch at all, which is found faster than where.
+    /// Whether the two geoms touch. This is faster than computing their contacts.
     pub fn touches(&self) -> bool {
         !contacts(self.world, self.raw, self.geoms, 1, CONTACTS_UNIMPORTANT).is_empty()
     }
 
-    /// Lets the pair's bodies act on each other at this contact, until the next [`collide`](World::collide). Nothing
-    /// happens if there are none.
+    /// Attaches a contact joint between the pair's bodies, which lasts until the next [`collide`](World::collide). A
+    /// pair without a body is left alone.
     ///
-    /// What is wrong with the contact or the surface becomes the error of [`collide`](World::collide).
+    /// An invalid contact or surface becomes the error of [`collide`](World::collide).
     pub fn attach(&self, contact: &ContactGeom, surface: &Surface) {
         // SAFETY: both geoms are alive, and so are their bodies.
         let bodies = self.raw.map(|geom| unsafe { dGeomGetBody(geom) });
         if bodies[0].is_null() && bodies[1].is_null() {
             return;
         }
-        // SAFETY: world, group and bodies are alive. ODE shows no pair of one body.
+        // SAFETY: world, group and bodies are alive, and ODE reports no pair of geoms of one body.
         let joint = unsafe { create_contact(self.world.raw, self.world.contacts, bodies, contact, surface) };
         if let Err(error) = joint {
-            let first = self.problem.take().unwrap_or(error);
-            self.problem.set(Some(first));
+            let first = self.first_error.take().unwrap_or(error);
+            self.first_error.set(Some(first));
         }
     }
 }
@@ -217,11 +222,11 @@ impl fmt::Debug for Pair<'_> {
     }
 }
 
-/// A contact joint between two bodies.
+/// Creates a contact joint between two bodies, or between a body and the world (null).
 ///
 /// # Safety
 ///
-/// `world` and `group` are alive, `bodies` are null or alive and of `world`, and not equal.
+/// `world` is alive, `group` is null or alive, and `bodies` are null or alive and of `world`, and not equal.
 pub(super) unsafe fn create_contact(
     world: dWorldID,
     group: dJointGroupID,
@@ -237,6 +242,7 @@ pub(super) unsafe fn create_contact(
             "normal of the contact: expected a unit vector, found length {length}"
         )));
     }
+
     let geom = dContactGeom {
         pos: convert::ode_vector(&contact.position.coords),
         normal: convert::ode_vector(&contact.normal),
@@ -244,7 +250,8 @@ pub(super) unsafe fn create_contact(
         ..Default::default()
     };
     let contact = dContact { surface: surface.to_ode()?, geom, ..Default::default() };
-    // SAFETY: as the caller vouches; ODE copies the contact.
+
+    // SAFETY: the caller guarantees living objects, and ODE copies the contact.
     unsafe {
         let joint = dJointCreateContact(world, group, &contact);
         dJointAttach(joint, bodies[0], bodies[1]);
@@ -252,7 +259,7 @@ pub(super) unsafe fn create_contact(
     }
 }
 
-/// The contacts of two living geoms of `world`. Those that are not finite are left out.
+/// The contacts of two living geoms of `world`, without those whose numbers are not finite.
 fn contacts<'c>(
     world: &'c World,
     raw: [dGeomID; 2],
@@ -260,18 +267,20 @@ fn contacts<'c>(
     max: usize,
     flags: u32,
 ) -> Contacts<'c> {
-    let max = max.min(MOST_CONTACTS);
-    let home = &world.buffers.contacts;
-    let mut points = home.take();
+    let max = max.min(MAX_CONTACTS);
+    let reused = &world.buffers.contacts;
+    let mut points = reused.take();
     points.clear();
     if max > 0 {
         let mut found = world.buffers.raw_contacts.take();
         if found.len() < max {
             found.resize(max, dContactGeom::default());
         }
+
         let flags = (max as u32 | flags) as i32;
-        // SAFETY: both geoms are alive, no space (which `GeomId` never names), and the buffer holds `max` contacts.
+        // SAFETY: both geoms are alive and no spaces, since `GeomId` never names one; the buffer holds `max` contacts.
         let count = unsafe { collide_raw(raw, flags, &mut found) };
+
         points.extend(found.iter().take(count).map(|contact| ContactGeom {
             position: convert::point(&contact.pos),
             normal: convert::vector(&contact.normal),
@@ -284,54 +293,61 @@ fn contacts<'c>(
         });
         world.buffers.raw_contacts.set(found);
     }
-    Contacts { points, home }
+    Contacts { points, reused }
 }
 
+/// Collides two geoms with ODE, writes their contacts to `found`, and returns their number.
+///
 /// # Safety
 ///
 /// Both geoms are alive, and the low 16 bits of `flags` are neither 0 nor more than the length of `found`.
 unsafe fn collide_raw([first, second]: [dGeomID; 2], flags: i32, found: &mut [dContactGeom]) -> usize {
     // SAFETY: the geoms are alive.
     let is_mesh = |geom| unsafe { dGeomGetClass(geom) } == dTriMeshClass as i32;
-    let _cache = (is_mesh(first) || is_mesh(second)).then(|| lock(&MESH_CACHE));
-    // SAFETY: as the caller vouches; the contacts lie one after the other.
+    let _mesh_cache_guard = (is_mesh(first) || is_mesh(second)).then(|| lock(&MESH_CACHE));
+    // SAFETY: the caller guarantees living geoms and enough memory for the contacts, which are adjacent in memory.
     let count =
         unsafe { dCollide(first, second, flags, found.as_mut_ptr(), size_of::<dContactGeom>() as i32) };
     count.max(0) as usize
 }
 
-/// What goes through ODE to the callback.
+/// The state of [`World::collide`] that ODE passes to its near callback.
 struct PairSearch<'c> {
     world: &'c World,
     visit: &'c mut dyn FnMut(&Pair<'_>),
-    problem: &'c Cell<Option<Error>>,
+    first_error: &'c Cell<Option<Error>>,
+    /// The panic of `visit`, after which no more pairs are visited.
     panic: Option<Box<dyn Any + Send>>,
 }
 
-/// ODE's callback: opens spaces, and shows pairs of geoms.
+/// ODE's near callback: descends into spaces, and passes pairs of geoms to the closure of [`World::collide`].
 unsafe extern "C" fn near_callback(data: *mut c_void, first: dGeomID, second: dGeomID) {
     // SAFETY: ODE passes living geoms.
     let is_space = |geom| unsafe { dGeomIsSpace(geom) != 0 };
     if is_space(first) || is_space(second) {
-        // Only the pairs across: what is inside of each space is collided on its own.
-        // SAFETY: as for the call that led here.
+        // Only pairs across the two: `World::collide` visits the pairs within each space itself.
+        // SAFETY: ODE passes living geoms or spaces, and the caller of this callback passed `data`.
         unsafe { dSpaceCollide2(first, second, data, Some(near_callback)) };
         return;
     }
-    // SAFETY: `data` is the search of `World::collide`, and no other reference to it is in use: the callback is left
-    // before the next one begins.
+
+    // SAFETY: `data` is the search of `World::collide`, and no other reference to it is in use, since each callback
+    // returns before the next one begins.
     let search = unsafe { &mut *data.cast::<PairSearch<'_>>() };
-    // ODE itself overlooks the enabled flag of geoms in the smaller of two spaces.
-    // SAFETY: both are alive.
+    // ODE ignores the enabled flag of geoms in the smaller of two spaces, so it is checked here.
+    // SAFETY: both geoms are alive.
     let enabled = [first, second].iter().all(|&geom| unsafe { dGeomIsEnabled(geom) != 0 });
     if search.panic.is_some() || !enabled {
         return;
     }
-    // SAFETY: both are alive. Geoms that were added behind the world's back have no id, and are left out.
+
+    // Geoms that were added through ODE's own functions have no id, and are left out.
+    // SAFETY: both geoms are alive.
     let ids = unsafe { (search.world.geom_id(first), search.world.geom_id(second)) };
     if let (Some(a), Some(b)) = ids {
-        let pair = Pair { world: search.world, problem: search.problem, raw: [first, second], geoms: [a, b] };
-        // A panic must not unwind through ODE, which would leave its spaces locked. It goes on in `World::collide`.
+        let (world, first_error) = (search.world, search.first_error);
+        let pair = Pair { world, first_error, raw: [first, second], geoms: [a, b] };
+        // A panic that unwinds through ODE would leave its spaces locked. `World::collide` resumes it.
         search.panic = catch_unwind(AssertUnwindSafe(|| (search.visit)(&pair))).err();
     }
 }

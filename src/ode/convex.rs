@@ -1,4 +1,4 @@
-//! Convex polyhedra from points and faces.
+//! Convex polyhedra, made from points and faces.
 
 use std::collections::HashMap;
 
@@ -7,29 +7,29 @@ use nalgebra::{Point3, Vector3};
 use super::check;
 use crate::{Error, Result};
 
-/// Roundoff allowed in planes, as a part of the polyhedron's size.
+/// The tolerance for roundoff in planes, as a part of the polyhedron's size.
 const FLAT: f64 = 1e-7;
 
-/// A convex polyhedron in a geom's own frame, metres, with the origin inside.
+/// A convex polyhedron in a geom's own frame, in metres, with the origin inside.
 ///
-/// Shared between geoms through an `Arc`; see [`Shape::Convex`](super::Shape::Convex).
+/// Geoms share a polyhedron through an `Arc`; see [`Shape::Convex`](super::Shape::Convex).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Convex {
     points: Vec<Point3<f64>>,
-    /// Outward unit normal and distance from the origin, as ODE reads them.
+    /// The plane of each face in ODE's layout: outward unit normal, then distance from the origin.
     planes: Vec<[f64; 4]>,
-    /// Each face: how many points, then their indices, as ODE reads them.
+    /// The faces in ODE's layout: for each face the number of its points, then their indices.
     polygons: Vec<u32>,
 }
 
 impl Convex {
-    /// A polyhedron of these faces, each the indices of its points, counter-clockwise seen from outside.
+    /// A polyhedron with these faces, each given by the indices of its points, counter-clockwise seen from outside.
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] if a point is not finite or beyond [`REACH`](super::REACH), if the faces are not plane or
-    /// do not close, if a point lies in front of a face, or if the origin is not inside (ODE reckons from it: move
-    /// the points, and give the geom a pose or an offset).
+    /// do not form a closed surface, if a point lies in front of a face, or if the origin is not inside. (ODE requires
+    /// the origin inside: move the points, and give the geom a pose or an offset.)
     pub fn new(points: Vec<Point3<f64>>, faces: &[Vec<u32>]) -> Result<Self> {
         for (i, point) in points.iter().enumerate() {
             check::point(&format!("point {i} of the polyhedron"), point)?;
@@ -41,24 +41,27 @@ impl Convex {
                 faces.len()
             )));
         }
+
         let size = points.iter().map(|point| point.coords.norm()).fold(0.0, f64::max);
         check_closed(&points, faces, FLAT * size)?;
+
         let mut planes = Vec::with_capacity(faces.len());
         for (i, face) in faces.iter().enumerate() {
-            planes.push(plane(&points, face, FLAT * size).map_err(|why| face_error(i, &why))?);
+            planes.push(plane(&points, face, FLAT * size).map_err(|problem| face_error(i, &problem))?);
         }
+
         let polygons =
             faces.iter().flat_map(|face| [face.len() as u32].into_iter().chain(face.iter().copied()));
         let polygons = polygons.collect();
         Ok(Self { points, planes, polygons })
     }
 
-    /// The points, as given.
+    /// The points, in the order in which they were given.
     pub fn points(&self) -> &[Point3<f64>] {
         &self.points
     }
 
-    /// The faces, each the indices of its points, counter-clockwise seen from outside.
+    /// The faces, each as the indices of its points, counter-clockwise seen from outside.
     pub fn faces(&self) -> impl Iterator<Item = &[u32]> {
         let mut rest = self.polygons.as_slice();
         std::iter::from_fn(move || {
@@ -69,43 +72,50 @@ impl Convex {
         })
     }
 
-    /// The faces' planes: outward unit normal and distance from the origin.
+    /// The plane of each face: outward unit normal, then distance from the origin in metres.
     pub fn planes(&self) -> &[[f64; 4]] {
         &self.planes
     }
 
-    /// The faces as ODE reads them.
+    /// The faces in ODE's layout: for each face the number of its points, then their indices.
     pub(super) fn polygons(&self) -> &[u32] {
         &self.polygons
     }
 }
 
-fn face_error(face: usize, why: &str) -> Error {
-    Error::argument(format!("face {face} of the polyhedron: {why}"))
+/// An error about a face of the polyhedron, named by its index.
+fn face_error(face: usize, problem: &str) -> Error {
+    Error::argument(format!("face {face} of the polyhedron: {problem}"))
 }
 
-/// Every edge is walked once in each direction, so that the faces close and face the same way.
+/// Checks that the faces form a closed, consistently oriented surface: each edge occurs once in each direction.
 fn check_closed(points: &[Point3<f64>], faces: &[Vec<u32>], tolerance: f64) -> Result<()> {
     let mut edges = HashMap::new();
     for (i, face) in faces.iter().enumerate() {
+        // Indices first: the edges below are looked up with them.
         if face.len() < 3 {
             return Err(face_error(i, &format!("expected at least 3 points, found {}", face.len())));
         }
         if let Some(index) = face.iter().find(|&&index| index as usize >= points.len()) {
             return Err(face_error(i, &format!("expected indices below {}, found {index}", points.len())));
         }
+
         for (&a, &b) in face.iter().zip(face.iter().cycle().skip(1)) {
             if (points[a as usize] - points[b as usize]).norm() <= tolerance {
-                return Err(face_error(i, &format!("points {a} and {b} of one edge coincide")));
+                return Err(face_error(
+                    i,
+                    &format!("expected an edge above length 0, but its points {a} and {b} coincide"),
+                ));
             }
             if edges.insert((a, b), i).is_some() {
                 return Err(face_error(
                     i,
-                    &format!("the edge from {a} to {b} belongs to another face already; turn it"),
+                    &format!("another face has the edge from {a} to {b} already; reverse this face"),
                 ));
             }
         }
     }
+
     match edges.iter().find(|((a, b), _)| !edges.contains_key(&(*b, *a))) {
         Some(((a, b), &i)) => {
             Err(face_error(i, &format!("no other face has its edge from {a} to {b}; close the surface")))
@@ -114,38 +124,45 @@ fn check_closed(points: &[Point3<f64>], faces: &[Vec<u32>], tolerance: f64) -> R
     }
 }
 
-/// The plane of a face, or why there is none.
+/// The plane of a face, or a description of the problem if the face is not a convex polygon with all points behind it.
 fn plane(points: &[Point3<f64>], face: &[u32], tolerance: f64) -> std::result::Result<[f64; 4], String> {
     let at = |i: usize| points[face[i % face.len()] as usize].coords;
     let area: Vector3<f64> = (0..face.len()).map(|i| at(i).cross(&at(i + 1))).sum();
-    // The sum is twice the area; a face thinner than the tolerance has no direction.
-    let around: f64 = (0..face.len()).map(|i| (at(i + 1) - at(i)).norm()).sum();
-    if area.norm() <= tolerance * around {
+
+    // The sum is twice the area; the normal of a face thinner than the tolerance would be roundoff.
+    let perimeter: f64 = (0..face.len()).map(|i| (at(i + 1) - at(i)).norm()).sum();
+    if area.norm() <= tolerance * perimeter {
         return Err("expected an area above 0, found none".into());
     }
+
     let normal = area.normalize();
     let distance = (0..face.len()).map(|i| normal.dot(&at(i))).sum::<f64>() / face.len() as f64;
+
     for i in 0..face.len() {
         if (normal.dot(&at(i)) - distance).abs() > tolerance {
             return Err(format!("expected all points in one plane, found point {} off it", face[i]));
         }
-        let turn = (at(i + 1) - at(i)).cross(&(at(i + 2) - at(i + 1))).dot(&normal);
-        if turn < -tolerance * around {
+        let bend = (at(i + 1) - at(i)).cross(&(at(i + 2) - at(i + 1))).dot(&normal);
+        if bend < -tolerance * perimeter {
             return Err(format!(
-                "expected a convex face, found it turned inwards at point {}",
+                "expected a convex face, found a reflex corner at point {}",
                 face[(i + 1) % face.len()]
             ));
         }
     }
+
+    // All points behind every face make the polyhedron convex, and ODE requires the origin strictly inside.
     for (i, point) in points.iter().enumerate() {
         if normal.dot(&point.coords) - distance > tolerance {
             return Err(format!(
-                "expected all points behind it, found point {i} in front: not convex, or clockwise"
+                "expected all points behind it, found point {i} in front: make it convex, or reverse clockwise faces"
             ));
         }
     }
     if distance <= tolerance {
-        return Err("expected the origin inside the polyhedron, found it on or before the face".into());
+        return Err(
+            "expected the origin inside the polyhedron, found it on the face or in front of it".into()
+        );
     }
     Ok([normal.x, normal.y, normal.z, distance])
 }
@@ -173,21 +190,23 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_closed_convex_solid_is_refused() {
-        let refused = |points: Vec<Point3<f64>>, faces: &[Vec<u32>], why: &str| {
+    fn points_and_faces_that_are_no_closed_convex_solid_are_refused() {
+        let refused = |points: Vec<Point3<f64>>, faces: &[Vec<u32>], expected: &str| {
             let message = Convex::new(points, faces).unwrap_err().to_string();
-            assert!(message.contains(why), "{message} / {why}");
+            assert!(message.contains(expected), "expected {expected:?} in {message:?}");
         };
         let (points, faces) = cube(0.5);
 
+        // Faces that do not form a closed surface, or face inwards.
         refused(points.clone(), &faces[..5], "close the surface");
-        let mut turned = faces.clone();
-        turned[0].reverse();
-        refused(points.clone(), &turned, "turn it");
+        let mut one_reversed = faces.clone();
+        one_reversed[0].reverse();
+        refused(points.clone(), &one_reversed, "reverse this face");
         let inside_out: Vec<Vec<u32>> =
             faces.iter().map(|face| face.iter().rev().copied().collect()).collect();
         refused(points.clone(), &inside_out, "in front");
 
+        // Points that are not on their planes, in front of a face, or around another origin.
         let mut dented = points.clone();
         dented[7] = Point3::new(0.2, 0.2, 0.2);
         refused(dented, &faces, "one plane");
@@ -197,6 +216,8 @@ mod tests {
 
         let moved = points.iter().map(|point| point + Vector3::x()).collect();
         refused(moved, &faces, "origin inside");
+
+        // Numbers, indices and counts out of range.
         let mut nan = points.clone();
         nan[3].x = f64::NAN;
         refused(nan, &faces, "finite");

@@ -9,17 +9,20 @@ use ode_sys::{dRandGetSeed, dRandSetSeed};
 
 use crate::{Error, Result};
 
-/// How often ODE is open here, and the how manyth opening this is. ODE's own counter is not guarded against threads.
+/// How ODE is open in this process. The lock around it also guards ODE's own reference counter, which is not
+/// thread-safe.
 #[derive(Debug)]
 struct Openings {
+    /// The number of living [`Ode`] values.
     open: usize,
+    /// How often ODE went from closed to open.
     epoch: u64,
 }
 
 static OPENINGS: Mutex<Openings> = Mutex::new(Openings { open: 0, epoch: 0 });
 
 thread_local! {
-    /// The opening for which this thread has ODE's per-thread data.
+    /// The epoch for which this thread has allocated ODE's per-thread data.
     static THREAD_EPOCH: Cell<u64> = const { Cell::new(0) };
 }
 
@@ -27,32 +30,36 @@ fn openings() -> MutexGuard<'static, Openings> {
     lock(&OPENINGS)
 }
 
-/// ODE, opened.
+/// A counted reference to ODE, which is open as long as one exists.
 ///
-/// References are counted, by ODE itself: ODE closes when the last `Ode` in the process is dropped, and may be
-/// opened again. Every [`World`](super::World) holds one, so that ODE cannot be closed under it. May be cloned and
+/// ODE itself counts the references: it closes when the last `Ode` in the process is dropped, and may be opened again.
+/// Every [`World`](super::World) holds one, so that ODE cannot be closed while the world exists. It may be cloned and
 /// used on any thread.
 #[derive(Debug)]
 pub struct Ode(());
 
 impl Ode {
-    /// Opens ODE, or takes one more reference on it.
+    /// Opens ODE, or takes one more reference if it is open already.
     ///
     /// # Errors
     ///
-    /// [`Error::Ode`] if ODE cannot be opened, or if the library that was loaded computes in single precision.
+    /// [`Error::Ode`] if ODE cannot be opened, or if the loaded library computes in single precision.
     pub fn init() -> Result<Self> {
         let mut openings = openings();
+
         // SAFETY: the name is a C string; the function only compares it with a constant.
         if unsafe { dCheckConfiguration(c"ODE_double_precision".as_ptr()) } == 0 {
             return Err(Error::Ode(
-                "expected a library of double precision, but the loaded one is single: install Debian's libode8".into(),
+                "expected a double-precision library, found one in single precision: install Debian's libode8".into(),
             ));
         }
+
         // SAFETY: the lock keeps other threads of this crate out of ODE's unguarded counter.
         if unsafe { dInitODE2(0) } == 0 {
-            return Err(Error::Ode("dInitODE2 failed, most likely for want of memory".into()));
+            return Err(Error::Ode("dInitODE2 failed, most likely because memory ran out".into()));
         }
+
+        // Per-thread data of an earlier opening is gone: a new epoch makes every thread allocate it again.
         if openings.open == 0 {
             openings.epoch += 1;
         }
@@ -60,13 +67,13 @@ impl Ode {
         Ok(Self(()))
     }
 
-    /// Lets go of a reference that somebody else has given back already, by one `dCloseODE` too many.
+    /// Drops this reference without calling `dCloseODE`, for a program that has already called it once too often.
     pub(super) fn forget(self) {
         openings().open -= 1;
         std::mem::forget(self);
     }
 
-    /// Makes sure that this thread has what ODE keeps per thread. Called before each collide and step.
+    /// Allocates ODE's per-thread data for this thread if it has none yet. Call it before each collide and step.
     pub(crate) fn ensure_thread_data(&self) -> Result<()> {
         let epoch = openings().epoch;
         if THREAD_EPOCH.get() == epoch {
@@ -75,7 +82,7 @@ impl Ode {
         // SAFETY: ODE is open as long as `self` lives.
         if unsafe { dAllocateODEDataForThread(dAllocateMaskAll as u32) } == 0 {
             return Err(Error::Ode(
-                "dAllocateODEDataForThread failed, most likely for want of memory".into(),
+                "dAllocateODEDataForThread failed, most likely because memory ran out".into(),
             ));
         }
         THREAD_EPOCH.set(epoch);
@@ -85,8 +92,8 @@ impl Ode {
 
 impl Clone for Ode {
     fn clone(&self) -> Self {
-        // An ODE that is open only counts: it allocates nothing, and its precision is known.
-        Self::init().expect("ODE is open, so that opening it once more only counts")
+        // Opening an open ODE only counts references: it allocates nothing, and the precision was checked before.
+        Self::init().expect("opening an open ODE only counts references")
     }
 }
 
@@ -99,20 +106,19 @@ impl Drop for Ode {
     }
 }
 
-/// Seeds ODE's random numbers, which [`World::quick_step`](super::World::quick_step) draws on.
+/// Seeds ODE's random number generator, which [`World::quick_step`](super::World::quick_step) uses.
 ///
-/// They are one sequence for the whole process: for the same bits in each run, seed before each run and let no
-/// other thread step.
+/// The process has one generator: for bitwise equal runs, seed it before each run and let no other thread step.
 pub fn set_random_seed(seed: u32) {
-    // SAFETY: stores a number; needs no open ODE.
+    // SAFETY: the call stores a number, and ODE need not be open.
     unsafe { dRandSetSeed(seed.into()) };
 }
 
-/// The present state of ODE's random numbers.
+/// The current state of ODE's random number generator, which [`set_random_seed`] restores.
 pub fn random_seed() -> u32 {
-    // SAFETY: loads a number; needs no open ODE.
+    // SAFETY: the call loads a number, and ODE need not be open.
     let seed = unsafe { dRandGetSeed() };
-    // ODE keeps 32 bits and returns them in a `long`.
+    // ODE keeps a 32-bit state and returns it as a `long`.
     seed as u32
 }
 
@@ -127,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn references_are_counted() {
+    fn ode_stays_open_until_its_last_reference_is_dropped() {
         let first = Ode::init().unwrap();
         let second = first.clone();
         drop(first);

@@ -1,4 +1,4 @@
-//! A fault that tests put into a callback, to see that it stays there.
+//! Lets a test make a callback panic, to check that the panic does not unwind through ODE.
 
 use std::cell::Cell;
 
@@ -6,12 +6,12 @@ thread_local! {
     static ARMED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Lets the next callback on this thread panic.
+/// Makes the next callback on this thread panic.
 pub(crate) fn inject_panic() {
     ARMED.set(true);
 }
 
-/// Panics where a fault was armed.
+/// Panics if [`inject_panic`] was called on this thread since the last panic of this function.
 pub(super) fn panic_if_injected() {
-    assert!(!ARMED.replace(false), "a fault put in by a test");
+    assert!(!ARMED.replace(false), "a panic injected by a test");
 }

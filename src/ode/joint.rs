@@ -1,4 +1,4 @@
-//! Joints: what holds two bodies together, or a body to the world.
+//! Joints between two bodies, or between a body and the world.
 
 mod param;
 mod view;
@@ -16,38 +16,38 @@ use crate::{Error, Result};
 pub use param::JointParam;
 pub use view::{Joint, JointMut};
 
-/// A joint to be made: its kind, and where it is, in the world's frame.
+/// The description of a joint to create: its kind and its geometry in the world's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointKind {
-    /// Both bodies share a point.
+    /// A ball-and-socket joint: both bodies share a point.
     Ball {
-        /// That point.
+        /// The shared point.
         anchor: Point3<f64>,
     },
-    /// Both bodies share an axis, and turn about it. The angle is 0 where they are now.
+    /// Both bodies share an axis and rotate about it. The angle is 0 at their current poses.
     Hinge {
-        /// A point of the axis.
+        /// A point on the axis.
         anchor: Point3<f64>,
-        /// Its direction; any length but 0.
+        /// The direction of the axis, of any length but 0.
         axis: Vector3<f64>,
     },
-    /// Both bodies keep their relative rotation, and move along an axis. The position is 0 where they are now.
+    /// Both bodies keep their relative rotation and slide along an axis. The position is 0 at their current poses.
     Slider {
-        /// Its direction; any length but 0.
+        /// The direction of the axis, of any length but 0.
         axis: Vector3<f64>,
     },
-    /// Both bodies stay as they are to each other.
+    /// Both bodies keep their current relative pose.
     Fixed,
-    /// The bodies do not move into each other at a point. A contact lasts until it is removed.
+    /// A contact that keeps the bodies from moving into each other at a point. It lasts until it is removed.
     Contact {
-        /// Where they touch; the normal points into the first body.
+        /// The point, normal and depth of the contact. The normal points into the first body.
         contact: ContactGeom,
-        /// How they act on each other.
+        /// Friction, bounce and softness of the contact.
         surface: Surface,
     },
 }
 
-/// The kind of a joint that exists.
+/// The kind of an existing joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "see `JointKind`")]
 pub enum JointType {
@@ -58,7 +58,7 @@ pub enum JointType {
     Contact,
 }
 
-/// A joint of ODE that a world owns.
+/// A joint that a world owns.
 #[derive(Debug)]
 pub(super) struct JointRecord {
     pub(super) raw: dJointID,
@@ -66,7 +66,7 @@ pub(super) struct JointRecord {
     kind: JointType,
 }
 
-/// A group of ODE that a world owns.
+/// A joint group that a world owns.
 #[derive(Debug)]
 pub(super) struct GroupRecord {
     pub(super) raw: dJointGroupID,
@@ -74,7 +74,7 @@ pub(super) struct GroupRecord {
 }
 
 impl JointKind {
-    /// Its kind alone.
+    /// The kind of the joint, without its geometry.
     pub fn joint_type(&self) -> JointType {
         match self {
             Self::Ball { .. } => JointType::Ball,
@@ -85,6 +85,7 @@ impl JointKind {
         }
     }
 
+    /// Refuses anchors and axes that are not finite, and axes of length 0.
     fn check(&self) -> Result<()> {
         if let Self::Ball { anchor } | Self::Hinge { anchor, .. } = self {
             check::point("anchor of the joint", anchor)?;
@@ -95,13 +96,17 @@ impl JointKind {
         Ok(())
     }
 
+    /// Creates the joint in ODE and attaches it.
+    ///
     /// # Safety
     ///
-    /// `world` is alive, `group` null or alive, `bodies` null or alive and of `world`, not both null and not equal.
+    /// `world` is alive, `group` is null or alive, and `bodies` are null or alive and of `world`, not both null and not
+    /// equal.
     unsafe fn create(&self, world: dWorldID, group: dJointGroupID, bodies: [dBodyID; 2]) -> Result<dJointID> {
         self.check()?;
         let [first, second] = bodies;
-        // SAFETY: as the caller vouches; the axes have a length.
+
+        // SAFETY: the caller guarantees living objects, and `check` has refused axes of length 0.
         unsafe {
             let raw = match self {
                 Self::Ball { .. } => dJointCreateBall(world, group),
@@ -112,6 +117,8 @@ impl JointKind {
                     return create_contact(world, group, bodies, contact, surface);
                 }
             };
+
+            // ODE computes anchors and axes relative to the bodies, so the joint must be attached first.
             dJointAttach(raw, first, second);
             match *self {
                 Self::Ball { anchor } => dJointSetBallAnchor(raw, anchor.x, anchor.y, anchor.z),
@@ -129,21 +136,21 @@ impl JointKind {
 }
 
 impl World {
-    /// A joint between two bodies, or between one and the world (`None`).
+    /// Adds a joint between two bodies, or between a body and the world (`None`).
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if a body is gone, if there is none or twice the same, or for numbers that are not finite
-    /// and axes of length 0.
+    /// [`Error::Argument`] if a body was removed, if both are `None` or the same body, or if a number is not finite or
+    /// an axis has length 0.
     pub fn add_joint(&mut self, bodies: [Option<BodyId>; 2], kind: &JointKind) -> Result<JointId> {
         self.create_joint(bodies, kind, None)
     }
 
-    /// The same as [`add_joint`](Self::add_joint), in a group, to be removed together with the group's others.
+    /// Adds a joint to a group, so that all joints of the group can be removed together.
     ///
     /// # Errors
     ///
-    /// As [`add_joint`](Self::add_joint), and if the group is gone.
+    /// The errors of [`add_joint`](Self::add_joint), and [`Error::Argument`] if the group was removed.
     pub fn add_joint_in(
         &mut self,
         group: JointGroupId,
@@ -164,8 +171,10 @@ impl World {
             Some(group) => self.groups.find(group)?.raw,
             None => std::ptr::null_mut(),
         };
-        // SAFETY: the world is alive, group and bodies were found alive in it.
+
+        // SAFETY: the world is alive, and group and bodies were found alive in it.
         let raw = unsafe { kind.create(self.raw, raw_group, raw_bodies)? };
+
         let key = self.joints.insert(JointRecord {
             raw,
             group: group.map(|group| group.0),
@@ -177,7 +186,7 @@ impl World {
         Ok(JointId(key))
     }
 
-    /// Two bodies as ODE takes them.
+    /// ODE's ids of two different bodies, null for `None`.
     pub(super) fn raw_pair(&self, bodies: [Option<BodyId>; 2]) -> Result<[dBodyID; 2]> {
         if bodies[0] == bodies[1] {
             return Err(Error::argument(format!("joint: expected two different bodies, found {bodies:?}")));
@@ -187,11 +196,11 @@ impl World {
         Ok([raw(bodies[0])?, raw(bodies[1])?])
     }
 
-    /// Removes a joint; false if it was gone already.
+    /// Removes a joint. Returns false if it was removed before.
     pub fn remove_joint(&mut self, id: JointId) -> bool {
         let Some(record) = self.joints.remove(id.0) else { return false };
-        // SAFETY: the record was alive, and is gone now. ODE destroys the joints of a group only together: one that
-        // is attached to nothing no longer acts.
+        // ODE destroys the joints of a group only together. So a joint of a group is detached, and has no effect.
+        // SAFETY: the joint was alive, and its record was just removed, so it is destroyed only once.
         unsafe {
             match record.group {
                 None => dJointDestroy(record.raw),
@@ -201,43 +210,43 @@ impl World {
         true
     }
 
-    /// Whether the joint is there.
+    /// Whether the joint exists in this world.
     pub fn contains_joint(&self, id: JointId) -> bool {
         self.joints.get(id.0).is_some()
     }
 
-    /// All joints, without the contacts of [`collide`](Self::collide).
+    /// The ids of all joints, without the contacts that [`collide`](Self::collide) attached.
     pub fn joints(&self) -> impl Iterator<Item = JointId> + '_ {
         self.joints.iter().map(|(key, _)| JointId(key))
     }
 
-    /// A joint to read.
+    /// Read access to a joint. [`get_joint`](Self::get_joint) does not panic.
     ///
     /// # Panics
     ///
-    /// If the joint was removed, or is of another world. [`get_joint`](Self::get_joint) does not.
+    /// If the joint was removed or belongs to another world.
     #[track_caller]
     pub fn joint(&self, id: JointId) -> Joint<'_> {
         Joint::new(self, self.joints.expect(id), id)
     }
 
-    /// A joint to read, if it is there.
+    /// Read access to a joint, if it exists in this world.
     pub fn get_joint(&self, id: JointId) -> Option<Joint<'_>> {
         self.joints.get(id.0).map(|record| Joint::new(self, record, id))
     }
 
-    /// A joint to change.
+    /// Write access to a joint.
     ///
     /// # Panics
     ///
-    /// If the joint was removed, or is of another world.
+    /// If the joint was removed or belongs to another world.
     #[track_caller]
     pub fn joint_mut(&mut self, id: JointId) -> JointMut<'_> {
         self.joints.expect(id);
         JointMut::new(self, id)
     }
 
-    /// A new, empty group of joints.
+    /// Adds an empty group of joints.
     pub fn add_joint_group(&mut self) -> JointGroupId {
         // SAFETY: ODE is open as long as the world lives.
         let raw = unsafe { dJointGroupCreate(0) };
@@ -248,33 +257,34 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if the group is gone.
+    /// [`Error::Argument`] if the group was removed.
     pub fn empty_joint_group(&mut self, id: JointGroupId) -> Result<()> {
         let raw = self.groups.find(id)?.raw;
         if let Some(group) = self.groups.get_mut(id.0) {
-            forget(&mut self.joints, &mut group.members);
+            remove_records(&mut self.joints, &mut group.members);
         }
         // SAFETY: the group is alive, and no record of its joints is left.
         unsafe { dJointGroupEmpty(raw) };
         Ok(())
     }
 
-    /// Removes a group with its joints; false if it was gone already.
+    /// Removes a group with its joints. Returns false if it was removed before.
     pub fn remove_joint_group(&mut self, id: JointGroupId) -> bool {
         let Some(mut record) = self.groups.remove(id.0) else { return false };
-        forget(&mut self.joints, &mut record.members);
-        // SAFETY: the record was alive and is gone now, as are the records of the group's joints.
+        remove_records(&mut self.joints, &mut record.members);
+        // SAFETY: the group was alive; its record and those of its joints were just removed.
         unsafe { dJointGroupDestroy(record.raw) };
         true
     }
 
-    /// Whether the group is there.
+    /// Whether the joint group exists in this world.
     pub fn contains_joint_group(&self, id: JointGroupId) -> bool {
         self.groups.get(id.0).is_some()
     }
 }
 
-fn forget(joints: &mut Arena<JointRecord>, members: &mut Vec<Key>) {
+/// Removes the records of a group's joints, which ODE destroys with the group.
+fn remove_records(joints: &mut Arena<JointRecord>, members: &mut Vec<Key>) {
     for key in members.drain(..) {
         joints.remove(key);
     }

@@ -1,4 +1,4 @@
-//! Mass, centre of mass and inertia.
+//! Mass, centre of mass and inertia of solids.
 
 use nalgebra::{Cholesky, Matrix3, Point3, UnitQuaternion, Vector3};
 use ode_sys::dMass;
@@ -7,51 +7,53 @@ use super::shape::Shape;
 use super::{check, convert};
 use crate::{Error, Result};
 
-/// How much there is of a homogeneous solid.
+/// The amount of matter in a homogeneous solid, as its mass or its density.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Amount {
-    /// The whole mass, kg.
+    /// The total mass, kg.
     Total(f64),
-    /// The density, kg/m^3.
+    /// The density, kg/m³.
     Density(f64),
 }
 
-/// Mass, centre of mass and inertia in a body's frame.
+/// Mass, centre of mass and inertia of a solid, in a body's frame.
 ///
-/// A body takes only a mass whose centre is its origin; [`centred`](Self::centred) moves it there.
+/// A body accepts only a mass whose centre is at its origin; [`centred`](Self::centred) moves it there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mass {
     total: f64,
     center: Vector3<f64>,
-    /// About the frame's origin, not about the centre of mass.
+    /// The inertia about the frame's origin, not about the centre of mass.
     inertia: Matrix3<f64>,
 }
 
 impl Mass {
-    /// A mass of `total` kg with this centre, and this inertia about the frame's origin, kg m^2.
+    /// A mass of `total` kg with its centre at `center` and with this inertia about the frame's origin, kg m².
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if a number is not finite, the mass not positive, or the inertia (about the origin, and
-    /// about the centre) not symmetric and positive definite.
+    /// [`Error::Argument`] if a number is not finite, if the mass is not positive, or if the inertia, about the origin
+    /// or about the centre of mass, is not symmetric and positive definite.
     pub fn new(total: f64, center: Point3<f64>, inertia: Matrix3<f64>) -> Result<Self> {
         check::positive("mass", total)?;
         check::point("centre of mass", &center)?;
+
         let symmetric = (inertia + inertia.transpose()) / 2.0;
         if !inertia.iter().all(|x| x.is_finite()) || (inertia - symmetric).norm() > 1e-9 * inertia.norm() {
             return Err(Error::argument(format!(
                 "inertia: expected a symmetric, finite matrix, found {inertia:?}"
             )));
         }
+
         Self { total, center: center.coords, inertia: symmetric }.checked()
     }
 
-    /// The mass of a homogeneous solid of this shape. Meshes must close, and their triangles face outwards.
+    /// The mass of a homogeneous solid of this shape. A mesh must be closed, with its triangles facing outwards.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an amount that is not positive and finite, for bad sizes, and for shapes that have no
-    /// inside: planes, rays and meshes whose volume is not positive.
+    /// [`Error::Argument`] for an amount that is not positive and finite, for sizes out of range, and for shapes
+    /// without volume: planes, rays, and meshes whose signed volume is not positive.
     pub fn of(shape: &Shape, amount: Amount) -> Result<Self> {
         let unit = Self::of_unit_density(&shape.checked()?)?;
         let total = match amount {
@@ -62,26 +64,26 @@ impl Mass {
         Self { total, center: unit.center, inertia: unit.inertia * scale }.checked()
     }
 
-    /// The whole mass, kg.
+    /// The total mass, kg.
     pub fn total(&self) -> f64 {
         self.total
     }
 
-    /// The centre of mass.
+    /// The centre of mass, in the body's frame.
     pub fn center(&self) -> Point3<f64> {
         self.center.into()
     }
 
-    /// The inertia about the frame's origin, kg m^2.
+    /// The inertia about the frame's origin, kg m².
     pub fn inertia(&self) -> Matrix3<f64> {
         self.inertia
     }
 
-    /// The same solid moved by `by` in the frame.
+    /// The mass of this solid after a translation.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if the move is not finite, or so far that the inertia drowns in roundoff.
+    /// [`Error::Argument`] if the translation is not finite, or so long that roundoff makes the inertia indefinite.
     pub fn translated(&self, by: &Vector3<f64>) -> Result<Self> {
         check::vector("translation of the mass", by)?;
         let center = self.center + by;
@@ -89,20 +91,20 @@ impl Mass {
         Self { total: self.total, center, inertia }.checked()
     }
 
-    /// The same solid with its centre of mass at the origin.
+    /// The mass of this solid after its centre of mass was moved to the origin.
     pub fn centred(&self) -> Self {
         Self { total: self.total, center: Vector3::zeros(), inertia: self.inertia_about_center() }
     }
 
-    /// The same solid turned about the frame's origin.
+    /// The mass of this solid after a rotation about the frame's origin.
     pub fn rotated(&self, by: &UnitQuaternion<f64>) -> Self {
-        let turn = by.to_rotation_matrix();
-        let inertia = turn.matrix() * self.inertia * turn.matrix().transpose();
+        let rotation = by.to_rotation_matrix();
+        let inertia = rotation.matrix() * self.inertia * rotation.matrix().transpose();
         let inertia = (inertia + inertia.transpose()) / 2.0;
         Self { total: self.total, center: by * self.center, inertia }
     }
 
-    /// The same solid made heavier or lighter.
+    /// The mass of a solid of this shape and density distribution with another total mass, in kg.
     ///
     /// # Errors
     ///
@@ -112,7 +114,7 @@ impl Mass {
         Self { total, center: self.center, inertia: self.inertia * (total / self.total) }.checked()
     }
 
-    /// Both solids together.
+    /// The mass of both solids as one rigid solid.
     ///
     /// # Errors
     ///
@@ -123,13 +125,17 @@ impl Mass {
         Self { total, center, inertia: self.inertia + other.inertia }.checked()
     }
 
+    /// The mass of a solid with a density of 1 kg/m³.
     fn of_unit_density(shape: &Shape) -> Result<Self> {
         use std::f64::consts::PI;
+
         let solid = |total: f64, [x, y, z]: [f64; 3]| Self {
             total,
             center: Vector3::zeros(),
             inertia: Matrix3::from_diagonal(&Vector3::new(x, y, z)),
         };
+
+        // Moments of inertia about the centre, in each shape's own frame.
         Ok(match shape {
             Shape::Sphere { radius } => {
                 let total = 4.0 / 3.0 * PI * radius.powi(3);
@@ -149,11 +155,13 @@ impl Mass {
             Shape::Capsule { radius, length } => {
                 let (r, l) = (*radius, *length);
                 let (middle, caps) = (PI * r * r * l, 4.0 / 3.0 * PI * r.powi(3));
+                // The cylinder, and two half balls moved by the parallel axis theorem.
                 let across = middle * (r * r / 4.0 + l * l / 12.0)
                     + caps * (0.4 * r * r + 0.375 * r * l + 0.25 * l * l);
                 solid(middle + caps, [across, across, (middle * 0.5 + caps * 0.4) * r * r])
             }
             Shape::Convex(convex) => {
+                // Each face as a fan of triangles around its first point.
                 let fan = convex
                     .faces()
                     .flat_map(|face| face.windows(2).skip(1).map(|pair| [face[0], pair[0], pair[1]]));
@@ -168,31 +176,38 @@ impl Mass {
         })
     }
 
-    /// The solid inside a closed surface of triangles: signed tetrahedra from the origin.
+    /// The mass of the solid inside a closed triangle surface, with a density of 1 kg/m³.
+    ///
+    /// It is a sum over signed tetrahedra, each between the origin and a triangle.
     fn of_surface(points: &[Point3<f64>], triangles: impl Iterator<Item = [u32; 3]>) -> Result<Self> {
-        let (mut volume, mut moment, mut square) = (0.0, Vector3::zeros(), Matrix3::zeros());
+        // The integrals of 1, x and x x^T over the solid.
+        let (mut volume, mut moment, mut second_moment) = (0.0, Vector3::zeros(), Matrix3::zeros());
         for triangle in triangles {
             let [a, b, c] = triangle.map(|index| points[index as usize].coords);
-            let sixfold = a.dot(&b.cross(&c));
+            let six_volumes = a.dot(&b.cross(&c));
             let sum = a + b + c;
-            volume += sixfold / 6.0;
-            moment += sixfold / 24.0 * sum;
+            volume += six_volumes / 6.0;
+            moment += six_volumes / 24.0 * sum;
             let outer = a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose();
-            square += sixfold / 120.0 * outer;
+            second_moment += six_volumes / 120.0 * outer;
         }
+
         if volume <= 0.0 || !volume.is_finite() {
             return Err(Error::argument(format!(
                 "mass: expected a closed mesh whose triangles face outwards, found a volume of {volume} m^3"
             )));
         }
-        let inertia = Matrix3::identity() * square.trace() - square;
+
+        let inertia = Matrix3::identity() * second_moment.trace() - second_moment;
         Ok(Self { total: volume, center: moment / volume, inertia })
     }
 
+    /// The inertia about the centre of mass, by the parallel axis theorem.
     fn inertia_about_center(&self) -> Matrix3<f64> {
         self.inertia + self.total * cross_squared(&self.center)
     }
 
+    /// Refuses a mass that is not positive and an inertia that is not positive definite.
     fn checked(self) -> Result<Self> {
         check::positive("mass", self.total)?;
         let definite = |inertia: Matrix3<f64>| Cholesky::new(inertia).is_some();
@@ -206,29 +221,32 @@ impl Mass {
         }
     }
 
-    /// ODE's structure for a body.
+    /// The mass as ODE's structure for a body.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if the centre is not the origin, where ODE aborts.
+    /// [`Error::Argument`] if the centre of mass is not at the origin, for which ODE would abort.
     pub(super) fn to_ode(self) -> Result<dMass> {
         let radius = (self.inertia.trace() / self.total).sqrt();
         if self.center.norm() > 1e-9 * radius {
             let [x, y, z] = [self.center.x, self.center.y, self.center.z];
             return Err(Error::argument(format!(
-                "mass: expected its centre at the body's origin, found ({x}, {y}, {z}); use `centred`, and move the geoms"
+                "mass: expected its centre at the body's origin, found ({x}, {y}, {z}); \
+                 use `centred` and offset the geoms"
             )));
         }
+
         let centred = self.centred();
         Ok(dMass { mass: self.total, c: [0.0; 4], I: convert::ode_matrix(&centred.inertia) })
     }
 
+    /// The mass in ODE's structure.
     pub(super) fn from_ode(mass: &dMass) -> Self {
         Self { total: mass.mass, center: convert::vector(&mass.c), inertia: convert::matrix(&mass.I) }
     }
 }
 
-/// The square of the cross-product matrix of `v`: the parallel axis theorem per kilogram, negative.
+/// The square of the cross-product matrix of `v`: minus the inertia that 1 kg at `v` has about the origin.
 fn cross_squared(v: &Vector3<f64>) -> Matrix3<f64> {
     v * v.transpose() - Matrix3::identity() * v.norm_squared()
 }

@@ -1,17 +1,17 @@
 //! A safe wrapper of the [Open Dynamics Engine](https://ode.org).
 //!
-//! [`Ode::init`] opens ODE, a [`World`] owns everything that ODE knows of one scene: bodies (mass, motion), geoms
-//! (shapes that collide), spaces (geoms grouped for speed) and joints. They are addressed by small copyable ids;
-//! an id of something removed, or of another world, is refused and never reaches a freed object.
+//! [`Ode::init`] opens ODE. A [`World`] owns all objects of one scene: bodies (mass and motion), geoms (collision
+//! shapes), spaces (groups of geoms for the broad phase) and joints. They are addressed by small copyable ids. An id of
+//! a removed object, or of another world, is refused and never reaches freed memory.
 //!
 //! ```text
-//!   Ode ── World ──┬── spaces ── geoms ─┐ a geom may follow a body
+//!   Ode ── World ──┬── spaces ── geoms ─┐ a geom may be attached to a body
 //!                  ├── bodies ──────────┘
 //!                  └── joints, contacts   between two bodies, or a body and the world
 //! ```
 //!
-//! Metres, kilograms, seconds, radians; any direction may be up. ODE aborts the process on many bad arguments (and
-//! on a NaN in a hash space); here they are checked first and come back as [`crate::Error`].
+//! Units are metres, kilograms, seconds and radians; any axis may point up. ODE aborts the process on many invalid
+//! arguments, and on a NaN in a hash space. This wrapper checks arguments first and returns a [`crate::Error`] instead.
 //!
 //! ```
 //! use nalgebra::{Isometry3, Vector3};

@@ -1,17 +1,18 @@
-//! Panics never cross ODE: a callback that panics answers with a default, and the panic goes on once ODE has returned.
+//! Panics never unwind through ODE: a callback that panics returns a default value to ODE, and the panic resumes once
+//! ODE has returned.
 
 use std::any::Any;
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 thread_local! {
-    /// The first panic in a callback since the last look.
+    /// The first panic in a callback since the last call of `take_parked`.
     static PARKED: RefCell<Option<Box<dyn Any + Send>>> = const { RefCell::new(None) };
-    /// How many fences this thread is behind.
+    /// The number of nested `catch` calls that this thread is in.
     static FENCES: Cell<usize> = const { Cell::new(0) };
 }
 
-/// What `call` returns, or the panic that ended it.
+/// The result of `call`, or the payload of the panic that ended it.
 pub(crate) fn catch<T>(call: impl FnOnce() -> T) -> Result<T, Box<dyn Any + Send>> {
     FENCES.set(FENCES.get() + 1);
     let outcome = catch_unwind(AssertUnwindSafe(call));
@@ -24,7 +25,7 @@ pub(crate) fn is_fenced() -> bool {
     FENCES.get() > 0
 }
 
-/// What `callback` returns; `default` where it panics, and the panic is parked.
+/// The result of `callback`. If it panics, the panic is parked on this thread and `default` is returned.
 pub(super) fn fence<T>(default: T, callback: impl FnOnce() -> T) -> T {
     catch(callback).unwrap_or_else(|payload| {
         PARKED.with(|parked| {
@@ -34,12 +35,12 @@ pub(super) fn fence<T>(default: T, callback: impl FnOnce() -> T) -> T {
     })
 }
 
-/// The panic parked on this thread, if any.
+/// Takes the panic parked on this thread, if any.
 pub(crate) fn take_parked() -> Option<Box<dyn Any + Send>> {
     PARKED.take()
 }
 
-/// Goes on with the panic parked on this thread, if any.
+/// Resumes the panic parked on this thread, if any.
 pub(super) fn resume_parked() {
     if let Some(payload) = take_parked() {
         resume_unwind(payload);
@@ -51,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_panic_behind_the_fence_is_answered_by_the_default_and_parked_once() {
+    fn a_panicking_callback_returns_the_default_and_only_its_first_panic_is_parked() {
         assert_eq!(fence(7, || panic!("first")), 7);
         assert_eq!(fence(8, || panic!("second")), 8);
         assert_eq!(

@@ -1,4 +1,4 @@
-//! What holds for the whole world: gravity, the solver, sleeping, damping.
+//! Parameters of the whole world: gravity, solver, sleeping and damping.
 
 use nalgebra::Vector3;
 use ode_sys::*;
@@ -8,34 +8,36 @@ use super::convert;
 use super::world::World;
 use crate::{Error, Result};
 
-/// When a body that rests falls asleep: when its average speed stays below both thresholds for so many steps and so
-/// much time.
+/// The conditions under which a resting body falls asleep: its average speed stays below both thresholds for a number
+/// of steps and for a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AutoDisable {
-    /// m/s.
+    /// The threshold of the linear speed, m/s.
     pub linear_threshold: f64,
-    /// rad/s.
+    /// The threshold of the angular speed, rad/s.
     pub angular_threshold: f64,
-    /// How many steps; 0 does not count.
+    /// The number of steps below the thresholds; 0 sets no condition.
     pub steps: u32,
-    /// How long, s; 0 does not count.
+    /// The time below the thresholds, s; 0 sets no condition.
     pub time: f64,
-    /// Over how many steps the speed is averaged; 1 is the present speed. At most 10 000.
+    /// The number of steps over which the speed is averaged, 1 to 10 000; 1 uses the current speed.
     pub average_samples: u32,
 }
 
 impl Default for AutoDisable {
-    /// ODE's: 0.01 m/s, 0.01 rad/s, 10 steps.
+    /// ODE's defaults: 0.01 m/s, 0.01 rad/s and 10 steps.
     fn default() -> Self {
         Self { linear_threshold: 0.01, angular_threshold: 0.01, steps: 10, time: 0.0, average_samples: 1 }
     }
 }
 
 impl AutoDisable {
+    /// Refuses negative numbers, NaN, and counts that ODE cannot hold.
     pub(super) fn check(&self) -> Result<()> {
         check::not_negative("linear threshold of auto-disable", self.linear_threshold)?;
         check::not_negative("angular threshold of auto-disable", self.angular_threshold)?;
         check::not_negative("time of auto-disable", self.time)?;
+
         if self.steps > i32::MAX as u32 || !(1..=10_000).contains(&self.average_samples) {
             return Err(Error::argument(format!(
                 "auto-disable: expected at most {} steps and 1 to 10000 samples, found {} and {}",
@@ -47,11 +49,13 @@ impl AutoDisable {
         Ok(())
     }
 
+    /// Reads the parameters of a body.
+    ///
     /// # Safety
     ///
     /// `body` is alive.
     pub(super) unsafe fn of_body(body: dBodyID) -> Self {
-        // SAFETY: as the caller vouches.
+        // SAFETY: the caller guarantees a living body.
         unsafe {
             Self {
                 linear_threshold: dBodyGetAutoDisableLinearThreshold(body),
@@ -63,11 +67,13 @@ impl AutoDisable {
         }
     }
 
+    /// Gives a body these values.
+    ///
     /// # Safety
     ///
-    /// `body` is alive, and `self` is checked.
+    /// `body` is alive, and [`check`](Self::check) has accepted `self`.
     pub(super) unsafe fn set_body(&self, body: dBodyID) {
-        // SAFETY: as the caller vouches.
+        // SAFETY: the caller guarantees a living body and checked numbers.
         unsafe {
             dBodySetAutoDisableLinearThreshold(body, self.linear_threshold);
             dBodySetAutoDisableAngularThreshold(body, self.angular_threshold);
@@ -78,27 +84,28 @@ impl AutoDisable {
     }
 }
 
-/// How motion fades: above its threshold, a velocity loses this part of itself in each step.
+/// Damping of velocities: in each step a velocity above its threshold loses the given part of itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Damping {
-    /// Part of the linear velocity, 0 to 1.
+    /// The part of the linear velocity lost in each step, 0 to 1.
     pub linear: f64,
-    /// Part of the angular velocity, 0 to 1.
+    /// The part of the angular velocity lost in each step, 0 to 1.
     pub angular: f64,
-    /// m/s.
+    /// The linear speed above which damping acts, m/s.
     pub linear_threshold: f64,
-    /// rad/s.
+    /// The angular speed above which damping acts, rad/s.
     pub angular_threshold: f64,
 }
 
 impl Default for Damping {
-    /// ODE's: none.
+    /// ODE's defaults: no damping, and thresholds of 0.01 m/s and 0.01 rad/s.
     fn default() -> Self {
         Self { linear: 0.0, angular: 0.0, linear_threshold: 0.01, angular_threshold: 0.01 }
     }
 }
 
 impl Damping {
+    /// Refuses NaN and numbers out of range.
     pub(super) fn check(&self) -> Result<()> {
         check::within("linear damping", self.linear, 0.0, 1.0)?;
         check::within("angular damping", self.angular, 0.0, 1.0)?;
@@ -107,11 +114,13 @@ impl Damping {
         Ok(())
     }
 
+    /// Reads the damping of a body.
+    ///
     /// # Safety
     ///
     /// `body` is alive.
     pub(super) unsafe fn of_body(body: dBodyID) -> Self {
-        // SAFETY: as the caller vouches.
+        // SAFETY: the caller guarantees a living body.
         unsafe {
             Self {
                 linear: dBodyGetLinearDamping(body),
@@ -122,11 +131,13 @@ impl Damping {
         }
     }
 
+    /// Gives a body these values.
+    ///
     /// # Safety
     ///
-    /// `body` is alive, and `self` is checked.
+    /// `body` is alive, and [`check`](Self::check) has accepted `self`.
     pub(super) unsafe fn set_body(&self, body: dBodyID) {
-        // SAFETY: as the caller vouches.
+        // SAFETY: the caller guarantees a living body and checked numbers.
         unsafe {
             dBodySetDamping(body, self.linear, self.angular);
             dBodySetLinearDampingThreshold(body, self.linear_threshold);
@@ -135,7 +146,7 @@ impl Damping {
     }
 }
 
-/// A number of the world that ODE stores, with what it may be.
+/// Defines the getter and the checked setter of one number that ODE stores in the world.
 macro_rules! number {
     ($(#[$get_doc:meta])* $get:ident, $ode_get:ident, $(#[$set_doc:meta])* $set:ident, $ode_set:ident,
      $check:expr) => {
@@ -153,7 +164,7 @@ macro_rules! number {
         pub fn $set(&mut self, value: f64) -> Result<()> {
             let check: fn(f64) -> Result<f64> = $check;
             let value = check(value)?;
-            // SAFETY: the world is alive, and the number is one that ODE takes.
+            // SAFETY: the world is alive, and the check has accepted the number.
             unsafe { $ode_set(self.raw, value) };
             Ok(())
         }
@@ -161,7 +172,7 @@ macro_rules! number {
 }
 
 impl World {
-    /// The acceleration of gravity, m/s^2.
+    /// The acceleration due to gravity, m/s^2.
     pub fn gravity(&self) -> Vector3<f64> {
         let mut gravity = [0.0; 4];
         // SAFETY: the world is alive, and the array holds four numbers.
@@ -169,11 +180,11 @@ impl World {
         convert::vector(&gravity)
     }
 
-    /// Sets the acceleration of gravity, m/s^2. 0 at first.
+    /// Sets the acceleration due to gravity, m/s^2. A new world has none.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if it is not finite.
+    /// [`Error::Argument`] if the acceleration is not finite.
     pub fn set_gravity(&mut self, gravity: &Vector3<f64>) -> Result<()> {
         check::vector("gravity", gravity)?;
         // SAFETY: the world is alive; the numbers are finite.
@@ -182,60 +193,64 @@ impl World {
     }
 
     number!(
-        /// The part of a joint's error that is corrected in each step.
+        /// The error reduction parameter: the part of a joint's error that each step corrects.
         erp, dWorldGetERP,
-        /// Sets the part of a joint's error that is corrected in each step, 0 to 1. 0.2 at first.
+        /// Sets the error reduction parameter: the part of a joint's error that each step corrects, 0 to 1. The default
+        /// is 0.2.
         set_erp, dWorldSetERP, |value| check::within("ERP", value, 0.0, 1.0)
     );
     number!(
-        /// The constraint force mixing: how soft constraints are.
+        /// The constraint force mixing: the softness of constraints.
         cfm, dWorldGetCFM,
-        /// Sets the constraint force mixing, 0 or more. 1e-10 at first; 1e-5 keeps the solvers steady.
+        /// Sets the constraint force mixing, 0 or more. The default is 1e-10; 1e-5 keeps the solvers stable.
         set_cfm, dWorldSetCFM, |value| check::not_negative("CFM", value)
     );
     number!(
-        /// The largest velocity that a contact gives to push bodies apart, m/s.
+        /// The largest velocity with which a contact pushes bodies apart, m/s.
         contact_max_correcting_velocity, dWorldGetContactMaxCorrectingVel,
-        /// Sets the largest velocity that a contact gives to push bodies apart, m/s. Infinite at first.
+        /// Sets the largest velocity with which a contact pushes bodies apart, m/s. The default is infinite.
         set_contact_max_correcting_velocity, dWorldSetContactMaxCorrectingVel,
         |value| check::not_negative_or_infinite("largest correcting velocity", value)
     );
     number!(
-        /// The depth that contacts let stand, m.
+        /// The penetration depth that contacts leave uncorrected, m.
         contact_surface_layer, dWorldGetContactSurfaceLayer,
-        /// Sets the depth that contacts let stand, m, so that they do not flicker. 0 at first.
+        /// Sets the penetration depth that contacts leave uncorrected, m, so that they do not come and go. The default
+        /// is 0.
         set_contact_surface_layer, dWorldSetContactSurfaceLayer,
         |value| check::not_negative("contact surface layer", value)
     );
     number!(
-        /// The over-relaxation of [`quick_step`](Self::quick_step).
+        /// The over-relaxation factor of [`quick_step`](Self::quick_step).
         quick_step_w, dWorldGetQuickStepW,
-        /// Sets the over-relaxation of [`quick_step`](Self::quick_step), 0.01 to 2. 1.3 at first.
+        /// Sets the over-relaxation factor of [`quick_step`](Self::quick_step), 0.01 to 2. The default is 1.3.
         set_quick_step_w, dWorldSetQuickStepW, |value| check::within("over-relaxation", value, 0.01, 2.0)
     );
     number!(
-        /// The fastest that new bodies may turn, rad/s.
+        /// The limit of the angular speed of new bodies, rad/s.
         max_angular_speed, dWorldGetMaxAngularSpeed,
-        /// Sets the fastest that bodies added from now on may turn, rad/s. Infinite at first.
+        /// Sets the limit of the angular speed of bodies added from now on, rad/s. The default is infinite.
         set_max_angular_speed, dWorldSetMaxAngularSpeed,
         |value| check::not_negative_or_infinite("largest angular speed", value)
     );
 
-    /// The iterations of [`quick_step`](Self::quick_step).
+    /// The number of solver iterations in [`quick_step`](Self::quick_step).
     pub fn quick_step_iterations(&self) -> u32 {
         // SAFETY: the world is alive.
         let iterations = unsafe { dWorldGetQuickStepNumIterations(self.raw) };
         iterations as u32
     }
 
-    /// Sets the iterations of [`quick_step`](Self::quick_step). 20 at first; 50 for stacks.
+    /// Sets the number of solver iterations in [`quick_step`](Self::quick_step). The default is 20; stacks need 50.
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] for 0 and for more than a million.
     pub fn set_quick_step_iterations(&mut self, iterations: u32) -> Result<()> {
         if !(1..=1_000_000).contains(&iterations) {
-            return Err(Error::argument(format!("iterations: expected 1 to 1000000, found {iterations}")));
+            return Err(Error::argument(format!(
+                "solver iterations: expected 1 to 1000000, found {iterations}"
+            )));
         }
         // SAFETY: the world is alive; the number is positive and fits.
         unsafe { dWorldSetQuickStepNumIterations(self.raw, iterations as i32) };
@@ -248,13 +263,13 @@ impl World {
         unsafe { dWorldGetAutoDisableFlag(self.raw) != 0 }
     }
 
-    /// Whether bodies added from now on fall asleep when they rest. Off at first.
+    /// Sets whether bodies added from now on fall asleep when they rest. This is off by default.
     pub fn set_auto_disable(&mut self, on: bool) {
         // SAFETY: the world is alive.
         unsafe { dWorldSetAutoDisableFlag(self.raw, on.into()) };
     }
 
-    /// When new bodies fall asleep.
+    /// The conditions under which new bodies fall asleep.
     pub fn auto_disable(&self) -> AutoDisable {
         // SAFETY: the world is alive.
         unsafe {
@@ -268,13 +283,14 @@ impl World {
         }
     }
 
-    /// Sets when bodies added from now on fall asleep.
+    /// Sets the conditions under which bodies added from now on fall asleep.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for negative numbers and NaN.
+    /// [`Error::Argument`] for negative numbers, NaN, and counts that are out of range.
     pub fn set_auto_disable_parameters(&mut self, parameters: &AutoDisable) -> Result<()> {
         parameters.check()?;
+
         // SAFETY: the world is alive, the numbers are checked.
         unsafe {
             dWorldSetAutoDisableLinearThreshold(self.raw, parameters.linear_threshold);
@@ -286,7 +302,7 @@ impl World {
         Ok(())
     }
 
-    /// How the motion of new bodies fades.
+    /// The damping of the velocities of new bodies.
     pub fn damping(&self) -> Damping {
         // SAFETY: the world is alive.
         unsafe {
@@ -299,13 +315,14 @@ impl World {
         }
     }
 
-    /// Sets how the motion of bodies added from now on fades.
+    /// Sets the damping of the velocities of bodies added from now on.
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] for NaN and numbers out of range.
     pub fn set_damping(&mut self, damping: &Damping) -> Result<()> {
         damping.check()?;
+
         // SAFETY: the world is alive, the numbers are checked.
         unsafe {
             dWorldSetDamping(self.raw, damping.linear, damping.angular);

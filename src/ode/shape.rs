@@ -1,4 +1,4 @@
-//! What a geom looks like.
+//! Shapes of geoms.
 
 use std::sync::Arc;
 
@@ -14,67 +14,69 @@ use super::convex::Convex;
 use super::trimesh::{MeshData, TriMesh};
 use crate::{Error, Result};
 
-/// The shape of a geom, in its own frame, metres.
+/// The shape of a geom, in its own frame, in metres.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Shape {
-    /// A ball around the origin.
+    /// A ball centred at the origin.
     Sphere {
-        /// Its radius.
+        /// The ball's radius.
         radius: f64,
     },
-    /// A box around the origin.
+    /// A box centred at the origin, with its sides along the axes.
     Box {
-        /// Its whole side lengths.
+        /// The full side lengths.
         sides: Vector3<f64>,
     },
-    /// A cylinder along z with a half ball at each end.
+    /// A cylinder along z, centred at the origin, with a half ball at each end.
     Capsule {
-        /// The radius of all parts.
+        /// The radius of the cylinder and of the half balls.
         radius: f64,
-        /// The length of the cylinder, without the caps.
+        /// The length of the cylinder, without the half balls.
         length: f64,
     },
-    /// A cylinder along z.
+    /// A cylinder along z, centred at the origin.
     Cylinder {
-        /// Its radius.
+        /// The cylinder's radius.
         radius: f64,
-        /// Its whole length.
+        /// The cylinder's full length.
         length: f64,
     },
-    /// Everything with `normal . x <= offset`, in the world's frame. A plane has no pose and no body.
+    /// The half-space of all x with `normal . x <= offset`, in the world's frame. A plane has no pose and no body.
     Plane {
-        /// Where the free side is; any length but 0.
+        /// The normal, which points to the free side, of any length but 0.
         normal: Vector3<f64>,
         /// The plane's distance from the world's origin along the normalised `normal`.
         offset: f64,
     },
-    /// A line from the origin along z. Its contacts are hits: place, surface normal, and distance as depth.
+    /// A line segment from the origin along z. Its contacts are hits, with the position, the surface normal, and the
+    /// distance from the origin as depth.
     ///
-    /// ODE 0.16 misses most [`Shape::Convex`] that a ray meets at a slant.
+    /// ODE 0.16 misses most hits of a [`Shape::Convex`] that are oblique.
     Ray {
-        /// How far it reaches.
+        /// The length of the segment.
         length: f64,
     },
-    /// A convex polyhedron.
+    /// A convex polyhedron, which geoms may share.
     Convex(Arc<Convex>),
-    /// A mesh of triangles.
+    /// A triangle mesh, which geoms may share.
     TriMesh(Arc<TriMesh>),
 }
 
 impl Shape {
-    /// A box of these whole side lengths.
+    /// A box with these full side lengths.
     pub fn cuboid(x: f64, y: f64, z: f64) -> Self {
         Self::Box { sides: Vector3::new(x, y, z) }
     }
 
-    /// Whether a geom of this shape can be placed: all but planes.
+    /// Whether a geom of this shape has a pose. All shapes but planes have one.
     pub fn is_placeable(&self) -> bool {
         !matches!(self, Self::Plane { .. })
     }
 
-    /// The shape with its numbers checked; a plane comes back with its normal normalised.
+    /// Checks the shape's numbers and returns the shape, for a plane with a unit normal.
     pub(super) fn checked(&self) -> Result<Self> {
+        // Each arm names the number that an error is about.
         match self {
             Self::Sphere { radius } => {
                 check::length("radius of the sphere", *radius)?;
@@ -100,33 +102,37 @@ impl Shape {
             Self::Ray { length } => {
                 check::length("length of the ray", *length)?;
             }
-            // Checked when they were made.
+            // Their constructors have checked them.
             Self::Convex(_) | Self::TriMesh(_) => {}
         }
+
         Ok(self.clone())
     }
 
-    /// A geom of this shape, outside of any space, and the search tree that it needs.
+    /// Creates a geom of this shape, in no space, and for a mesh its search tree.
     ///
     /// # Safety
     ///
-    /// ODE is open, the numbers are [`checked`](Self::checked), and the caller keeps the shape and the search tree
-    /// until the geom is destroyed.
+    /// ODE is open, [`checked`](Self::checked) has accepted the shape, and the caller keeps the shape and the search
+    /// tree until the geom is destroyed.
     pub(super) unsafe fn create(&self) -> Result<(dGeomID, Option<MeshData>)> {
-        let none = std::ptr::null_mut();
+        let no_space = std::ptr::null_mut();
         let mut mesh_data = None;
-        // SAFETY: positive sizes and a unit normal, as the caller has checked. The arrays of meshes sit in an `Arc`
-        // that the caller keeps, so they stay where they are.
+
+        // SAFETY: the caller has checked that sizes are positive and normals of unit length. The arrays of polyhedra
+        // and meshes are in an `Arc` that the caller keeps, so they do not move.
         let raw = unsafe {
             match self {
-                Self::Sphere { radius } => dCreateSphere(none, *radius),
-                Self::Box { sides } => dCreateBox(none, sides.x, sides.y, sides.z),
-                Self::Capsule { radius, length } => dCreateCapsule(none, *radius, *length),
-                Self::Cylinder { radius, length } => dCreateCylinder(none, *radius, *length),
-                Self::Plane { normal, offset } => dCreatePlane(none, normal.x, normal.y, normal.z, *offset),
-                Self::Ray { length } => dCreateRay(none, *length),
+                Self::Sphere { radius } => dCreateSphere(no_space, *radius),
+                Self::Box { sides } => dCreateBox(no_space, sides.x, sides.y, sides.z),
+                Self::Capsule { radius, length } => dCreateCapsule(no_space, *radius, *length),
+                Self::Cylinder { radius, length } => dCreateCylinder(no_space, *radius, *length),
+                Self::Plane { normal, offset } => {
+                    dCreatePlane(no_space, normal.x, normal.y, normal.z, *offset)
+                }
+                Self::Ray { length } => dCreateRay(no_space, *length),
                 Self::Convex(convex) => dCreateConvex(
-                    none,
+                    no_space,
                     convex.planes().as_ptr().cast(),
                     convex.planes().len() as u32,
                     convex.points().as_ptr().cast(),
@@ -135,20 +141,23 @@ impl Shape {
                 ),
                 Self::TriMesh(mesh) => {
                     let data = mesh_data.insert(MeshData::build(mesh)?);
-                    dCreateTriMesh(none, data.id(), None, None, None)
+                    dCreateTriMesh(no_space, data.id(), None, None, None)
                 }
             }
         };
-        if raw.is_null() { Err(Error::Ode("no memory for a geom".into())) } else { Ok((raw, mesh_data)) }
+
+        if raw.is_null() { Err(Error::Ode("memory ran out for a geom".into())) } else { Ok((raw, mesh_data)) }
     }
 
-    /// Gives the geom `raw` of the shape `self` the shape `new`, if that is of the same kind.
+    /// Changes the sizes of the geom `raw`, of shape `self`, to those of `new`, a shape of the same kind.
     ///
     /// # Safety
     ///
-    /// `raw` is a living geom that was created from a shape of the kind of `self`; `new` is checked.
+    /// `raw` is a living geom that was created from a shape of the kind of `self`, and [`checked`](Self::checked) has
+    /// accepted `new`.
     pub(super) unsafe fn resize(&self, raw: dGeomID, new: &Self) -> Result<()> {
-        // SAFETY: the class of `raw` fits the function, since `self` and `new` are of one kind; sizes are positive.
+        // Polyhedra and meshes are not resized, because their geoms refer to the arrays in `self`.
+        // SAFETY: `self` and `new` are of one kind, so the class of `raw` fits the function; sizes are positive.
         unsafe {
             match (self, new) {
                 (Self::Sphere { .. }, Self::Sphere { radius }) => dGeomSphereSetRadius(raw, *radius),

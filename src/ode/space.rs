@@ -1,4 +1,4 @@
-//! Spaces: geoms grouped, so that not every pair is looked at.
+//! Spaces: groups of geoms for the broad phase, which spares most pairs an exact test.
 
 use nalgebra::{Point3, Vector3};
 use ode_sys::{
@@ -13,33 +13,35 @@ use super::world::World;
 use super::{check, convert};
 use crate::{Error, Result};
 
-/// How a space finds the pairs that may touch. All kinds find the same pairs.
+/// The broad phase of a space: how it finds the pairs that may touch. All kinds find the same pairs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum SpaceKind {
-    /// Every geom against every other: for a few.
+    /// Compares every geom with every other, for a few geoms.
     Simple,
-    /// Cells of sizes 2^`min_level` to 2^`max_level` metres; larger geoms are compared with all.
+    /// Hashes geoms into grid cells of 2^`min_level` to 2^`max_level` metres. Larger geoms are compared with all.
     Hash {
-        /// At least -5.
+        /// The binary logarithm of the smallest cell size in metres, at least -5.
         min_level: i32,
-        /// Not below `min_level`, at most 30.
+        /// The binary logarithm of the largest cell size in metres, from `min_level` to 30.
         max_level: i32,
     },
-    /// Sorted along axes: for many geoms that move little.
+    /// Sorts geoms along the axes, for many geoms that move little between two steps.
     SweepAndPrune(SweepAxes),
-    /// Nested squares of the x-y plane: for wide, flat scenes. What is outside of it is compared with all.
+    /// Divides a rectangle of the x-y plane into quarters again and again, for wide, flat scenes. Geoms outside it are
+    /// compared with all.
     QuadTree {
-        /// The middle.
+        /// The rectangle's centre.
         center: Point3<f64>,
-        /// Half the size in each direction; z does not matter.
+        /// Half the rectangle's size along x and y; z is ignored.
         extents: Vector3<f64>,
-        /// How often the squares are divided: 1 to 8.
+        /// The number of divisions, 1 to 8.
         depth: u32,
     },
 }
 
-/// The order in which a [`SpaceKind::SweepAndPrune`] sorts: best first the axis along which geoms differ most.
+/// The order of axes along which a [`SpaceKind::SweepAndPrune`] sorts. Begin with the axis along which the geoms are
+/// spread most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[allow(missing_docs, reason = "the names are the axes")]
 pub enum SweepAxes {
@@ -53,13 +55,13 @@ pub enum SweepAxes {
 }
 
 impl Default for SpaceKind {
-    /// ODE's hash space: cells from 1/8 m to 1024 m.
+    /// A hash space with ODE's default cell sizes, 1/8 m to 1024 m.
     fn default() -> Self {
         Self::Hash { min_level: -3, max_level: 10 }
     }
 }
 
-/// A space of ODE that a world owns.
+/// A space that a world owns.
 #[derive(Debug)]
 pub(super) struct SpaceRecord {
     pub(super) raw: dSpaceID,
@@ -68,11 +70,12 @@ pub(super) struct SpaceRecord {
 }
 
 impl SpaceKind {
+    /// Refuses parameters that are out of range.
     pub(super) fn checked(self) -> Result<Self> {
         match self {
             Self::Simple | Self::SweepAndPrune(_) => {}
             Self::Hash { min_level, max_level } => {
-                // With smaller cells the largest coordinate overflows ODE's cell numbers, where it aborts.
+                // With smaller cells the largest coordinate would overflow ODE's cell numbers, and ODE would abort.
                 if min_level < -5 || max_level < min_level || max_level > 30 {
                     return Err(Error::argument(format!(
                         "hash space: expected levels with -5 <= min <= max <= 30, found {min_level} and {max_level}"
@@ -91,14 +94,17 @@ impl SpaceKind {
                 }
             }
         }
+
         Ok(self)
     }
 
+    /// Creates an empty space inside `parent`.
+    ///
     /// # Safety
     ///
-    /// ODE is open, `self` is checked, `parent` is null or a living space.
+    /// ODE is open, [`checked`](Self::checked) has accepted `self`, and `parent` is null or a living space.
     pub(super) unsafe fn create(self, parent: dSpaceID) -> dSpaceID {
-        // SAFETY: as the caller vouches; the vectors are copied.
+        // SAFETY: the caller guarantees a living parent and checked parameters; ODE copies the vectors.
         unsafe {
             match self {
                 Self::Simple => dSimpleSpaceCreate(parent),
@@ -119,6 +125,7 @@ impl SpaceKind {
 }
 
 impl SweepAxes {
+    /// ODE's constant for this order of axes.
     fn order(self) -> u32 {
         match self {
             Self::Xyz => dSAP_AXES_XYZ,
@@ -132,24 +139,24 @@ impl SweepAxes {
 }
 
 impl World {
-    /// A new, empty space inside of `parent`.
+    /// Adds an empty space inside `parent`.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if the parent is gone, and for parameters of the kind that are out of range.
+    /// [`Error::Argument`] if the parent was removed, or if a parameter of the kind is out of range.
     pub fn add_space(&mut self, parent: SpaceId, kind: SpaceKind) -> Result<SpaceId> {
         let kind = kind.checked()?;
-        let above = self.spaces.find(parent)?.raw;
+        let raw_parent = self.spaces.find(parent)?.raw;
         // SAFETY: ODE is open as long as the world lives, and the parent was found alive.
-        let raw = unsafe { kind.create(above) };
+        let raw = unsafe { kind.create(raw_parent) };
         Ok(SpaceId(self.spaces.insert(SpaceRecord { raw, parent: Some(parent.0), kind })))
     }
 
-    /// Removes a space with all spaces and geoms in it; their ids go stale, and bodies stay.
+    /// Removes a space with all spaces and geoms in it. The bodies of these geoms remain.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for the root space, and if the space is gone.
+    /// [`Error::Argument`] for the root space, and if the space was removed before.
     pub fn remove_space(&mut self, id: SpaceId) -> Result<()> {
         self.spaces.find(id)?;
         if id.0 == self.root_key() {
@@ -157,6 +164,8 @@ impl World {
                 "{id:?}: expected a space that can be removed, found the root"
             )));
         }
+
+        // The contents first, since their records refer to ODE's objects, which the space destroys with itself.
         let inner: Vec<_> = self.spaces.iter().filter(|(_, space)| space.parent == Some(id.0)).collect();
         for space in inner.into_iter().map(|(key, _)| SpaceId(key)).collect::<Vec<_>>() {
             self.remove_space(space)?;
@@ -164,39 +173,40 @@ impl World {
         for geom in self.geoms_in(id) {
             self.remove_geom(geom);
         }
+
         if let Some(record) = self.spaces.remove(id.0) {
-            // SAFETY: the record was alive and is gone now; all that the world has inside of it is destroyed.
+            // SAFETY: the space was alive and its record was just removed; the world's objects in it are destroyed.
             unsafe { dSpaceDestroy(record.raw) };
         }
         Ok(())
     }
 
-    /// Whether the space is there.
+    /// Whether the space exists in this world.
     pub fn contains_space(&self, id: SpaceId) -> bool {
         self.spaces.get(id.0).is_some()
     }
 
-    /// All spaces.
+    /// The ids of all spaces.
     pub fn spaces(&self) -> impl Iterator<Item = SpaceId> + '_ {
         self.spaces.iter().map(|(key, _)| SpaceId(key))
     }
 
-    /// The kind of a space, if it is there.
+    /// The kind of a space, if it exists in this world.
     pub fn space_kind(&self, id: SpaceId) -> Option<SpaceKind> {
         self.spaces.get(id.0).map(|record| record.kind)
     }
 
-    /// The geoms in a space, without those of the spaces in it; none if the space is gone.
+    /// The geoms directly in a space, not in its inner spaces; none if the space was removed.
     pub fn geoms_in(&self, space: SpaceId) -> Vec<GeomId> {
         self.geoms.iter().filter(|(_, geom)| geom.space == space.0).map(|(key, _)| GeomId(key)).collect()
     }
 
-    /// Removes a geom; false if it was gone already.
+    /// Removes a geom. Returns false if it was removed before.
     pub fn remove_geom(&mut self, id: GeomId) -> bool {
         let Some(record) = self.geoms.remove(id.0) else { return false };
         clear_samples(record.raw);
-        // SAFETY: the record was alive, and is gone now, so that this happens once. What the geom borrows is in the
-        // record, which is dropped after.
+        // SAFETY: the geom was alive, and its record was just removed, so it is destroyed only once. The data that the
+        // geom borrows is in the record, which is dropped later.
         unsafe { dGeomDestroy(record.raw) };
         true
     }

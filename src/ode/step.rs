@@ -1,4 +1,4 @@
-//! Moving the world on in time.
+//! Time stepping.
 
 use nalgebra::Isometry3;
 use ode_sys::{
@@ -12,35 +12,36 @@ use super::world::World;
 use super::{check, convert};
 use crate::{Error, Result};
 
-/// One of ODE's two steppers.
+/// The type of ODE's two step functions, `dWorldStep` and `dWorldQuickStep`.
 type Stepper = unsafe extern "C" fn(dWorldID, dReal) -> i32;
 
 impl World {
-    /// Moves the world on by `dt` seconds, solving all constraints together: exact, but its time grows with the third
-    /// power of the number of contacts that hang together.
+    /// Advances the world by `dt` seconds with ODE's direct solver. It is exact, but its time grows with the third
+    /// power of the number of connected contacts.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if `dt` is not within 1 ns to 1000 s; [`Error::Ode`] if there is no memory, or if bodies
-    /// had to be stopped. A body that leaves [`REACH`](super::REACH), or whose motion is no longer finite, is put back
-    /// to where it was before the step, at rest and asleep; the others have moved on, and the world works on. The
-    /// bodies concerned are in [`stopped_bodies`](Self::stopped_bodies).
+    /// [`Error::Argument`] if `dt` is not within 1 ns to 1000 s. [`Error::Ode`] if memory runs out, or if bodies had to
+    /// be stopped: a body that leaves [`REACH`](super::REACH), or whose motion is no longer finite, is put back to its
+    /// pose before the step, at rest and asleep. The other bodies have moved, and the world remains usable.
+    /// [`stopped_bodies`](Self::stopped_bodies) lists the stopped ones.
     pub fn step(&mut self, dt: f64) -> Result<()> {
         self.advance(dt, dWorldStep)
     }
 
-    /// Moves the world on by `dt` seconds, solving the constraints by iteration: see
-    /// [`set_quick_step_iterations`](Self::set_quick_step_iterations) and
-    /// [`set_random_seed`](super::set_random_seed).
+    /// Advances the world by `dt` seconds with ODE's iterative solver.
+    ///
+    /// The number of iterations is set with [`set_quick_step_iterations`](Self::set_quick_step_iterations), their
+    /// random order with [`set_random_seed`](super::set_random_seed).
     ///
     /// # Errors
     ///
-    /// As for [`step`](Self::step).
+    /// The errors of [`step`](Self::step).
     pub fn quick_step(&mut self, dt: f64) -> Result<()> {
         self.advance(dt, dWorldQuickStep)
     }
 
-    /// The bodies that the last step stopped, see [`step`](Self::step).
+    /// The bodies that the last step stopped, for the reasons listed at [`step`](Self::step).
     pub fn stopped_bodies(&self) -> &[BodyId] {
         &self.stopped
     }
@@ -49,27 +50,32 @@ impl World {
         check::within("time step", dt, 1e-9, 1e3)?;
         self.ode.ensure_thread_data()?;
         self.stopped.clear();
-        let mut before = self.buffers.poses.take();
-        before.clear();
-        before.extend(self.bodies.iter().map(|(key, &raw)| Body::new(raw, BodyId(key)).pose()));
+
+        let mut poses_before = self.buffers.poses.take();
+        poses_before.clear();
+        poses_before.extend(self.bodies.iter().map(|(key, &raw)| Body::new(raw, BodyId(key)).pose()));
         // SAFETY: the world is alive, the step is positive, and this thread has ODE's data.
-        let done = unsafe { stepper(self.raw, dt) };
-        for ((key, &raw), pose) in self.bodies.iter().zip(&before) {
+        let succeeded = unsafe { stepper(self.raw, dt) } != 0;
+
+        // ODE aborts in the next collide on a body that is not finite or too far away, so such bodies are stopped here.
+        for ((key, &raw), pose) in self.bodies.iter().zip(&poses_before) {
             let body = Body::new(raw, BodyId(key));
-            if !is_sane(&body) {
+            if !is_valid(&body) {
                 stop(&body, pose);
                 self.stopped.push(body.id());
             }
         }
-        self.buffers.poses.set(before);
-        if done == 0 {
-            return Err(Error::Ode("no memory for a step".into()));
+        self.buffers.poses.set(poses_before);
+
+        if !succeeded {
+            return Err(Error::Ode("memory ran out in a step".into()));
         }
         match self.stopped.as_slice() {
             [] => Ok(()),
             [first, rest @ ..] => Err(Error::Ode(format!(
-                "{first:?} and {} more left the world or lost a finite motion; they were put back and stopped: expected \
-                 coordinates within {:e} m, so remove bodies that fall for ever, and check masses, forces and the step",
+                "{first:?} and {} more bodies left the world (expected coordinates within {:e} m) or lost finite \
+                 motion; they were put back and stopped: remove bodies that fall for ever, and check masses, forces and \
+                 the time step",
                 rest.len(),
                 check::REACH
             ))),
@@ -77,16 +83,18 @@ impl World {
     }
 }
 
-fn is_sane(body: &Body<'_>) -> bool {
+/// Whether the body's pose and velocities are finite and within [`check::REACH`].
+fn is_valid(body: &Body<'_>) -> bool {
     check::pose("", &body.pose()).is_ok()
         && check::vector("", &body.linear_velocity()).is_ok()
         && check::vector("", &body.angular_velocity()).is_ok()
 }
 
-/// Puts a body to sleep at a pose that was good.
-fn stop(body: &Body<'_>, at: &Isometry3<f64>) {
-    let (position, quaternion) = (at.translation.vector, convert::ode_quaternion(&at.rotation));
-    // SAFETY: the body is alive, and the pose was read from ODE before the step, when it was finite.
+/// Puts a body to sleep at `pose`, without velocity or force.
+fn stop(body: &Body<'_>, pose: &Isometry3<f64>) {
+    let (position, quaternion) = (pose.translation.vector, convert::ode_quaternion(&pose.rotation));
+
+    // SAFETY: the body is alive, and the pose is finite, since ODE's step began with it.
     unsafe {
         let raw = body.raw();
         dBodySetPosition(raw, position.x, position.y, position.z);

@@ -1,4 +1,4 @@
-//! How two surfaces act on each other where they touch.
+//! Contact surfaces: friction, bounce and softness.
 
 use ode_sys::{
     dContactApprox1_1, dContactApprox1_2, dContactApprox1_N, dContactAxisDep, dContactBounce,
@@ -8,7 +8,7 @@ use ode_sys::{
 use super::check;
 use crate::Result;
 
-/// Friction, bounce and softness of one contact. What is `None` is off, or the world's.
+/// Friction, bounce and softness of one contact. A field that is `None` is off, or takes the world's value.
 ///
 /// ```
 /// use ode_visual_hull::ode::Surface;
@@ -16,38 +16,39 @@ use crate::Result;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
-    /// Coulomb's friction coefficient: 0 is none, infinity never slips.
+    /// Coulomb's friction coefficient: 0 means no friction, infinity means no slip. See also
+    /// [`approximation`](Self::approximation).
     pub mu: f64,
-    /// Friction coefficient of the second tangential direction; `mu` in both where `None`.
+    /// The friction coefficient in the second tangential direction; `None` means `mu` in both.
     pub mu2: Option<f64>,
-    /// Restitution: 0 does not bounce, 1 gives all speed back.
+    /// The coefficient of restitution: 0 means no bounce, 1 returns the full speed.
     pub bounce: Option<f64>,
-    /// Below this speed of impact nothing bounces, m/s. Only with `bounce`.
+    /// The impact speed below which nothing bounces, m/s. It matters only with `bounce`.
     pub bounce_velocity: f64,
-    /// The part of the depth corrected in each step, 0 to 1, instead of the world's.
+    /// The part of the depth that each step corrects, 0 to 1, instead of the world's ERP.
     pub soft_erp: Option<f64>,
-    /// Constraint force mixing of the normal force, instead of the world's.
+    /// The constraint force mixing of the normal force, instead of the world's CFM.
     pub soft_cfm: Option<f64>,
-    /// Rolling and spinning friction, as the torque over the normal force, metres.
+    /// Rolling and spinning friction, as the largest torque divided by the normal force, in metres.
     pub rolling: Option<f64>,
-    /// Force-dependent slip of the first and second tangential direction, m/s per N.
+    /// Force-dependent slip in the first and second tangential direction, m/s per N.
     pub slip: Option<[f64; 2]>,
-    /// What `mu` means.
+    /// The meaning of `mu`.
     pub approximation: Approximation,
 }
 
-/// What a friction coefficient means.
+/// The friction model: the meaning of [`Surface::mu`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Approximation {
-    /// `mu` is the largest friction force, in newtons. (ODE's `dContactApprox0`.)
+    /// `mu` is the largest friction force, in newtons (ODE's `dContactApprox0`).
     Force,
-    /// `mu` times the normal force is the largest friction force, in each tangential direction. (`dContactApprox1`.)
+    /// `mu` times the normal force is the largest friction force in each tangential direction (`dContactApprox1`).
     #[default]
     Pyramid,
 }
 
 impl Default for Surface {
-    /// `mu` 0.5 as a coefficient, nothing else.
+    /// A friction coefficient of 0.5, and nothing else.
     fn default() -> Self {
         Self {
             mu: 0.5,
@@ -64,30 +65,33 @@ impl Default for Surface {
 }
 
 impl Surface {
-    /// A surface with this friction coefficient and nothing else.
+    /// A surface with this friction coefficient, and nothing else.
     pub fn with_friction(mu: f64) -> Self {
         Self { mu, ..Self::default() }
     }
 
-    /// ODE's structure.
+    /// The surface as ODE's structure.
     ///
     /// # Errors
     ///
     /// [`crate::Error::Argument`] if a number is NaN or out of its range.
     pub(super) fn to_ode(self) -> Result<dSurfaceParameters> {
+        // ODE reads an optional number only if its bit of the mode is set.
         let mut mode = 0;
         let mut flag = |bits: u32, on: bool| mode |= if on { bits } else { 0 };
         flag(dContactAxisDep, self.mu2.is_some());
         flag(dContactBounce, self.bounce.is_some());
         flag(dContactSoftERP, self.soft_erp.is_some());
         flag(dContactSoftCFM, self.soft_cfm.is_some());
-        // ODE reserves rows for a rolling coefficient of 0, and then leaves them unfilled.
+        // For a rolling coefficient of 0 ODE reserves rows of the solver and leaves them unfilled, so 0 switches it
+        // off.
         flag(dContactRolling, self.rolling.is_some_and(|rho| rho > 0.0));
         flag(dContactSlip1 | dContactSlip2, self.slip.is_some());
         flag(
             dContactApprox1_1 | dContactApprox1_2 | dContactApprox1_N,
             self.approximation == Approximation::Pyramid,
         );
+
         let rho = check::not_negative_or_infinite("rolling friction", self.rolling.unwrap_or(0.0))?;
         let [slip1, slip2] = self.slip.unwrap_or_default();
         Ok(dSurfaceParameters {
@@ -113,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_is_given_is_switched_on() {
+    fn only_the_fields_that_are_set_switch_a_mode_bit_on() {
         let plain = Surface::default().to_ode().unwrap();
         assert_eq!(plain.mode, ode_sys::dContactApprox1 as i32);
         assert_eq!((plain.mu, plain.mu2), (0.5, 0.5));
@@ -130,6 +134,7 @@ mod tests {
             slip: Some([0.6, 0.7]),
             ..Surface::default()
         };
+
         let ode = all.to_ode().unwrap();
         assert_eq!(ode.mode as u32, 0x001 | 0x004 | 0x008 | 0x010 | 0x100 | 0x200 | 0x400 | 0x7000);
         let numbers = [ode.mu2, ode.bounce, ode.soft_erp, ode.soft_cfm, ode.rho, ode.slip1, ode.slip2];

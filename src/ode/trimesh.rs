@@ -1,4 +1,4 @@
-//! Triangle meshes, and what ODE builds from them.
+//! Triangle meshes, and the search trees that ODE builds over them.
 
 use std::ffi::c_void;
 use std::mem::size_of;
@@ -13,12 +13,12 @@ use ode_sys::{
 use super::check;
 use crate::{Error, Result};
 
-/// A triangle's height below this part of its longest side is roundoff.
+/// A triangle lower than this part of its longest side counts as one without area.
 const FLAT: f64 = 1e-9;
 
-/// A mesh of triangles in a geom's own frame, metres. Counter-clockwise triangles face outwards.
+/// A triangle mesh in a geom's own frame, in metres. Triangles are counter-clockwise seen from outside.
 ///
-/// Shared between geoms through an `Arc`; see [`Shape::TriMesh`](super::Shape::TriMesh).
+/// Geoms share a mesh through an `Arc`; see [`Shape::TriMesh`](super::Shape::TriMesh).
 #[derive(Debug, Clone, PartialEq)]
 pub struct TriMesh {
     points: Vec<Point3<f64>>,
@@ -26,9 +26,9 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
-    /// A mesh of these triangles, each three indices into `points`.
+    /// A mesh of triangles, each given by three indices into `points`.
     ///
-    /// Triangles without area collide with nothing and are left out, and so are points that no triangle uses.
+    /// Triangles without area collide with nothing and are left out, as are points that no triangle uses.
     ///
     /// # Errors
     ///
@@ -38,11 +38,11 @@ impl TriMesh {
         for (i, point) in points.iter().enumerate() {
             check::point(&format!("point {i} of the mesh"), point)?;
         }
-        // ODE counts points and indices in a C int.
-        let most = i32::MAX as usize / 3;
-        if points.len() > most || triangles.len() > most {
+        // ODE counts points, and three indices per triangle, in a C int.
+        let max = i32::MAX as usize / 3;
+        if points.len() > max || triangles.len() > max {
             return Err(Error::argument(format!(
-                "mesh: expected at most {most} points and triangles, found {} and {}",
+                "mesh: expected at most {max} points and triangles, found {} and {}",
                 points.len(),
                 triangles.len()
             )));
@@ -55,6 +55,8 @@ impl TriMesh {
                 )));
             }
         }
+
+        // Triangles without area collide with nothing.
         let given = triangles.len();
         let with_area = |triangle: &[u32; 3]| has_area(triangle.map(|index| points[index as usize]));
         let triangles: Vec<_> = triangles.into_iter().filter(with_area).collect();
@@ -66,60 +68,69 @@ impl TriMesh {
         Ok(Self { points, triangles }.without_loose_points())
     }
 
-    /// The same mesh without the points that no triangle uses: ODE aborts where points outnumber edges.
+    /// This mesh without the points that no triangle uses, because ODE aborts if points outnumber edges.
     fn without_loose_points(self) -> Self {
         let mut used = vec![false; self.points.len()];
         self.triangles.as_flattened().iter().for_each(|&index| used[index as usize] = true);
-        let mut fresh = 0;
-        let renumbered: Vec<u32> = used
+
+        // The new index of a used point is the number of used points before it.
+        let mut used_so_far = 0;
+        let new_index: Vec<u32> = used
             .iter()
             .map(|&used| {
-                fresh += u32::from(used);
-                fresh.wrapping_sub(1)
+                used_so_far += u32::from(used);
+                used_so_far.wrapping_sub(1)
             })
             .collect();
+
         let points = self.points.into_iter().zip(used).filter_map(|(point, used)| used.then_some(point));
-        let triangles = self.triangles.into_iter().map(|corners| corners.map(|k| renumbered[k as usize]));
+        let triangles = self.triangles.into_iter().map(|corners| corners.map(|k| new_index[k as usize]));
         Self { points: points.collect(), triangles: triangles.collect() }
     }
 
-    /// The points that triangles use, in the order given.
+    /// The points that triangles use, in the order in which they were given.
     pub fn points(&self) -> &[Point3<f64>] {
         &self.points
     }
 
-    /// The triangles that have an area, as indices into [`points`](Self::points).
+    /// The triangles that have an area, each as three indices into [`points`](Self::points).
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 }
 
+/// Whether a triangle's area is more than roundoff.
 fn has_area([a, b, c]: [Point3<f64>; 3]) -> bool {
     let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-    // Twice the area is the longest side times the height on it.
+    // Twice the area is the longest side times the height above it.
     let height_over_side = (b - a).cross(&(c - a)).norm() / longest;
     longest > FLAT * FLAT && height_over_side > FLAT
 }
 
-/// ODE's search tree over a mesh. It borrows the mesh's arrays: whoever owns it keeps the mesh.
+/// ODE's search tree over a mesh. It refers to the mesh's arrays, so its owner must keep the mesh.
 #[derive(Debug)]
 pub(super) struct MeshData(dTriMeshDataID);
 
 impl MeshData {
+    /// Builds the search tree of `mesh`.
+    ///
     /// # Safety
     ///
-    /// `mesh` neither moves nor ends before the returned value does, and ODE is open.
+    /// ODE is open, and `mesh` is neither moved nor dropped before the returned value is.
     pub(super) unsafe fn build(mesh: &TriMesh) -> Result<Self> {
-        const { assert!(size_of::<dTriIndex>() == 4, "this ODE has 16-bit triangle indices") };
-        let no_memory = || Error::Ode("no memory for the search tree of a triangle mesh".into());
+        const { assert!(size_of::<dTriIndex>() == 4, "expected an ODE with 32-bit triangle indices") };
+
+        let no_memory = || Error::Ode("memory ran out for the search tree of a triangle mesh".into());
         // SAFETY: ODE is open.
         let id = unsafe { dGeomTriMeshDataCreate() };
         if id.is_null() {
             return Err(no_memory());
         }
         let data = Self(id);
-        // SAFETY: the strides and counts describe the two arrays; the caller keeps them; indices are in range and
-        // triangles have an area, see `TriMesh::new`. Collisions with convex shapes abort without the face angles.
+
+        // Without the face angles collisions with convex shapes abort.
+        // SAFETY: the strides and counts describe the two arrays, which the caller keeps alive; indices are in range
+        // and triangles have an area, see `TriMesh::new`.
         let built = unsafe {
             dGeomTriMeshDataBuildDouble(
                 id,
@@ -137,6 +148,7 @@ impl MeshData {
         if built == 0 { Err(no_memory()) } else { Ok(data) }
     }
 
+    /// ODE's id of the search tree.
     pub(super) fn id(&self) -> dTriMeshDataID {
         self.0
     }
@@ -144,7 +156,7 @@ impl MeshData {
 
 impl Drop for MeshData {
     fn drop(&mut self) {
-        // SAFETY: made by dGeomTriMeshDataCreate; the owner destroys the geom that uses it first.
+        // SAFETY: dGeomTriMeshDataCreate made it, and its owner destroys the geom that uses it first.
         unsafe { dGeomTriMeshDataDestroy(self.0) };
     }
 }
@@ -183,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn an_index_out_of_range_is_refused_by_number() {
+    fn the_error_for_an_index_out_of_range_names_its_triangle() {
         let message = TriMesh::new(corners(), vec![[0, 1, 2], [0, 1, 4]]).unwrap_err().to_string();
         assert_eq!(message, "triangle 1 of the mesh: expected indices below 4, found 4");
     }

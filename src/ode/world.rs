@@ -1,4 +1,4 @@
-//! One scene: the owner of everything in it.
+//! One scene, as the owner of everything in it.
 
 mod export;
 
@@ -24,20 +24,19 @@ use super::joint::{GroupRecord, JointRecord};
 use super::space::{SpaceKind, SpaceRecord};
 use crate::{Error, Result};
 
-/// Tells the ids of one world from those of another.
+/// The serial number of the next world, which distinguishes ids of different worlds.
 static NEXT_SERIAL: AtomicU32 = AtomicU32::new(1);
 
-/// A scene of ODE and the owner of everything in it: bodies, geoms, spaces, joints.
+/// A scene of ODE, which owns its bodies, geoms, spaces and joints.
 ///
-/// Things are addressed by ids. Views such as [`body`](Self::body) panic on an id of something that was removed, as
-/// indexing does; functions that take an id as an argument return an error.
+/// Objects are addressed by ids. Functions that return a view, such as [`body`](Self::body), panic on an id whose
+/// object was removed, as indexing does; functions that take an id as an argument return an error.
 ///
-/// A world may be sent to another thread, and different worlds may be used at the same time on different threads;
-/// one world is used by one thread at a time.
+/// A world may be sent to another thread, and several threads may each use a world of their own at the same time.
 pub struct World {
     pub(super) raw: dWorldID,
     threading: dThreadingImplementationID,
-    /// The contacts of the last collide.
+    /// The group of the contact joints that the last collide attached.
     pub(super) contacts: dJointGroupID,
     root: SpaceId,
     pub(super) bodies: Arena<dBodyID>,
@@ -46,13 +45,13 @@ pub struct World {
     pub(super) joints: Arena<JointRecord>,
     pub(super) groups: Arena<GroupRecord>,
     pub(super) buffers: Buffers,
-    /// The bodies that the last step had to stop.
+    /// The bodies that the last step stopped.
     pub(super) stopped: Vec<BodyId>,
-    /// Declared last, so that it is dropped last: ODE stays open until all of the above is gone.
+    /// Declared last, so that it is dropped last: ODE stays open until all other fields are dropped.
     pub(super) ode: Ode,
 }
 
-/// Memory that is used again from step to step.
+/// Buffers that are reused from step to step.
 #[derive(Default)]
 pub(super) struct Buffers {
     pub(super) raw_contacts: Cell<Vec<dContactGeom>>,
@@ -60,39 +59,42 @@ pub(super) struct Buffers {
     pub(super) poses: Cell<Vec<nalgebra::Isometry3<f64>>>,
 }
 
-// SAFETY: ODE's objects belong to no thread (what ODE keeps per thread is allocated in each collide and step), all of
-// them are reached through this one value, and the world steps with a threading object of its own. What is left
-// global in ODE is atomic (the random numbers), or locked (`Ode`, and the cache for meshes, see `collide`). The
-// data of hull geoms is `Send`, see `hull::geom`.
+// SAFETY: ODE's objects belong to no thread: its per-thread data is allocated before each collide and step. All objects
+// are reached through this one value, and the world steps with its own threading object. The remaining global state of
+// ODE is atomic (the random numbers) or locked (`Ode`, and the cache for meshes, see `collide`). The data of hull geoms
+// is `Send`, see `hull::geom`.
 unsafe impl Send for World {}
 
 impl World {
-    /// An empty world without gravity, with a hash space as its root.
+    /// Makes an empty world without gravity, with a hash space as its root.
     ///
     /// # Errors
     ///
-    /// [`Error::Ode`] if there is no memory.
+    /// [`Error::Ode`] if memory runs out.
     pub fn new(ode: &Ode) -> Result<Self> {
         Self::with_space(ode, SpaceKind::default())
     }
 
-    /// An empty world without gravity, with a root space of this kind.
+    /// Makes an empty world without gravity, with a root space of this kind.
     ///
     /// # Errors
     ///
-    /// [`Error::Ode`] if there is no memory, [`Error::Argument`] for the space's parameters, as in
+    /// [`Error::Ode`] if memory runs out; [`Error::Argument`] if the space's parameters are out of range, as in
     /// [`add_space`](Self::add_space).
     pub fn with_space(ode: &Ode, kind: SpaceKind) -> Result<Self> {
         let kind = kind.checked()?;
         let ode = ode.clone();
         ode.ensure_thread_data()?;
+
         // SAFETY: ODE is open, since `ode` lives.
         let (raw, threading) = unsafe { (dWorldCreate(), dThreadingAllocateSelfThreadedImplementation()) };
         if raw.is_null() || threading.is_null() {
-            return Err(Error::Ode("no memory for a world".into()));
+            return Err(Error::Ode("memory ran out while making a world".into()));
         }
-        // SAFETY: all ids are alive. The implementation that worlds share by default is not guarded against two
-        // threads that step two worlds, so this world gets its own; it is freed after the world.
+
+        // The threading implementation that worlds share by default is not safe when two threads step two worlds, so
+        // this world gets its own.
+        // SAFETY: all ids are alive, and the threading implementation is freed after the world.
         let (contacts, root) = unsafe {
             dWorldSetStepThreadingImplementation(
                 raw,
@@ -101,6 +103,7 @@ impl World {
             );
             (dJointGroupCreate(0), kind.create(std::ptr::null_mut()))
         };
+
         let serial = NEXT_SERIAL.fetch_add(1, Ordering::Relaxed);
         let mut spaces = Arena::new(serial);
         let root = SpaceId(spaces.insert(SpaceRecord { raw: root, parent: None, kind }));
@@ -120,17 +123,17 @@ impl World {
         })
     }
 
-    /// The reference on ODE that this world holds.
+    /// The reference to ODE that this world holds.
     pub fn ode(&self) -> &Ode {
         &self.ode
     }
 
-    /// The space that holds all others. It cannot be removed.
+    /// The space that contains all other spaces. It cannot be removed.
     pub fn root_space(&self) -> SpaceId {
         self.root
     }
 
-    /// A body at the origin, at rest, of 1 kg and unit inertia.
+    /// Adds a body at the origin, at rest, with a mass of 1 kg and unit inertia.
     pub fn add_body(&mut self) -> BodyId {
         // SAFETY: the world is alive.
         let raw = unsafe { dBodyCreate(self.raw) };
@@ -140,18 +143,18 @@ impl World {
         BodyId(key)
     }
 
-    /// Removes a body; false if it was gone already.
+    /// Removes a body. Returns false if it was removed before.
     ///
-    /// Its geoms stay where they are, without a body. Its joints stay too, attached to nothing, so that they no
-    /// longer act, until they are removed or attached again.
+    /// Its geoms stay where they are, without a body. Its joints remain too, attached to nothing and without effect,
+    /// until they are removed or attached again.
     pub fn remove_body(&mut self, id: BodyId) -> bool {
         let Some(raw) = self.bodies.remove(id.0) else { return false };
-        // SAFETY: the record was alive, and is gone now, so that this happens once.
+        // SAFETY: the body was alive, and its record was just removed, so it is destroyed only once.
         unsafe { dBodyDestroy(raw) };
         true
     }
 
-    /// Removes a body and all geoms on it; false if it was gone already.
+    /// Removes a body and all geoms attached to it. Returns false if the body was removed before.
     pub fn remove_body_and_geoms(&mut self, id: BodyId) -> bool {
         if !self.contains_body(id) {
             return false;
@@ -162,76 +165,76 @@ impl World {
         self.remove_body(id)
     }
 
-    /// Whether the body is there.
+    /// Whether the body exists in this world.
     pub fn contains_body(&self, id: BodyId) -> bool {
         self.bodies.get(id.0).is_some()
     }
 
-    /// All bodies.
+    /// The ids of all bodies.
     pub fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
         self.bodies.iter().map(|(key, _)| BodyId(key))
     }
 
-    /// A body to read.
+    /// Read access to a body. [`get_body`](Self::get_body) does not panic.
     ///
     /// # Panics
     ///
-    /// If the body was removed, or is of another world. [`get_body`](Self::get_body) does not.
+    /// If the body was removed or belongs to another world.
     #[track_caller]
     pub fn body(&self, id: BodyId) -> Body<'_> {
         Body::new(*self.bodies.expect(id), id)
     }
 
-    /// A body to read, if it is there.
+    /// Read access to a body, if it exists in this world.
     pub fn get_body(&self, id: BodyId) -> Option<Body<'_>> {
         self.bodies.get(id.0).map(|&raw| Body::new(raw, id))
     }
 
-    /// A body to change.
+    /// Write access to a body.
     ///
     /// # Panics
     ///
-    /// If the body was removed, or is of another world.
+    /// If the body was removed or belongs to another world.
     #[track_caller]
     pub fn body_mut(&mut self, id: BodyId) -> BodyMut<'_> {
         BodyMut::new(*self.bodies.expect(id))
     }
 
-    /// The geoms on a body; none if the body is gone.
+    /// The geoms attached to a body; none if the body was removed.
     pub fn geoms_of(&self, body: BodyId) -> Vec<GeomId> {
         self.geoms().filter(|&geom| self.geom(geom).body() == Some(body)).collect()
     }
 
-    /// Whether the geom is there.
+    /// Whether the geom exists in this world.
     pub fn contains_geom(&self, id: GeomId) -> bool {
         self.geoms.get(id.0).is_some()
     }
 
-    /// All geoms.
+    /// The ids of all geoms.
     pub fn geoms(&self) -> impl Iterator<Item = GeomId> + '_ {
         self.geoms.iter().map(|(key, _)| GeomId(key))
     }
 
-    /// A geom to read.
+    /// Read access to a geom. [`get_geom`](Self::get_geom) does not panic.
     ///
     /// # Panics
     ///
-    /// If the geom was removed, or is of another world. [`get_geom`](Self::get_geom) does not.
+    /// If the geom was removed or belongs to another world.
     #[track_caller]
     pub fn geom(&self, id: GeomId) -> Geom<'_> {
         Geom::new(self, self.geoms.expect(id), id)
     }
 
-    /// A geom to read, if it is there.
+    /// Read access to a geom, if it exists in this world.
     pub fn get_geom(&self, id: GeomId) -> Option<Geom<'_>> {
         self.geoms.get(id.0).map(|record| Geom::new(self, record, id))
     }
 
-    /// A geom to change.
+    /// Write access to a geom.
     ///
     /// # Panics
     ///
-    /// If the geom was removed, or is of another world.
+    /// If the geom was removed or belongs to another world.
     #[track_caller]
     pub fn geom_mut(&mut self, id: GeomId) -> GeomMut<'_> {
         self.geoms.expect(id);
@@ -242,14 +245,14 @@ impl World {
     ///
     /// # Safety
     ///
-    /// Valid until the world is dropped. Whoever uses it must not destroy what the world owns, nor change the user
-    /// data of its bodies, geoms and joints. Geoms that are added to its spaces by hand are not reported by
-    /// [`collide`](Self::collide).
+    /// The id is valid until the world is dropped. The caller must not destroy objects that the world owns, nor change
+    /// the user data of its bodies, geoms and joints. [`collide`](Self::collide) does not report geoms that are added
+    /// to the world's spaces through ODE's own functions.
     pub unsafe fn raw(&self) -> dWorldID {
         self.raw
     }
 
-    /// The id of a body of ODE, if it is one of this world's.
+    /// The id of ODE's body `raw`, if this world owns it.
     ///
     /// # Safety
     ///
@@ -258,13 +261,13 @@ impl World {
         if raw.is_null() {
             return None;
         }
-        // SAFETY: the caller vouches for the body.
+        // SAFETY: the caller guarantees a living body.
         let data = unsafe { dBodyGetData(raw) } as usize;
-        // A foreign body may carry any data: the record must lead back to it.
+        // A body made elsewhere may carry any user data, so the record found with it must name this body.
         self.bodies.by_user_data(data).filter(|&(_, &own)| own == raw).map(|(key, _)| BodyId(key))
     }
 
-    /// The id of a geom of ODE, if it is one of this world's.
+    /// The id of ODE's geom `raw`, if this world owns it.
     ///
     /// # Safety
     ///
@@ -273,12 +276,12 @@ impl World {
         if raw.is_null() {
             return None;
         }
-        // SAFETY: the caller vouches for the geom.
+        // SAFETY: the caller guarantees a living geom.
         let data = unsafe { dGeomGetData(raw) } as usize;
         self.geoms.by_user_data(data).filter(|(_, own)| own.raw == raw).map(|(key, _)| GeomId(key))
     }
 
-    /// The key of the root space.
+    /// The arena key of the root space.
     pub(super) fn root_key(&self) -> Key {
         self.root.0
     }
@@ -286,8 +289,9 @@ impl World {
 
 impl Drop for World {
     fn drop(&mut self) {
-        // SAFETY: every id is alive and destroyed once: joints, then their groups, geoms before the spaces that hold
-        // them, spaces with their root, bodies with the world. What geoms borrow is dropped with the arena, after.
+        // SAFETY: every id is alive and destroyed once: single joints, then groups with their joints, geoms before the
+        // spaces that contain them, spaces with their root, bodies with the world. The data that geoms borrow is in the
+        // arena, which is dropped later.
         unsafe {
             for (_, joint) in self.joints.iter().filter(|(_, joint)| joint.group.is_none()) {
                 dJointDestroy(joint.raw);

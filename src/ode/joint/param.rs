@@ -1,4 +1,4 @@
-//! The numbers of a joint: stops, motor, softness.
+//! Parameters of joints: stops, motor and softness.
 
 use ode_sys::{
     dParamBounce, dParamCFM, dParamERP, dParamFMax, dParamFudgeFactor, dParamHiStop, dParamLoStop,
@@ -9,34 +9,36 @@ use super::JointType;
 use crate::Result;
 use crate::ode::check;
 
-/// A number of a joint.
+/// A numeric parameter of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum JointParam {
-    /// Lowest angle (rad, above -pi to act) or position (m); minus infinity is none.
+    /// The lowest angle (rad, effective above -pi) or position (m); minus infinity means no stop.
     LowStop,
-    /// Highest angle (rad, below pi to act) or position (m); infinity is none.
+    /// The highest angle (rad, effective below pi) or position (m); infinity means no stop.
     HighStop,
-    /// What the motor aims at, rad/s or m/s.
+    /// The motor's target velocity, rad/s or m/s.
     MotorVelocity,
-    /// The largest torque (N m) or force (N) of the motor; 0 is no motor.
+    /// The motor's largest torque (N m) or force (N); 0 means no motor.
     MotorMaxForce,
-    /// How much of an excess force at a stop is left, 0 to 1.
+    /// The scale of the excess force with which the motor leaves a stop, 0 to 1.
     FudgeFactor,
-    /// Restitution of the stops, 0 to 1.
+    /// The restitution of the stops, 0 to 1.
     Bounce,
-    /// Constraint force mixing away from the stops; of ball and fixed joints, of the joint itself.
+    /// Constraint force mixing: of hinges and sliders away from their stops, of ball and fixed joints always.
     Cfm,
-    /// Error reduction of ball and fixed joints.
+    /// The error reduction parameter of ball and fixed joints, 0 to 1.
     Erp,
-    /// Error reduction of the stops.
+    /// The error reduction parameter of the stops, 0 to 1.
     StopErp,
-    /// Constraint force mixing of the stops.
+    /// The constraint force mixing of the stops.
     StopCfm,
 }
 
 impl JointParam {
+    /// ODE's number of this parameter.
     pub(super) fn number(self) -> i32 {
+        // Constants of ODE's unnamed enums are unsigned, while its functions take a C int.
         let number = match self {
             Self::LowStop => dParamLoStop,
             Self::HighStop => dParamHiStop,
@@ -52,6 +54,7 @@ impl JointParam {
         number as i32
     }
 
+    /// Whether joints of this kind have the parameter.
     pub(super) fn is_of(self, kind: JointType) -> bool {
         match kind {
             JointType::Hinge | JointType::Slider => self != Self::Erp,
@@ -60,7 +63,9 @@ impl JointParam {
         }
     }
 
+    /// Refuses NaN and values out of the parameter's range.
     pub(super) fn check(self, value: f64) -> Result<()> {
+        // Only the stops may be infinite, each in the direction that means no stop.
         let name = format!("{self:?} of the joint");
         match self {
             Self::LowStop if value == f64::NEG_INFINITY => Ok(value),

@@ -1,4 +1,4 @@
-//! Joints to read and to change.
+//! Read and write access to joints.
 
 use nalgebra::{Point3, Vector3};
 use ode_sys::*;
@@ -9,7 +9,9 @@ use crate::ode::world::World;
 use crate::ode::{check, convert};
 use crate::{Error, Result};
 
-/// A joint to read. What a kind of joint does not have, and what depends on bodies that were removed, is `None`.
+/// Read access to a joint.
+///
+/// A value is `None` if this kind of joint does not have it, or if the bodies it depends on were removed.
 #[derive(Debug, Clone, Copy)]
 pub struct Joint<'w> {
     world: &'w World,
@@ -22,45 +24,46 @@ impl<'w> Joint<'w> {
         Self { world, record, id }
     }
 
-    /// Its id.
+    /// The joint's id.
     pub fn id(&self) -> JointId {
         self.id
     }
 
-    /// Its kind.
+    /// The joint's kind.
     pub fn joint_type(&self) -> JointType {
         self.record.kind
     }
 
-    /// The bodies that it joins.
+    /// The bodies that the joint connects; `None` stands for the world.
     pub fn bodies(&self) -> [Option<BodyId>; 2] {
         // SAFETY: the view borrows the world, so the joint is alive, and so are its bodies.
         [0, 1].map(|index| unsafe { self.world.body_id(dJointGetBody(self.record.raw, index)) })
     }
 
-    /// Whether it joins anything: not after both of its bodies were taken away.
+    /// Whether the joint is attached to a body. It is not after its bodies were removed.
     pub fn is_attached(&self) -> bool {
         // SAFETY: the joint is alive.
         unsafe { dJointGetNumBodies(self.record.raw) > 0 }
     }
 
-    /// Whether it acts.
+    /// Whether the joint is enabled. A disabled joint has no effect.
     pub fn is_enabled(&self) -> bool {
         // SAFETY: the joint is alive.
         unsafe { dJointIsEnabled(self.record.raw) != 0 }
     }
 
-    /// The point of the first body that is held, in the world.
+    /// The anchor of a ball joint or hinge as a point of the first body, in the world's frame.
     pub fn anchor(&self) -> Option<Point3<f64>> {
-        self.vector(dJointGetBallAnchor, dJointGetHingeAnchor).map(Point3::from)
+        self.anchor_with(dJointGetBallAnchor, dJointGetHingeAnchor).map(Point3::from)
     }
 
-    /// The same point of the second body, or of the world. How far the two are apart is the joint's error.
+    /// The anchor of a ball joint or hinge as a point of the second body, or of the world, in the world's frame. Its
+    /// distance from [`anchor`](Self::anchor) is the joint's error.
     pub fn anchor2(&self) -> Option<Point3<f64>> {
-        self.vector(dJointGetBallAnchor2, dJointGetHingeAnchor2).map(Point3::from)
+        self.anchor_with(dJointGetBallAnchor2, dJointGetHingeAnchor2).map(Point3::from)
     }
 
-    fn vector(&self, ball: VectorGetter, hinge: VectorGetter) -> Option<Vector3<f64>> {
+    fn anchor_with(&self, ball: VectorGetter, hinge: VectorGetter) -> Option<Vector3<f64>> {
         let get = match self.record.kind {
             JointType::Ball => ball,
             JointType::Hinge => hinge,
@@ -69,7 +72,7 @@ impl<'w> Joint<'w> {
         self.read(get)
     }
 
-    /// The axis of a hinge or slider, a unit vector in the world.
+    /// The axis of a hinge or slider, as a unit vector in the world's frame.
     pub fn axis(&self) -> Option<Vector3<f64>> {
         match self.record.kind {
             JointType::Hinge => self.read(dJointGetHingeAxis),
@@ -85,7 +88,7 @@ impl<'w> Joint<'w> {
         Some(convert::vector(&vector))
     }
 
-    /// The angle of a hinge, rad.
+    /// The angle of a hinge, in radians.
     pub fn angle(&self) -> Option<f64> {
         self.number(JointType::Hinge, dJointGetHingeAngle)
     }
@@ -95,7 +98,7 @@ impl<'w> Joint<'w> {
         self.number(JointType::Hinge, dJointGetHingeAngleRate)
     }
 
-    /// The position of a slider, m.
+    /// The position of a slider, in metres.
     pub fn position(&self) -> Option<f64> {
         self.number(JointType::Slider, dJointGetSliderPosition)
     }
@@ -106,11 +109,12 @@ impl<'w> Joint<'w> {
     }
 
     fn number(&self, kind: JointType, get: unsafe extern "C" fn(dJointID) -> dReal) -> Option<f64> {
-        // SAFETY: the joint is alive and of the kind that `get` takes. Without a body ODE reads through a null pointer.
+        // SAFETY: the joint is alive, of the kind that `get` takes, and attached: without a body ODE would read through
+        // a null pointer.
         (self.record.kind == kind && self.is_attached()).then(|| unsafe { get(self.record.raw) })
     }
 
-    /// A number of the joint, if its kind has it.
+    /// A parameter of the joint, if its kind has it.
     pub fn param(&self, param: JointParam) -> Option<f64> {
         let get = match self.record.kind {
             JointType::Ball => dJointGetBallParam,
@@ -123,19 +127,20 @@ impl<'w> Joint<'w> {
         param.is_of(self.record.kind).then(|| unsafe { get(self.record.raw, param.number()) })
     }
 
-    /// ODE's own id.
+    /// ODE's own id of the joint.
     ///
     /// # Safety
     ///
-    /// Valid until the joint is removed. As for [`World::raw`].
+    /// The id is valid until the joint is removed, and its use must follow the rules of [`World::raw`].
     pub unsafe fn raw(&self) -> dJointID {
         self.record.raw
     }
 }
 
+/// The type of ODE's functions that write a joint's anchor or axis.
 type VectorGetter = unsafe extern "C" fn(dJointID, *mut dReal);
 
-/// A joint to change.
+/// Write access to a joint.
 #[derive(Debug)]
 pub struct JointMut<'w> {
     world: &'w mut World,
@@ -147,7 +152,7 @@ impl<'w> JointMut<'w> {
         Self { world, id }
     }
 
-    /// The same joint to read.
+    /// Read access to this joint.
     pub fn view(&self) -> Joint<'_> {
         self.world.joint(self.id)
     }
@@ -156,23 +161,23 @@ impl<'w> JointMut<'w> {
         self.world.joints.expect(self.id).raw
     }
 
-    /// Lets the joint hold other bodies, as they are now.
+    /// Attaches the joint to other bodies at their current poses; `None` stands for the world.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if a body is gone, if there is none or twice the same.
+    /// [`Error::Argument`] if a body was removed, or if both are `None` or the same body.
     pub fn attach(&mut self, bodies: [Option<BodyId>; 2]) -> Result<()> {
         let [first, second] = self.world.raw_pair(bodies)?;
-        // SAFETY: joint and bodies are alive and of one world; there is one body at least, and not twice the same.
+        // SAFETY: joint and bodies are alive and of one world, and the bodies differ, so at most one is null.
         unsafe { dJointAttach(self.raw(), first, second) };
         Ok(())
     }
 
-    /// Sets where a ball joint or hinge holds its bodies, in the world.
+    /// Sets the anchor of a ball joint or hinge, in the world's frame.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for other kinds, without bodies, and for numbers that are not finite.
+    /// [`Error::Argument`] for other kinds of joint, for a joint without bodies, and for numbers that are not finite.
     pub fn set_anchor(&mut self, anchor: &Point3<f64>) -> Result<()> {
         check::point("anchor of the joint", anchor)?;
         let set = match self.view().joint_type() {
@@ -181,16 +186,19 @@ impl<'w> JointMut<'w> {
             other => return Err(self.has_no("anchor", other)),
         };
         self.expect_attached()?;
+
         // SAFETY: the joint is alive, has a body, and is of the kind that `set` takes.
         unsafe { set(self.raw(), anchor.x, anchor.y, anchor.z) };
         Ok(())
     }
 
-    /// Sets the axis of a hinge or slider, in the world. Its angle or position becomes 0 where the bodies are now.
+    /// Sets the axis of a hinge or slider, in the world's frame. The angle or position becomes 0 at the bodies' current
+    /// poses.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for other kinds, without bodies, and for axes that are not finite or have no length.
+    /// [`Error::Argument`] for other kinds of joint, for a joint without bodies, and for axes that are not finite or of
+    /// length 0.
     pub fn set_axis(&mut self, axis: &Vector3<f64>) -> Result<()> {
         let axis = check::direction("axis of the joint", axis)?;
         let set = match self.view().joint_type() {
@@ -199,16 +207,17 @@ impl<'w> JointMut<'w> {
             other => return Err(self.has_no("axis", other)),
         };
         self.expect_attached()?;
+
         // SAFETY: the joint is alive, has a body, and is of the kind that `set` takes; the axis has a length.
         unsafe { set(self.raw(), axis.x, axis.y, axis.z) };
         Ok(())
     }
 
-    /// Sets a number of the joint.
+    /// Sets a parameter of the joint.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if this kind of joint does not have it, for NaN, and for numbers out of range.
+    /// [`Error::Argument`] if this kind of joint does not have the parameter, for NaN, and for numbers out of range.
     pub fn set_param(&mut self, param: JointParam, value: f64) -> Result<()> {
         let kind = self.view().joint_type();
         let set = match kind {
@@ -218,16 +227,18 @@ impl<'w> JointMut<'w> {
             JointType::Fixed => dJointSetFixedParam,
             JointType::Contact => return Err(self.has_no("parameter", kind)),
         };
+
         if !param.is_of(kind) {
             return Err(self.has_no(&format!("{param:?}"), kind));
         }
         param.check(value)?;
+
         // SAFETY: the joint is alive and of the kind that `set` takes; the number is checked.
         unsafe { set(self.raw(), param.number(), value) };
         Ok(())
     }
 
-    /// Whether the joint acts.
+    /// Enables the joint, or disables it, so that it has no effect.
     pub fn set_enabled(&mut self, enabled: bool) {
         // SAFETY: the joint is alive.
         unsafe { if enabled { dJointEnable(self.raw()) } else { dJointDisable(self.raw()) } };
@@ -245,7 +256,7 @@ impl<'w> JointMut<'w> {
             Ok(())
         } else {
             Err(Error::argument(format!(
-                "{:?}: expected a joint with a body, found none: attach it",
+                "{:?}: expected a joint attached to a body, found one without: call `attach` first",
                 self.id
             )))
         }

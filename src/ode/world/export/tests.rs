@@ -21,21 +21,22 @@ fn text(world: &World) -> String {
     String::from_utf8(world.dif().unwrap()).unwrap()
 }
 
-/// A path for this test alone, with nothing at it.
+/// A path that only this test uses, without a file.
 fn fresh_path(name: &str) -> PathBuf {
     let path = std::env::temp_dir().join(format!("ode-visual-hull-dif-{}-{name}", std::process::id()));
     let _ = std::fs::remove_file(&path);
     path
 }
 
-/// The problem that an [`Error::File`] about `path` tells.
+/// The problem in the [`Error::File`] about `path` that `result` holds.
 fn problem(result: Result<()>, path: &Path) -> String {
     match result {
         Err(Error::File { path: named, problem }) if named == path => problem,
-        other => panic!("{other:?}"),
+        other => panic!("expected a file error about {path:?}, found {other:?}"),
     }
 }
 
+/// A tetrahedron as a polyhedron and as a mesh.
 fn tetrahedron() -> [Shape; 2] {
     let corners = vec![
         point![-0.2, -0.2, -0.2],
@@ -62,6 +63,8 @@ fn the_file_names_every_body_with_its_geoms() {
         (convex, "convex"),
         (mesh, "trimesh"),
     ];
+
+    // The height tells the bodies apart, since ODE writes the last one first.
     for (height, (shape, _)) in simple.iter().enumerate() {
         add_body(&mut world, shape, height as f64);
     }
@@ -70,10 +73,11 @@ fn the_file_names_every_body_with_its_geoms() {
     world.export_dif(&path).unwrap();
     let written = std::fs::read_to_string(&path).unwrap();
     std::fs::remove_file(&path).unwrap();
+
     for (index, (_, name)) in simple.iter().rev().enumerate() {
         let body = format!("\nbody[{index}] = dynamics.body {{");
-        let after = written.split_once(&body).unwrap_or_else(|| panic!("{body} in {written}")).1;
-        let of_body = after.split_once("\n}").unwrap().0;
+        let rest = written.split_once(&body).unwrap_or_else(|| panic!("{body} in {written}")).1;
+        let of_body = rest.split_once("\n}").unwrap().0;
         assert!(of_body.contains(&format!("type = \"{name}\"")), "{name} in {of_body}");
         assert!(of_body.contains(&format!("pos = {{0,0,{}}}", simple.len() - 1 - index)), "{of_body}");
     }
@@ -92,6 +96,7 @@ fn the_file_names_every_joint_and_the_contacts_of_the_last_collide() {
         JointKind::Slider { axis },
         JointKind::Fixed,
     ];
+
     for kind in &kinds {
         world.add_joint([pair[0], None], kind).unwrap();
     }
@@ -106,7 +111,7 @@ fn the_file_names_every_joint_and_the_contacts_of_the_last_collide() {
 }
 
 #[test]
-fn a_hull_on_a_body_is_an_entry_without_a_type_and_free_geoms_are_left_out() {
+fn a_hull_on_a_body_is_an_entry_without_a_type_and_geoms_without_a_body_are_left_out() {
     let mut world = world();
     let root = world.root_space();
     world.add_geom(root, &Shape::Plane { normal: Vector3::z(), offset: 0.0 }).unwrap();
@@ -121,7 +126,7 @@ fn a_hull_on_a_body_is_an_entry_without_a_type_and_free_geoms_are_left_out() {
 }
 
 #[test]
-fn a_world_that_was_written_moves_on_as_if_it_had_not_been() {
+fn exporting_a_world_does_not_change_its_motion() {
     let run = |export: bool| {
         let mut world = world();
         let (root, cube) = (world.root_space(), Shape::cuboid(0.2, 0.2, 0.2));
@@ -131,21 +136,23 @@ fn a_world_that_was_written_moves_on_as_if_it_had_not_been() {
         for body in bodies {
             world.body_mut(body).set_mass(&Mass::of(&cube, Amount::Total(1.0)).unwrap()).unwrap();
         }
+
         for _ in 0..50 {
             world.default_collide(&Surface::default(), 4).unwrap();
             if export {
                 world.dif().unwrap();
             }
-            // The other stepper draws on random numbers, which tests on other threads draw on too.
+            // The other stepper uses ODE's random numbers, which tests on other threads use too.
             world.step(0.01).unwrap();
         }
+
         bodies.map(|body| world.body(body).pose())
     };
     assert_eq!(run(true), run(false));
 }
 
 #[test]
-fn a_file_that_is_there_is_replaced() {
+fn an_existing_file_is_replaced() {
     let path = fresh_path("replaced");
     std::fs::write(&path, "x".repeat(10_000)).unwrap();
     world().export_dif(&path).unwrap();
@@ -155,7 +162,7 @@ fn a_file_that_is_there_is_replaced() {
 }
 
 #[test]
-fn a_folder_that_is_not_there_is_an_error_and_is_not_made() {
+fn a_missing_folder_is_an_error_and_is_not_made() {
     let folder = fresh_path("no_folder");
     let path = folder.join("world.dif");
     let problem = problem(world().export_dif(&path), &path);
@@ -164,7 +171,7 @@ fn a_folder_that_is_not_there_is_an_error_and_is_not_made() {
 }
 
 #[test]
-fn a_folder_and_a_name_that_cannot_be_are_no_files() {
+fn a_folder_and_an_invalid_name_are_refused_as_files() {
     let folder = std::env::temp_dir();
     let of_folder = problem(world().export_dif(&folder), &folder);
     assert!(of_folder.contains("name a file in this folder"), "{of_folder}");

@@ -1,9 +1,9 @@
 /*
  * ode_visual_hull.h - the visual hull of a real, moving subject as a geometry class of the Open Dynamics Engine.
  *
- * Several calibrated cameras see a subject; each image gives a silhouette; together they bound the subject's visual
- * hull. A geom of this class collides with it directly in the images: new silhouettes, the next step collides,
- * nothing is rebuilt.
+ * Several calibrated cameras see a subject. Each image gives a silhouette, and the silhouettes together define the
+ * subject's visual hull. A geom of this class tests collisions with the hull directly in the images: the next step
+ * collides with new silhouettes at once, and no mesh or voxel grid is rebuilt.
  *
  *     dInitODE2(0);
  *     dInitVisualHull();
@@ -19,13 +19,14 @@
  *         dJointGroupEmpty(contacts);
  *     }
  *
- * Units are ODE's own; metres, seconds and radians are assumed in defaults. Camera axes: x right, y down, z forward.
- * Images: the upper left corner is (0, 0), pixel (i, j) covers [i, i+1) x [j, j+1), its centre is (i+0.5, j+0.5).
- * Masks: one byte a pixel, 0 background to 255 subject, inside where it is 128 or more; values between are coverage.
+ * Units are those of the ODE program; the defaults assume metres, seconds and radians. Camera axes: x right, y down,
+ * z forward. Images: the upper left corner is (0, 0), pixel (i, j) covers [i, i+1) x [j, j+1), and its centre is
+ * (i+0.5, j+0.5). Masks: one byte per pixel, from 0 for background to 255 for subject. A pixel is inside from 128 on;
+ * values between 0 and 255 are the part of the pixel that the subject covers.
  *
- * Functions that can fail return nonzero, an id or an index on success, and 0, NULL or -1 on failure; then
- * dVisualHullGetErrorMessage tells what was expected, what was found, and what to do. Nothing here aborts or prints.
- * Ids that are NULL, stale or of another kind are refused, not followed.
+ * Functions that can fail return nonzero, an id or an index on success, and 0, NULL or -1 on failure. After a failure
+ * dVisualHullGetErrorMessage returns what was expected, what was found, and what to do. No function aborts or prints.
+ * Ids that are NULL, stale or of another kind are refused and never dereferenced.
  */
 #ifndef _ODE_VISUAL_HULL_H_
 #define _ODE_VISUAL_HULL_H_
@@ -36,51 +37,51 @@
 extern "C" {
 #endif
 
-/** The version of this header, as dVisualHullGetVersion gives that of the library. */
+/** The version of this header; dVisualHullGetVersion returns the version of the library. */
 #define dVISUAL_HULL_VERSION "0.1.0"
 
-/** A subject's views and their masks. Made by dGeomVisualHullDataCreate; shared by any number of geoms. */
+/** A data object: a subject's views and their masks, which any number of geoms may share. */
 struct dxVisualHullData;
 typedef struct dxVisualHullData *dVisualHullDataID;
 
-/** What a view that does not see a point says of it; see dGeomVisualHullDataSetUnseen. */
+/** How a view that does not see a point counts for it; see dGeomVisualHullDataSetUnseen. */
 enum {
   dVisualHullUnseenOutside = 0, /**< The point is outside. The default. */
-  dVisualHullUnseenAbstain = 1  /**< Nothing; but minViews views must see a point that is inside. */
+  dVisualHullUnseenAbstain = 1  /**< The view abstains, but at least minViews views must see a point that is inside. */
 };
 
-/** How contacts are made; see dGeomVisualHullSetContactMode. */
+/** How contacts are computed from the colliding samples; see dGeomVisualHullSetContactMode. */
 enum {
-  dVisualHullContactsClustered = 0, /**< Samples with like ways out, guided by the body's normals. The default. */
-  dVisualHullContactsPaper = 1,     /**< One direction for the body, each sample its own depth, uncapped. */
-  dVisualHullContactsPoint = 2,     /**< Each sample along its own way out. */
-  dVisualHullContactsSingle = 3     /**< The deepest sample alone. */
+  dVisualHullContactsClustered = 0, /**< Clusters of samples with similar exit directions. The default. */
+  dVisualHullContactsPaper = 1,     /**< One direction for the body, a depth for each sample, without a limit. */
+  dVisualHullContactsPoint = 2,     /**< Each sample along its own exit direction. */
+  dVisualHullContactsSingle = 3     /**< Only the deepest sample. */
 };
 
 /**
- * @brief Opens the class: takes a reference on ODE (dInitODE2), checks that it computes in double precision, and
- * registers the one geometry class.
+ * @brief Opens the class: takes a reference to ODE (dInitODE2), checks that ODE computes in double precision, and
+ * registers the geometry class.
  *
- * May be called any number of times; each call wants one dCloseVisualHull.
+ * May be called any number of times; each call needs one dCloseVisualHull.
  *
- * @return Nonzero on success. 0 where ODE is of single precision, or where all four user classes of ODE are taken.
+ * @return Nonzero on success; 0 if ODE computes in single precision, or if all four user classes of ODE are taken.
  */
 int dInitVisualHull(void);
 
 /**
- * @brief Gives back one dInitVisualHull; the last one drops the reference on ODE.
+ * @brief Closes what one dInitVisualHull opened; the last call releases the reference to ODE.
  *
- * Destroy the geoms first, as before dCloseODE. Data objects stay until they are destroyed.
+ * Destroy the geoms first, as before dCloseODE. Data objects remain until they are destroyed.
  */
 void dCloseVisualHull(void);
 
-/** @brief The class's number, as dGeomGetClass gives it for a hull; -1 when closed. */
+/** @brief The class's number, which dGeomGetClass returns for a hull; -1 when the class is closed. */
 int dGetVisualHullClass(void);
 
 /**
- * @brief What went wrong in this thread's last call that failed; "" if none did.
+ * @brief The error message of this thread's last call that failed; "" if none failed.
  *
- * A collision can fail too, for a geom that cannot be sampled: dCollide then gives no contacts, and this tells why.
+ * A collision fails for a geom that cannot be sampled: dCollide then returns no contacts, and this function the reason.
  *
  * @return A string that is valid until the thread's next call of a function of this header.
  */
@@ -90,61 +91,61 @@ const char *dVisualHullGetErrorMessage(void);
 const char *dVisualHullGetVersion(void);
 
 /**
- * @brief A data object without views, without a work volume, and with the policy dVisualHullUnseenOutside.
+ * @brief Creates a data object without views, without a work volume, and with the policy dVisualHullUnseenOutside.
  *
- * Yours to destroy. All functions on data objects may be called from any thread, dGeomVisualHullDataUpdate excepted.
+ * The caller destroys it with dGeomVisualHullDataDestroy. All functions on data objects may be called from any thread,
+ * except dGeomVisualHullDataUpdate.
  *
  * @return The id.
  */
 dVisualHullDataID dGeomVisualHullDataCreate(void);
 
 /**
- * @brief Destroys a data object. Geoms that are bound to it keep its last frame until they are destroyed or bound to
- * other data.
+ * @brief Destroys a data object. Geoms bound to it keep its last frame until they are destroyed or bound to other data.
  */
 void dGeomVisualHullDataDestroy(dVisualHullDataID d);
 
 /**
- * @brief Adds a view by its projection matrix.
+ * @brief Adds a view, given by its projection matrix.
  *
  * @param d the data object
- * @param P 3x4, row-major, from homogeneous world to image coordinates, of any scale; copied
+ * @param P 3x4, row-major, from homogeneous world to homogeneous image coordinates, of any scale; copied
  * @param width the image's width in pixels
  * @param height the image's height in pixels
- * @return The view's index, from 0; -1 for a singular or NaN matrix, or a size out of range.
+ * @return The view's index, from 0; -1 if the matrix is singular or not finite, or a size is out of range.
  */
 int dGeomVisualHullDataAddView(dVisualHullDataID d, const dReal P[12], int width, int height);
 
 /**
- * @brief Adds a view by its camera, with OpenCV's lens distortion.
+ * @brief Adds a view, given by its camera with OpenCV's lens distortion.
  *
  * @param d the data object
- * @param K the intrinsic matrix, 3x3, row-major, in pixels; copied, as all arrays here. OpenCV puts pixel centres at
- * whole numbers: add 0.5 to its principal point.
+ * @param K the intrinsic matrix, 3x3, row-major, in pixels; copied, as all arrays here. In OpenCV pixel centres have
+ * integer coordinates: add 0.5 to its principal point.
  * @param R the rotation from world to camera, 3x3, row-major, without padding
  * @param t the translation, so that x_cam = R x_world + t
- * @param distortion k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [taux tauy]]]]; may be NULL where nDistortion is 0
+ * @param distortion k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [taux tauy]]]]; may be NULL if nDistortion is 0
  * @param nDistortion 0, 4, 5, 8, 12 or 14
  * @param width the image's width in pixels
  * @param height the image's height in pixels
- * @return The view's index, from 0; -1 for a calibration that cannot be used.
+ * @return The view's index, from 0; -1 if the calibration is invalid.
  */
 int dGeomVisualHullDataAddCamera(dVisualHullDataID d, const dReal K[9], const dReal R[9], const dReal t[3],
                                  const dReal *distortion, int nDistortion, int width, int height);
 
 /**
- * @brief Adds a view by its camera, with OpenCV's fisheye lens.
+ * @brief Adds a view, given by its camera with OpenCV's fisheye lens.
  *
  * @param d the data object
  * @param K the intrinsic matrix, as for dGeomVisualHullDataAddCamera
  * @param R the rotation from world to camera, 3x3, row-major, without padding
  * @param t the translation, so that x_cam = R x_world + t
- * @param k k1 k2 k3 k4; may be NULL where nk is 0: all of them are then zero
+ * @param k k1 k2 k3 k4; may be NULL if nk is 0, and then all four are zero
  * @param nk 0 or 4
  * @param width the image's width in pixels
  * @param height the image's height in pixels
- * @return The view's index, from 0; -1 for a calibration that cannot be used, for an image that shows rays at 90
- * degrees or more from the camera's axis, and for a model that folds back before the nearest border of the image.
+ * @return The view's index, from 0; -1 if the calibration is invalid, if the image shows rays at 90 degrees or more
+ * from the camera's axis, or if the model folds back before the nearest border of the image.
  */
 int dGeomVisualHullDataAddFisheyeCamera(dVisualHullDataID d, const dReal K[9], const dReal R[9], const dReal t[3],
                                         const dReal *k, int nk, int width, int height);
@@ -152,7 +153,7 @@ int dGeomVisualHullDataAddFisheyeCamera(dVisualHullDataID d, const dReal K[9], c
 /**
  * @brief Adds all views of a calibration file, the TOML of anipose, Pose2Sim and caliscope.
  *
- * @return Their number; 0 where the file cannot be read or used, and then none is added.
+ * @return The number of views in the file; 0 if it cannot be read or is invalid, and then no view is added.
  */
 int dGeomVisualHullDataLoadRig(dVisualHullDataID d, const char *path);
 
@@ -160,132 +161,148 @@ int dGeomVisualHullDataLoadRig(dVisualHullDataID d, const char *path);
 int dGeomVisualHullDataGetViewCount(dVisualHullDataID d);
 
 /**
- * @brief Sets the work volume: points outside are outside the hull. Needed before the first update.
+ * @brief Sets the work volume: points outside of it are outside the hull. It must be set before the first update.
  *
  * @param d the data object
- * @param aabb min x, max x, min y, max y, min z, max z, in the hull's frame, as dGeomGetAABB has it
+ * @param aabb min x, max x, min y, max y, min z, max z, in the hull's frame, in the order of dGeomGetAABB
  */
 int dGeomVisualHullDataSetBounds(dVisualHullDataID d, const dReal aabb[6]);
 
 /**
- * @brief Sets what views that do not see a point say of it.
+ * @brief Sets how a view that does not see a point counts for it.
  *
  * @param d the data object
  * @param policy dVisualHullUnseenOutside or dVisualHullUnseenAbstain
- * @param minViews for dVisualHullUnseenAbstain, how many views must see a point that is inside; 2 is usual
+ * @param minViews for dVisualHullUnseenAbstain, the number of views that must see a point that is inside; usually 2
  */
 int dGeomVisualHullDataSetUnseen(dVisualHullDataID d, int policy, int minViews);
 
 /**
- * @brief Gives a view its next mask. It is read where it lies and prepared here, on this thread, and seen after
- * dGeomVisualHullDataUpdate; when the call returns, the buffer is the caller's again. A view that gets none keeps its
- * last one.
+ * @brief Sets a view's next mask, which takes effect with dGeomVisualHullDataUpdate. A view without a new mask keeps
+ * its last one.
+ *
+ * The mask is read in place and prepared on the calling thread. The caller may reuse the buffer when the call returns.
  *
  * @param d the data object
  * @param view the view's index
- * @param mask the first byte of the upper row; rows from top to bottom
- * @param rowStride bytes from a row to the next, at least the image's width
- * @return 0 for a mask that cannot be used, a full one among them; the last good one then stays.
+ * @param mask the first byte of the top row; rows follow from top to bottom
+ * @param rowStride bytes from one row to the next, at least the image's width
+ * @return Nonzero on success; 0 for an invalid mask, such as one that is all subject, and then the last valid mask
+ * stays.
  */
 int dGeomVisualHullDataSetMask(dVisualHullDataID d, int view, const unsigned char *mask, int rowStride);
 
 /**
- * @brief Gives a view its next mask, which was taken at @p time seconds. A mask without a time of its own counts as taken
- * at that of the first update that shows it.
+ * @brief Sets a view's next mask with the time of its exposure. A mask that dGeomVisualHullDataSetMask sets gets the
+ * time of the first update that publishes it.
  *
  * @param d the data object
  * @param view the view's index
- * @param mask the first byte of the upper row; rows from top to bottom
- * @param rowStride bytes from a row to the next, at least the image's width
- * @param time finite, and not before that of the view's last mask
- * @return 0 as dGeomVisualHullDataSetMask, and for a time that cannot be; the last good mask then stays.
+ * @param mask the first byte of the top row; rows follow from top to bottom
+ * @param rowStride bytes from one row to the next, at least the image's width
+ * @param time the time of exposure in seconds, finite and not before that of the view's last mask
+ * @return Nonzero on success; 0 for an invalid mask or time, and then the last valid mask stays.
  */
 int dGeomVisualHullDataSetMaskAt(dVisualHullDataID d, int view, const unsigned char *mask, int rowStride, dReal time);
 
-/** @brief Gives a view its next mask from an image file (PNG, JPEG, PNM): its alpha channel where it has one, else its grey values. */
+/**
+ * @brief Sets a view's next mask from an image file (PNG, JPEG, PNM): from its alpha channel if it has one, else from
+ * its grey values.
+ *
+ * @return Nonzero on success; 0 for an invalid file or mask, and then the last valid mask stays.
+ */
 int dGeomVisualHullDataLoadMask(dVisualHullDataID d, int view, const char *path);
 
-/** @brief Takes a view out (0), so that it abstains, or puts it back (1); seen after dGeomVisualHullDataUpdate. */
+/**
+ * @brief Disables a view (0), so that it abstains, or enables it (1). The change takes effect with
+ * dGeomVisualHullDataUpdate.
+ */
 int dGeomVisualHullDataSetViewEnabled(dVisualHullDataID d, int view, int enabled);
 
 /**
- * @brief Publishes the masks as the frame of that time, in seconds; bound geoms collide with it from now on.
+ * @brief Publishes the latest masks of all views as the frame of the given time, in seconds. Bound geoms collide with
+ * this frame from now on.
  *
- * Cheap. Call it where the simulation runs, between two collides: it tells the spaces of all bound geoms that their
- * boxes have changed, which ODE forbids inside a near callback.
+ * The call is cheap. Make it on the thread that runs the simulation, between two collides: it marks the bounding boxes
+ * of all bound geoms as changed, which ODE forbids inside a near callback.
  *
- * @return 0 where the masks are no frame yet (a view without a mask, no bounds, a time before the last one's); the
- * last frame then stays in force.
+ * @return Nonzero on success; 0 if a view has no mask, if there are no bounds, or if the time is before the last
+ * frame's, and then the last frame stays in use.
  */
 int dGeomVisualHullDataUpdate(dVisualHullDataID d, dReal time);
 
 /**
- * @brief A geom of the class, bound to a data object; placeable, without a body, at the origin.
+ * @brief Creates a geom of the class, bound to a data object. It is placeable, at the origin and without a body.
  *
- * Destroyed by dGeomDestroy or with its space, as any geom. Its pose moves the whole capture space.
+ * dGeomDestroy or the destruction of its space destroys it, as any geom. Its pose is the transform from the cameras'
+ * world frame to ODE's world, so it moves the subject as the cameras see it.
  *
- * @param space where to put it; may be 0
+ * @param space the space to add the geom to; may be 0
  * @param d the data object
  * @return The geom; 0 on failure.
  */
 dGeomID dCreateVisualHull(dSpaceID space, dVisualHullDataID d);
 
-/** @brief Binds a hull to other data. Between two collides only. */
+/** @brief Binds a hull to another data object. Call it between two collides only. */
 void dGeomVisualHullSetData(dGeomID g, dVisualHullDataID d);
 
-/** @brief The data object that a hull is bound to; NULL once that was destroyed, and on failure. */
+/** @brief The data object that a hull is bound to; NULL if that was destroyed, and on failure. */
 dVisualHullDataID dGeomVisualHullGetData(dGeomID g);
 
-/** @brief 1 where a point of the world is inside, 0 outside, -1 on failure. */
+/** @brief Whether a point of the world is inside the hull: 1 inside, 0 outside, -1 on failure. */
 int dGeomVisualHullPointInside(dGeomID g, dReal x, dReal y, dReal z);
 
 /**
- * @brief The way out for a point of the world, by the paper's normal.
+ * @brief The vector from a point of the world along the paper's normal to the hull's surface.
  *
- * @param w gets the vector from the point to the hull's surface, 0 outside
+ * @param w receives the vector, in the world's frame; 0 outside the hull
  * @return 1 inside, 0 outside, -1 on failure.
  */
 int dGeomVisualHullPointResponse(dGeomID g, dReal x, dReal y, dReal z, dVector3 w);
 
 /**
- * @brief The way out for a body's shape.
+ * @brief The vector that moves a geom out of the hull, by the paper's section 5.
  *
  * @param g the hull
  * @param body the other geom
- * @param v gets the vector that moves the body out, 0 where they do not touch
+ * @param v receives the vector, in the world's frame; 0 if they do not touch
  * @return The number of colliding samples; -1 on failure.
  */
 int dGeomVisualHullBodyResponse(dGeomID g, dGeomID body, dVector3 v);
 
-/** @brief How contacts are made: one of dVisualHullContacts... */
+/** @brief Sets how contacts are computed: one of dVisualHullContacts... */
 void dGeomVisualHullSetContactMode(dGeomID g, int mode);
 
-/** @brief The most contacts for a pair, 8 by default; a caller of dCollide may ask for fewer. */
+/** @brief Sets the largest number of contacts per pair, 8 by default. dCollide returns fewer if its flags say so. */
 void dGeomVisualHullSetMaxContacts(dGeomID g, int n);
 
-/** @brief The largest depth of a contact, 0.05 by default: a body deep inside leaves slowly. Not in paper mode. */
+/**
+ * @brief Sets the largest depth of a contact, 0.05 by default, so that a body deep inside is pushed out slowly. Paper
+ * mode has no limit.
+ */
 void dGeomVisualHullSetMaxDepth(dGeomID g, dReal depth);
 
 /**
- * @brief The diameter of the thinnest real feature that must not slip between a body's samples, 0.03 by default;
+ * @brief Sets the diameter of the thinnest real feature that must not slip between a body's samples, 0.03 by default.
  * 0.015 suits noisy masks.
  */
 void dGeomVisualHullSetMinFeature(dGeomID g, dReal diameter);
 
 /**
- * @brief Gives a geom surface samples of your own, for classes that have none, or better ones.
+ * @brief Sets surface samples for a geom, in place of its class's own samples or for a class that has none.
  *
- * They belong to the geom until dGeomVisualHullClearSamples; call that before you destroy it.
+ * The samples belong to the geom until dGeomVisualHullClearSamples; call that before you destroy the geom.
  *
  * @param body any geom
  * @param points count vectors of three numbers in the geom's frame; copied
- * @param normals as many outward normals, or NULL: then every sample counts, whatever pushes it
- * @param count their number
- * @param stride bytes from a vector to the next, such as sizeof(dVector3)
+ * @param normals as many outward normals, or NULL: then a sample can be pushed in any direction
+ * @param count the number of samples
+ * @param stride bytes from one vector to the next, such as sizeof(dVector3)
+ * @return Nonzero on success; 0 if an argument is invalid, and then the geom keeps its samples.
  */
 int dGeomVisualHullSetSamples(dGeomID body, const dReal *points, const dReal *normals, int count, int stride);
 
-/** @brief Goes back to the samples of the geom's class. */
+/** @brief Removes the samples that dGeomVisualHullSetSamples has set, so that the geom has those of its class again. */
 void dGeomVisualHullClearSamples(dGeomID body);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-//! Between C and Rust: errors become messages, and no panic crosses.
+//! The boundary between C and Rust: errors and panics become messages, and no panic unwinds into C.
 
 use crate::Result;
 use crate::ode::{catch, is_fenced, take_last_error, take_parked_panic};
@@ -9,12 +9,13 @@ use std::panic;
 use std::sync::Once;
 
 thread_local! {
+    /// The message of this thread's last failure.
     static MESSAGE: RefCell<CString> = RefCell::default();
-    /// Where the last panic behind a fence began.
+    /// The source location of the last fenced panic.
     static PLACE: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
-/// Keeps panics that become messages from being printed; all others are printed as before.
+/// Installs a panic hook that does not print fenced panics, which become messages. It prints all others as before.
 pub(super) fn keep_quiet() {
     static QUIET: Once = Once::new();
     QUIET.call_once(|| {
@@ -29,7 +30,7 @@ pub(super) fn keep_quiet() {
     });
 }
 
-/// What `call` returns, or `failure` after its error, or its panic, became this thread's message.
+/// The result of `call`. If it fails or panics, the error becomes this thread's message and `failure` is returned.
 pub(super) fn fenced<T>(failure: T, call: impl FnOnce() -> Result<T>) -> T {
     let problem = match catch(call) {
         Ok(Ok(value)) => return value,
@@ -40,32 +41,35 @@ pub(super) fn fenced<T>(failure: T, call: impl FnOnce() -> Result<T>) -> T {
     failure
 }
 
-/// This thread's message; what went wrong in a callback that ODE made of us since is told first.
+/// This thread's message. An error or panic in a callback since the last failure replaces it.
 pub(super) fn message() -> *const c_char {
-    if let Some(trouble) = take_last_error() {
-        set_message(trouble);
+    if let Some(error) = take_last_error() {
+        set_message(error);
     }
     if let Some(payload) = take_parked_panic() {
         set_message(panic_message(payload.as_ref()));
     }
-    // The string stays until the next failure on this thread.
+    // The string is valid until the next failure on this thread.
     MESSAGE.with_borrow(|message| message.as_ptr())
 }
 
+/// Makes `text` this thread's message.
 fn set_message(text: String) {
-    // C strings end at their first zero, which no message needs.
+    // A zero byte would end the C string early.
     let text = CString::new(text.replace('\0', "?")).unwrap_or_default();
     MESSAGE.set(text);
 }
 
+/// The message for a panic: its text, its source location, and a request to report it.
 fn panic_message(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().copied();
-    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no words");
+    let text =
+        text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("without a message");
     let place = PLACE.take();
-    format!("a panic_message of this library, not of its caller: {text} ({place}); please report it")
+    format!("internal error of this library, not of its caller: {text} ({place}); please report it")
 }
 
-/// The text at `text`, a path for instance.
+/// The caller's string, such as a path.
 ///
 /// # Safety
 /// `text` is NULL or a C string.
@@ -73,7 +77,7 @@ pub(super) unsafe fn utf8<'a>(text: *const c_char, what: &str) -> Result<&'a str
     if text.is_null() {
         return Err(crate::Error::argument(format!("{what}: expected a string, found NULL")));
     }
-    // SAFETY: the caller vouches for a C string.
+    // SAFETY: the caller guarantees a C string.
     let text = unsafe { CStr::from_ptr(text) };
     text.to_str().map_err(|_| crate::Error::argument(format!("{what}: expected UTF-8, found {text:?}")))
 }

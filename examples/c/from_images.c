@@ -1,9 +1,10 @@
 /*
- * Bodies fall on a recorded subject: a rig file and one folder of masks per camera.
+ * Bodies fall on a recorded subject, which is given by a rig file and a folder of masks per camera.
  *
  *     from_images RECORDING CAMERA...
  *
- * reads RECORDING/rig.toml and, for the cameras in the rig file's order, RECORDING/CAMERA/mask/000000.png and so on.
+ * reads RECORDING/rig.toml and the masks RECORDING/CAMERA/mask/000000.png, 000001.png, ... Name the cameras in the rig
+ * file's order.
  */
 #include <math.h>
 #include <ode_visual_hull.h>
@@ -15,24 +16,27 @@ enum { BODIES = 24, STEPS_PER_FRAME = 4, FRAMES = 150 };
 
 static const dReal FRAME = 1.0 / 60, RADIUS = 0.06;
 
-/* The work volume, which the subject stands in somewhere. */
+/* The work volume, which contains the subject. */
 static const dReal BOUNDS[6] = {-2, 2, -2, 2, 0, 2.2};
 
 static dWorldID world;
 static dJointGroupID contacts;
 
+/* Prints the message of the last failure and exits. */
 static void fail(void) {
   fprintf(stderr, "error: %s\n", dVisualHullGetErrorMessage());
   exit(1);
 }
 
-/* Loads the masks of a frame; 0 after the last one. */
+/* Loads the masks of a frame. Returns 0 after the last frame. */
 static int load_frame(dVisualHullDataID data, const char *recording, char **camera, int cameras, int frame) {
   char path[4096];
   int view;
+
   for (view = 0; view < cameras; view++) {
     FILE *file;
     snprintf(path, sizeof path, "%s/%s/mask/%06d.png", recording, camera[view], frame);
+    /* A missing file ends the recording, except in the first frame, where it is an error. */
     if (frame > 0 && !(file = fopen(path, "rb"))) return 0;
     if (frame > 0) fclose(file);
     if (!dGeomVisualHullDataLoadMask(data, view, path)) fail();
@@ -40,10 +44,11 @@ static int load_frame(dVisualHullDataID data, const char *recording, char **came
   return 1;
 }
 
-/* The middle of the subject's topmost slice that is wide enough to be no speck; 0 where there is none. */
+/* Finds the centre of the hull's topmost slice that is too large to be noise. Returns 0 if there is none. */
 static int find_top(dGeomID hull, dVector3 top) {
   const dReal grid = 0.02;
   dReal x, y, z;
+
   for (z = BOUNDS[5]; z > BOUNDS[4]; z -= grid) {
     int inside = 0;
     dSetZero(top, 4);
@@ -61,6 +66,8 @@ static void near_callback(void *touched, dGeomID o1, dGeomID o2) {
   dContact contact[8];
   int k, n = dCollide(o1, o2, 8, &contact[0].geom, sizeof(dContact));
   const int hull = dGetVisualHullClass();
+
+  /* Nothing but this count depends on the class of a geom. */
   if (n > 0 && (dGeomGetClass(o1) == hull || dGeomGetClass(o2) == hull)) ++*(int *)touched;
   for (k = 0; k < n; k++) {
     memset(&contact[k].surface, 0, sizeof contact[k].surface);
@@ -72,11 +79,12 @@ static void near_callback(void *touched, dGeomID o1, dGeomID o2) {
   }
 }
 
-/* A ball, a box or a capsule. */
+/* Adds a ball, a box or a capsule. */
 static void add_body(dSpaceID space, int kind, dReal x, dReal y, dReal z) {
   dBodyID body = dBodyCreate(world);
   dGeomID geom;
   dMass mass;
+
   if (kind == 0) {
     geom = dCreateSphere(space, RADIUS);
     dMassSetSphere(&mass, 200, RADIUS);
@@ -87,6 +95,7 @@ static void add_body(dSpaceID space, int kind, dReal x, dReal y, dReal z) {
     geom = dCreateCapsule(space, RADIUS / 2, 2 * RADIUS);
     dMassSetCapsule(&mass, 200, 3, RADIUS / 2, 2 * RADIUS);
   }
+
   dBodySetMass(body, &mass);
   dGeomSetBody(geom, body);
   dBodySetPosition(body, x, y, z);
@@ -105,6 +114,7 @@ int main(int argc, char **argv) {
     fprintf(stderr, "usage: from_images RECORDING CAMERA...\n");
     return 2;
   }
+
   dInitODE2(0);
   if (!dInitVisualHull()) fail();
 
@@ -112,7 +122,8 @@ int main(int argc, char **argv) {
   snprintf(path, sizeof path, "%s/rig.toml", argv[1]);
   if (!dGeomVisualHullDataLoadRig(data, path)) fail();
   if (dGeomVisualHullDataGetViewCount(data) != cameras) {
-    fprintf(stderr, "error: %s has %d cameras, %d named\n", path, dGeomVisualHullDataGetViewCount(data), cameras);
+    fprintf(stderr, "error: %s has %d cameras, but %d are named: name all of them in the file's order\n", path,
+            dGeomVisualHullDataGetViewCount(data), cameras);
     return 2;
   }
   dGeomVisualHullDataSetBounds(data, BOUNDS);
@@ -120,7 +131,7 @@ int main(int argc, char **argv) {
   world = dWorldCreate();
   dWorldSetGravity(world, 0, 0, -9.81);
   dWorldSetCFM(world, 1e-5);
-  dWorldSetContactSurfaceLayer(world, 0.002); /* half of what a pixel covers */
+  dWorldSetContactSurfaceLayer(world, 0.002); /* half a pixel's footprint */
   space = dHashSpaceCreate(0);
   contacts = dJointGroupCreate(0);
   dCreatePlane(space, 0, 0, 1, 0);
@@ -129,28 +140,34 @@ int main(int argc, char **argv) {
 
   for (frame = 0; frame < FRAMES; frame++) {
     int touched = 0;
-    /* After the recording's end the subject stands still. */
+
+    /* After the end of the recording its last frame stays in use. */
     if (recorded == frame && load_frame(data, argv[1], argv + 2, cameras, frame)) {
       if (!dGeomVisualHullDataUpdate(data, frame * FRAME)) fail();
       recorded++;
     }
+
     if (frame == 0) {
       if (!find_top(hull, top)) {
-        fprintf(stderr, "error: no point of the work volume is in all silhouettes\n");
+        fprintf(stderr, "error: no point of the work volume is in all silhouettes: check the rig and the masks\n");
         return 1;
       }
       printf("the subject's top is at (%.2f, %.2f, %.2f) m\n", top[0], top[1], top[2]);
     }
-    if (frame % 3 == 0 && frame / 3 < BODIES) /* above the subject, on a spiral */
+
+    if (frame % 3 == 0 && frame / 3 < BODIES) /* a new body above the subject, on a spiral */
       add_body(space, frame / 3 % 3, top[0] + 0.003 * frame * cos(0.8 * frame),
                top[1] + 0.003 * frame * sin(0.8 * frame), top[2] + 0.3);
+
     for (k = 0; k < STEPS_PER_FRAME; k++) {
       dSpaceCollide(space, &touched, near_callback);
       dWorldQuickStep(world, FRAME / STEPS_PER_FRAME);
       dJointGroupEmpty(contacts);
     }
+
     if (frame % 15 == 14) printf("frame %3d: %2d bodies touch the subject\n", frame, touched / STEPS_PER_FRAME);
   }
+
   printf("%d frames recorded\n", recorded);
 
   dSpaceDestroy(space);

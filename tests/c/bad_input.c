@@ -1,10 +1,11 @@
-/* Whatever a program passes: 0, -1 or NULL and a message that says what to do, and everything goes on. */
+/* Invalid arguments give 0, -1 or NULL and a message, and leave everything usable. */
 #include "check.h"
 #include "scene.h"
 
 #include <limits.h>
 #include <math.h>
 
+/* A copy of `numbers` with a NaN at `index`. */
 static dReal *nan_at(int index, const dReal *numbers, int count) {
   static dReal copy[14];
   memcpy(copy, numbers, count * sizeof(dReal));
@@ -12,8 +13,9 @@ static dReal *nan_at(int index, const dReal *numbers, int count) {
   return copy;
 }
 
-static void calls_before_the_class_is_open(void) {
+static void calls_before_the_class_is_open_are_refused(void) {
   dVisualHullDataID data = dGeomVisualHullDataCreate();
+
   CHECK(data);
   CHECK(dGetVisualHullClass() == -1);
   CHECK_REFUSED(dCreateVisualHull(0, data), NULL, "dInitVisualHull");
@@ -21,11 +23,12 @@ static void calls_before_the_class_is_open(void) {
   dGeomVisualHullDataDestroy(data);
 }
 
-static void ids_that_are_none(dVisualHullDataID stale) {
+static void invalid_data_ids_are_refused(dVisualHullDataID stale) {
   const dReal numbers[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   const unsigned char mask[1] = {0};
   const dVisualHullDataID ids[3] = {0, stale, (dVisualHullDataID)0x10001};
   int k;
+
   for (k = 0; k < 3; k++) {
     const dVisualHullDataID d = ids[k];
     CHECK_REFUSED_VOID(dGeomVisualHullDataDestroy(d), "data");
@@ -44,13 +47,15 @@ static void ids_that_are_none(dVisualHullDataID stale) {
   }
 }
 
-static void geoms_that_are_no_hulls(dVisualHullDataID data, dGeomID stale) {
+static void geoms_other_than_hulls_are_refused(dVisualHullDataID data, dGeomID stale) {
   dSpaceID space = dSimpleSpaceCreate(0);
   dGeomID geoms[5];
   dVector3 w;
   int k;
+
   geoms[0] = 0, geoms[1] = stale, geoms[2] = (dGeomID)space;
   geoms[3] = dCreateSphere(space, 1), geoms[4] = dCreatePlane(space, 0, 0, 1, 0);
+
   for (k = 0; k < 5; k++) {
     const dGeomID g = geoms[k];
     CHECK_REFUSED_VOID(dGeomVisualHullSetData(g, data), "visual hull");
@@ -66,18 +71,21 @@ static void geoms_that_are_no_hulls(dVisualHullDataID data, dGeomID stale) {
   dSpaceDestroy(space);
 }
 
-static void views_that_cannot_be(void) {
+static void invalid_views_are_refused(void) {
   static const int sizes[][2] = {{0, 10}, {10, 0}, {-1, 10}, {10, INT_MIN}, {INT_MAX, INT_MAX}, {INT_MAX, 1}};
   const dReal zeros[12] = {0}, mirror[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1}, lens[14] = {0}, folding[4] = {-50, 0, 0, 0};
   dVisualHullDataID d = dGeomVisualHullDataCreate();
   dReal P[12], K[9], R[9], t[3], wide[9] = {4, 0, 4, 0, 4, 4, 0, 0, 1};
   int k;
+
   projection(0, P);
   camera(0, K, R, t);
   for (k = 0; k < 6; k++) {
     CHECK_REFUSED(dGeomVisualHullDataAddView(d, P, sizes[k][0], sizes[k][1]), -1, "size");
     CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, 0, 0, sizes[k][0], sizes[k][1]), -1, "size");
   }
+
+  /* A NaN in any argument. */
   for (k = 0; k < 12; k++) CHECK_REFUSED(dGeomVisualHullDataAddView(d, nan_at(k, P, 12), 8, 8), -1, "");
   for (k = 0; k < 9; k++) {
     CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, nan_at(k, K, 9), R, t, 0, 0, 8, 8), -1, "");
@@ -89,6 +97,8 @@ static void views_that_cannot_be(void) {
     CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, nan_at(k, lens, 14), 14, 8, 8), -1, "finite");
   for (k = 0; k < 4; k++)
     CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, t, nan_at(k, lens, 4), 4, 8, 8), -1, "finite");
+
+  /* Missing and degenerate matrices. */
   CHECK_REFUSED(dGeomVisualHullDataAddView(d, NULL, 8, 8), -1, "P");
   CHECK_REFUSED(dGeomVisualHullDataAddView(d, zeros, 8, 8), -1, "");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, NULL, R, t, 0, 0, 8, 8), -1, "K");
@@ -97,11 +107,15 @@ static void views_that_cannot_be(void) {
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, zeros, R, t, 0, 0, 8, 8), -1, "");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, zeros, t, 0, 0, 8, 8), -1, "rotation");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, mirror, t, 0, 0, 8, 8), -1, "rotation");
+
+  /* Distortion: missing coefficients, and counts that OpenCV's model does not have. */
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, NULL, 5, 8, 8), -1, "distortion");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, lens, -1, 8, 8), -1, "nDistortion");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, lens, 3, 8, 8), -1, "found 3");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, lens, 13, 8, 8), -1, "found 13");
   CHECK_REFUSED(dGeomVisualHullDataAddCamera(d, K, R, t, lens, INT_MAX, 8, 8), -1, "nDistortion");
+
+  /* The fisheye lens: missing arrays, counts, sizes, a model that folds back, and rays beyond 90 degrees. */
   CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, NULL, R, t, 0, 0, 8, 8), -1, "K");
   CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, NULL, t, 0, 0, 8, 8), -1, "R");
   CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, NULL, 0, 0, 8, 8), -1, "t");
@@ -111,22 +125,27 @@ static void views_that_cannot_be(void) {
   CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, t, lens, 2, 8, 8), -1, "found 2");
   CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, K, R, t, lens, 4, 0, 8), -1, "size");
   CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, wide, R, t, folding, 4, 8, 8), -1, "folds back");
-  wide[0] = wide[4] = 3; /* the corners lie 5.7 px from the axis: 108 degrees */
+  wide[0] = wide[4] = 3; /* the corners are 5.7 px from the axis, at 108 degrees */
   CHECK_REFUSED(dGeomVisualHullDataAddFisheyeCamera(d, wide, R, t, lens, 4, 8, 8), -1, "108.0 degrees");
+
+  /* Paths of rig files. */
   CHECK_REFUSED(dGeomVisualHullDataLoadRig(d, NULL), 0, "path");
   CHECK_REFUSED(dGeomVisualHullDataLoadRig(d, "/no/such/rig.toml"), 0, "/no/such/rig.toml");
   CHECK_REFUSED(dGeomVisualHullDataLoadRig(d, "/"), 0, "/");
   CHECK_REFUSED(dGeomVisualHullDataLoadRig(d, "\xff\xfe"), 0, "path");
+
   CHECK(dGeomVisualHullDataGetViewCount(d) == 0);
   dGeomVisualHullDataDestroy(d);
 }
 
-static void masks_and_updates_that_cannot_be(void) {
+static void invalid_masks_and_updates_are_refused(void) {
   static unsigned char mask[HEIGHT * WIDTH];
   const dReal bounds[6] = {-1, 1, -1, 1, -1, 1}, inverted[6] = {1, -1, -1, 1, -1, 1};
   dVisualHullDataID d = dGeomVisualHullDataCreate();
   dReal P[12];
   int k;
+
+  /* An update needs views, bounds and masks, in this order. */
   CHECK_REFUSED(dGeomVisualHullDataUpdate(d, 0), 0, "view");
   projection(0, P);
   CHECK(dGeomVisualHullDataAddView(d, P, WIDTH, HEIGHT) == 0);
@@ -136,6 +155,8 @@ static void masks_and_updates_that_cannot_be(void) {
   for (k = 0; k < 6; k++) CHECK_REFUSED(dGeomVisualHullDataSetBounds(d, nan_at(k, bounds, 6)), 0, "");
   CHECK(dGeomVisualHullDataSetBounds(d, bounds));
   CHECK_REFUSED(dGeomVisualHullDataUpdate(d, 0), 0, "mask");
+
+  /* Masks: views, pointers, strides, times and files. */
   draw_table(0, 0, mask);
   CHECK_REFUSED(dGeomVisualHullDataSetMask(d, -1, mask, WIDTH), 0, "view");
   CHECK_REFUSED(dGeomVisualHullDataSetMask(d, 1, mask, WIDTH), 0, "view");
@@ -150,34 +171,43 @@ static void masks_and_updates_that_cannot_be(void) {
   CHECK_REFUSED(dGeomVisualHullDataLoadMask(d, 0, NULL), 0, "path");
   CHECK_REFUSED(dGeomVisualHullDataLoadMask(d, 0, "/no/such/mask.png"), 0, "/no/such/mask.png");
   CHECK_REFUSED(dGeomVisualHullDataLoadMask(d, 7, "/no/such/mask.png"), 0, "");
+
   CHECK_REFUSED(dGeomVisualHullDataSetViewEnabled(d, 1, 0), 0, "view");
   CHECK_REFUSED(dGeomVisualHullDataSetViewEnabled(d, -1, 0), 0, "view");
   CHECK_REFUSED(dGeomVisualHullDataSetUnseen(d, -1, 2), 0, "policy");
   CHECK_REFUSED(dGeomVisualHullDataSetUnseen(d, dVisualHullUnseenAbstain, 0), 0, "min_views");
   CHECK_REFUSED(dGeomVisualHullDataSetUnseen(d, dVisualHullUnseenAbstain, -3), 0, "minViews");
+
+  /* Times of updates, which must not decrease. */
   CHECK(dGeomVisualHullDataSetMask(d, 0, mask, WIDTH));
   CHECK_REFUSED(dGeomVisualHullDataUpdate(d, NAN), 0, "time");
   CHECK_REFUSED(dGeomVisualHullDataUpdate(d, INFINITY), 0, "time");
   CHECK(dGeomVisualHullDataUpdate(d, 1));
   CHECK_REFUSED(dGeomVisualHullDataUpdate(d, 0.5), 0, "time");
+
+  /* A mask without background. The last valid one stays. */
   memset(mask, 255, sizeof mask);
   CHECK_REFUSED(dGeomVisualHullDataSetMask(d, 0, mask, WIDTH), 0, "background");
   CHECK(dGeomVisualHullDataUpdate(d, 1));
   dGeomVisualHullDataDestroy(d);
 }
 
-static void arguments_of_a_hull(void) {
+static void invalid_arguments_of_a_hull_are_refused(void) {
   const dReal points[4] = {0, 0, 0, 0}, bad[3] = {0, NAN, 0};
   const int stride = sizeof(dVector3), skip = sizeof(dContactGeom);
   dVisualHullDataID data = table_data();
   dGeomID hull = dCreateVisualHull(0, data), cube = dCreateBox(0, 0.2, 0.2, 0.2);
   dContactGeom contacts[8];
   dVector3 w;
+
+  /* Points and vectors. A point that is not finite is outside. */
   CHECK(dGeomVisualHullPointInside(hull, NAN, 0, 0) == 0 && dGeomVisualHullPointInside(hull, 0, INFINITY, 0) == 0);
   CHECK(dGeomVisualHullPointResponse(hull, 0, 0, NAN, w) == 0 && w[0] == 0 && w[1] == 0 && w[2] == 0);
   CHECK_REFUSED(dGeomVisualHullPointResponse(hull, 0, 0, 0, NULL), -1, "w");
   CHECK_REFUSED(dGeomVisualHullBodyResponse(hull, NULL, w), -1, "body");
   CHECK_REFUSED(dGeomVisualHullBodyResponse(hull, cube, NULL), -1, "v");
+
+  /* Settings. */
   CHECK_REFUSED_VOID(dGeomVisualHullSetContactMode(hull, 4), "mode");
   CHECK_REFUSED_VOID(dGeomVisualHullSetContactMode(hull, -1), "mode");
   CHECK_REFUSED_VOID(dGeomVisualHullSetMaxContacts(hull, 0), "max_contacts");
@@ -186,6 +216,8 @@ static void arguments_of_a_hull(void) {
   CHECK_REFUSED_VOID(dGeomVisualHullSetMaxDepth(hull, -1), "max_depth");
   CHECK_REFUSED_VOID(dGeomVisualHullSetMinFeature(hull, 0), "min_feature");
   CHECK_REFUSED_VOID(dGeomVisualHullSetMinFeature(hull, INFINITY), "min_feature");
+
+  /* Samples: pointers, counts, strides and numbers. */
   CHECK_REFUSED(dGeomVisualHullSetSamples(NULL, points, 0, 1, stride), 0, "body");
   CHECK_REFUSED(dGeomVisualHullSetSamples(cube, NULL, 0, 1, stride), 0, "points");
   CHECK_REFUSED(dGeomVisualHullSetSamples(cube, points, 0, 0, stride), 0, "sample");
@@ -197,30 +229,35 @@ static void arguments_of_a_hull(void) {
   CHECK_REFUSED(dGeomVisualHullSetSamples(cube, points, bad, 1, stride), 0, "normal");
   dGeomVisualHullClearSamples(cube);
   dGeomVisualHullClearSamples(NULL);
+
   CHECK_REFUSED_VOID(dGeomVisualHullSetData(hull, NULL), "data");
   CHECK(dGeomVisualHullGetData(hull) == data);
 
-  /* The data go, their frame stays with the geom. */
+  /* The data object is destroyed, and the geom keeps its last frame. */
   dGeomVisualHullDataDestroy(data);
   CHECK_REFUSED(dGeomVisualHullDataUpdate(data, 9), 0, "destroyed");
   CHECK(dGeomVisualHullGetData(hull) == NULL);
   CHECK(dGeomVisualHullPointInside(hull, 0, 0, 0) == 1);
   dGeomSetPosition(cube, 0, 0, TOP + 0.096);
   CHECK(dCollide(hull, cube, 8, contacts, skip) == 8);
-  /* A body too large to be sampled is no contact, a message and no abort. */
+
+  /* A body too large to be sampled gives no contacts and a message instead of an abort. */
   dGeomBoxSetLengths(cube, 1e6, 1e6, 1e6);
   CHECK_REFUSED(dCollide(hull, cube, 8, contacts, skip), 0, "samples");
   CHECK_REFUSED(dGeomVisualHullBodyResponse(hull, cube, w), -1, "");
-  ids_that_are_none(data);
+  invalid_data_ids_are_refused(data);
+
+  /* Stale ids of the data object and of the hull. */
   dGeomDestroy(hull);
   data = table_data();
-  geoms_that_are_no_hulls(data, hull);
+  geoms_other_than_hulls_are_refused(data, hull);
   dGeomVisualHullDataDestroy(data);
   dGeomDestroy(cube);
 }
 
-static void calls_after_the_class_was_closed(void) {
+static void calls_after_the_class_is_closed_are_refused(void) {
   dVisualHullDataID data = table_data();
+
   CHECK(dInitVisualHull());
   dCloseVisualHull();
   CHECK(dGetVisualHullClass() != -1); /* opened twice, closed once */
@@ -228,17 +265,17 @@ static void calls_after_the_class_was_closed(void) {
   CHECK(dGetVisualHullClass() == -1);
   CHECK_REFUSED(dCreateVisualHull(0, data), NULL, "dInitVisualHull");
   CHECK_REFUSED_VOID(dCloseVisualHull(), "dInitVisualHull");
-  CHECK(dGeomVisualHullDataUpdate(data, 10)); /* data need no ODE */
+  CHECK(dGeomVisualHullDataUpdate(data, 10)); /* data objects need no ODE */
   dGeomVisualHullDataDestroy(data);
 }
 
 int main(void) {
-  calls_before_the_class_is_open();
+  calls_before_the_class_is_open_are_refused();
   CHECK(dInitODE2(0) && dInitVisualHull());
-  views_that_cannot_be();
-  masks_and_updates_that_cannot_be();
-  arguments_of_a_hull();
-  calls_after_the_class_was_closed();
+  invalid_views_are_refused();
+  invalid_masks_and_updates_are_refused();
+  invalid_arguments_of_a_hull_are_refused();
+  calls_after_the_class_is_closed_are_refused();
   dCloseODE();
   return 0;
 }

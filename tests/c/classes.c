@@ -1,7 +1,8 @@
-/* ODE's table of four user classes, and an ODE that is closed beneath us. */
+/* ODE's table of four user classes, and programs that close ODE while the class is open. */
 #include "check.h"
 #include "scene.h"
 
+/* A collider that finds no contacts. */
 static int nothing(dGeomID a, dGeomID b, int flags, dContactGeom *contacts, int skip) {
   (void)a, (void)b, (void)flags, (void)contacts, (void)skip;
   return 0;
@@ -12,14 +13,16 @@ static dColliderFn *no_collider(int other) {
   return &nothing;
 }
 
+/* A bounding box without extent at the origin. */
 static void point(dGeomID geom, dReal aabb[6]) {
   (void)geom;
   memset(aabb, 0, 6 * sizeof(dReal));
 }
 
-/* Takes places in ODE's table. */
+/* Registers `count` other classes, which take entries of ODE's table. */
 static void register_others(int count) {
   dGeomClass other;
+
   memset(&other, 0, sizeof other);
   other.bytes = 8;
   other.collider = &no_collider;
@@ -31,6 +34,7 @@ static void a_hull_collides(void) {
   dVisualHullDataID data = table_data();
   dGeomID hull = dCreateVisualHull(0, data), cube = dCreateBox(0, 0.2, 0.2, 0.2);
   dContactGeom contacts[8];
+
   CHECK(hull);
   dGeomSetPosition(cube, 0, 0, TOP + 0.096);
   CHECK(dCollide(hull, cube, 8, contacts, sizeof *contacts) == 8);
@@ -39,23 +43,28 @@ static void a_hull_collides(void) {
   dGeomVisualHullDataDestroy(data);
 }
 
-static void one_place_is_enough_however_often_it_is_opened(void) {
+static void opening_the_class_again_and_again_takes_one_entry_of_the_table(void) {
   int k, number;
+
   CHECK(dInitODE2(0));
   CHECK(dInitVisualHull());
   register_others(3);
   number = dGetVisualHullClass();
+
   for (k = 0; k < 5; k++) CHECK(dInitVisualHull() && dGetVisualHullClass() == number);
   for (k = 0; k < 6; k++) dCloseVisualHull();
   CHECK(dGetVisualHullClass() == -1);
+
+  /* Opened again, the class has its old number and works. */
   CHECK(dInitVisualHull() && dGetVisualHullClass() == number);
   a_hull_collides();
   dCloseVisualHull();
   dCloseODE();
 }
 
-static void a_full_table_is_an_error_and_no_abort(void) {
+static void a_full_table_gives_an_error_instead_of_an_abort(void) {
   dVisualHullDataID data;
+
   CHECK(dInitODE2(0));
   register_others(4);
   CHECK_REFUSED(dInitVisualHull(), 0, "four");
@@ -67,7 +76,7 @@ static void a_full_table_is_an_error_and_no_abort(void) {
   dCloseODE();
 }
 
-/* Our reference keeps ODE open after the caller's own is gone. */
+/* The class's reference to ODE keeps it open after the program has released its own. */
 static void the_class_keeps_ode_open(void) {
   CHECK(dInitODE2(0));
   CHECK(dInitVisualHull());
@@ -76,23 +85,24 @@ static void the_class_keeps_ode_open(void) {
   dCloseVisualHull();
 }
 
-static void ode_is_closed_beneath_the_class(void) {
+static void closing_ode_once_too_often_closes_the_class_with_it(void) {
   dVisualHullDataID data = table_data();
   dGeomID hull;
+
   CHECK(dInitODE2(0));
   CHECK(dInitVisualHull());
   hull = dCreateVisualHull(0, data);
   CHECK(hull);
   dCloseODE();
-  dCloseODE(); /* one too many: that was ours */
+  dCloseODE(); /* one call too many, which releases the class's reference */
   CHECK(dGetVisualHullClass() == -1);
   CHECK_REFUSED(dCreateVisualHull(0, data), NULL, "closed");
   CHECK(dGeomVisualHullPointInside(hull, 0, 0, 0) == 1);
   CHECK(dGeomVisualHullDataUpdate(data, 1));
   dGeomDestroy(hull);
-  dCloseVisualHull(); /* has nothing to give back, and does not take another's */
+  dCloseVisualHull(); /* must not release a reference that is not the class's */
 
-  /* The same, and the program opens ODE anew while the class still thinks that it is open. */
+  /* The program closes ODE once too often, and opens it again before the class has noticed. */
   CHECK(dInitODE2(0));
   CHECK(dInitVisualHull());
   dCloseODE();
@@ -107,23 +117,23 @@ static void ode_is_closed_beneath_the_class(void) {
   CHECK(dGetVisualHullClass() == -1);
   dCloseODE();
 
-  /* The class is closed after the program opened ODE anew: that reference is the program's. */
+  /* The class is closed after the program has opened ODE again. It must not release the program's reference. */
   CHECK(dInitODE2(0));
   CHECK(dInitVisualHull());
   dCloseODE();
   dCloseODE();
   CHECK(dInitODE2(0));
   dCloseVisualHull();
-  CHECK(dAllocateODEDataForThread(dAllocateMaskAll)); /* aborts where ODE is closed */
+  CHECK(dAllocateODEDataForThread(dAllocateMaskAll)); /* aborts if ODE is closed */
   dCloseODE();
   dGeomVisualHullDataDestroy(data);
 }
 
 int main(void) {
-  one_place_is_enough_however_often_it_is_opened();
-  a_full_table_is_an_error_and_no_abort();
+  opening_the_class_again_and_again_takes_one_entry_of_the_table();
+  a_full_table_gives_an_error_instead_of_an_abort();
   the_class_keeps_ode_open();
-  one_place_is_enough_however_often_it_is_opened();
-  ode_is_closed_beneath_the_class();
+  opening_the_class_again_and_again_takes_one_entry_of_the_table();
+  closing_ode_once_too_often_closes_the_class_with_it();
   return 0;
 }

@@ -1,4 +1,4 @@
-/* A capture thread sets masks while another steps, and two threads have a world each. */
+/* Capture threads set masks while another thread steps a world, and two threads step a world each. */
 #include "check.h"
 #include "scene.h"
 
@@ -7,19 +7,21 @@
 
 enum { FRAMES = 20 };
 
-/* Masks that show the table at rest, drawn once: the threads share them and only read. */
+/* The masks of the table at rest, drawn once. All threads read them. */
 static unsigned char masks[VIEWS][HEIGHT * WIDTH];
 
+/* A camera's thread: sets the masks of all views again and again. Returns NULL if a mask is refused. */
 static void *capture(void *data) {
   int frame, view;
+
   for (frame = 0; frame < FRAMES; frame++)
     for (view = 0; view < VIEWS; view++)
       if (!dGeomVisualHullDataSetMask((dVisualHullDataID)data, view, masks[view], WIDTH)) return NULL;
   return data;
 }
 
-/* Drops a cube on data's table and returns the height it comes to rest at. Worlds that step at the same time want a
-   threading object each: the one that ODE gives to all is not made for that. */
+/* Drops a cube on the table of `data` and returns its height at rest. Worlds that are stepped at the same time need a
+   threading object each, because ODE's default one is shared and not thread-safe. */
 static dReal rest_on(dVisualHullDataID data) {
   dThreadingImplementationID threading = dThreadingAllocateSelfThreadedImplementation();
   dSpaceID space = dHashSpaceCreate(0);
@@ -27,16 +29,19 @@ static dReal rest_on(dVisualHullDataID data) {
   dReal height;
   Contacts contacts;
   int k;
+
   CHECK(hull);
   contacts.world = table_world();
   dWorldSetStepThreadingImplementation(contacts.world, dThreadingImplementationGetFunctions(threading), threading);
   contacts.joints = dJointGroupCreate(0);
   contacts.calls = 0;
+
   cube = add_cube(contacts.world, space, 0.02, 0.01, TOP + 0.101);
   for (k = 0; k < 100; k++) {
     CHECK(dGeomVisualHullDataUpdate(data, 0.005 * k));
     step(&contacts, space);
   }
+
   height = dGeomGetPosition(cube)[2];
   dJointGroupDestroy(contacts.joints);
   dSpaceDestroy(space);
@@ -45,14 +50,17 @@ static dReal rest_on(dVisualHullDataID data) {
   return height;
 }
 
+/* A thread with its own world and its own data object. Returns its argument. */
 static void *own_world(void *own) {
   dVisualHullDataID data = table_data();
   int k;
-  CHECK(dAllocateODEDataForThread(dAllocateMaskAll)); /* as ODE asks of each thread that collides */
+
+  CHECK(dAllocateODEDataForThread(dAllocateMaskAll)); /* ODE requires this of each thread that collides */
   CHECK(fabs(rest_on(data) - TOP - 0.1) < 0.001 + 0.5 * PIXEL);
   for (k = 0; k < 50; k++) dGeomDestroy(dCreateVisualHull(0, data));
   dGeomVisualHullDataDestroy(data);
-  /* Each thread has a message of its own. */
+
+  /* Each thread has its own message. */
   CHECK(strcmp(dVisualHullGetErrorMessage(), "") == 0);
   CHECK(dGeomVisualHullDataUpdate(data, 0) == 0 && strcmp(dVisualHullGetErrorMessage(), "") != 0);
   dCleanupODEAllDataForThread();
@@ -64,17 +72,21 @@ int main(void) {
   pthread_t threads[2];
   void *result;
   int k;
+
   CHECK(dInitODE2(0) && dInitVisualHull());
   for (k = 0; k < VIEWS; k++) draw_table(k, 0, masks[k]);
 
+  /* Two threads set masks of one data object, while this one collides with it. */
   data = table_data();
   for (k = 0; k < 2; k++) CHECK(pthread_create(&threads[k], NULL, capture, data) == 0);
   CHECK(fabs(rest_on(data) - TOP - 0.1) < 0.001 + 0.5 * PIXEL);
   for (k = 0; k < 2; k++) CHECK(pthread_join(threads[k], &result) == 0 && result == data);
   dGeomVisualHullDataDestroy(data);
 
+  /* Two threads share nothing but the masks. */
   for (k = 0; k < 2; k++) CHECK(pthread_create(&threads[k], NULL, own_world, masks) == 0);
   for (k = 0; k < 2; k++) CHECK(pthread_join(threads[k], &result) == 0 && result == masks);
+
   dCloseVisualHull();
   dCloseODE();
   return 0;

@@ -1,7 +1,7 @@
 //! OpenCV's fisheye lens, the model of Kannala and Brandt with four coefficients, on the plane at depth 1.
 //!
 //! ```text
-//!   theta_d                      . fold: from here on two rays would share a pixel
+//!   theta_d                      . fold_angle: from here on two rays would share a pixel
 //!      |                  .   '     '
 //!      |            .                  '
 //!      |       .     theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)
@@ -23,11 +23,11 @@ use std::fmt;
 pub struct Fisheye {
     coefficients: [f64; 4],
     /// The angle at which `theta_d` stops growing; pi where it never does.
-    fold: f64,
+    fold_angle: f64,
 }
 
 /// Steps of [`Fisheye::angle_at`], which halve the interval where Newton's method leaves it.
-const STEPS: usize = 100;
+const MAX_STEPS: usize = 100;
 
 /// Steps of the scan for the fold, over half a turn.
 const SCAN_STEPS: u32 = 4096;
@@ -53,8 +53,8 @@ impl Fisheye {
                 "expected finite fisheye coefficients, found {coefficients:?}"
             )));
         }
-        let mut fisheye = Self { coefficients, fold: PI };
-        fisheye.fold = fisheye.find_fold();
+        let mut fisheye = Self { coefficients, fold_angle: PI };
+        fisheye.fold_angle = fisheye.find_fold();
         Ok(fisheye)
     }
 
@@ -70,7 +70,7 @@ impl Fisheye {
         if r == 0.0 {
             return Some(p);
         }
-        (theta < FRAC_PI_2 && theta <= self.fold).then(|| p * (self.theta_d(theta) / r))
+        (theta < FRAC_PI_2 && theta <= self.fold_angle).then(|| p * (self.theta_d(theta) / r))
     }
 
     /// The position that [`distort`](Self::distort) maps to `p`; `None` beyond the model's range.
@@ -85,7 +85,7 @@ impl Fisheye {
 
     /// The radius on the plane at depth 1 up to which the model holds.
     pub(super) fn max_radius(&self) -> f64 {
-        if self.fold < FRAC_PI_2 { self.fold.tan() } else { f64::INFINITY }
+        if self.fold_angle < FRAC_PI_2 { self.fold_angle.tan() } else { f64::INFINITY }
     }
 
     /// Whether this lens can have made an image of `size` pixels; `to_plane` maps pixels to the plane at depth 1.
@@ -106,8 +106,8 @@ impl Fisheye {
 
         // The border is farthest from the axis at one of the image's corners.
         let farthest = corners.iter().map(|p| p.coords.norm()).fold(0.0, f64::max);
-        if self.fold > FRAC_PI_2 && farthest >= self.theta_d(FRAC_PI_2) {
-            let angle = self.angle_at(farthest).unwrap_or(self.fold).to_degrees();
+        if self.fold_angle > FRAC_PI_2 && farthest >= self.theta_d(FRAC_PI_2) {
+            let angle = self.angle_at(farthest).unwrap_or(self.fold_angle).to_degrees();
             return Err(format!(
                 "expected a fisheye image of rays less than 90 degrees from its axis, found rays at {angle:.1} degrees \
                  at its border; crop the images, or undistort them first"
@@ -119,8 +119,8 @@ impl Fisheye {
             let side = b - a;
             side.perp(&-a.coords) / side.norm()
         });
-        if sides.fold(f64::INFINITY, f64::min) > self.theta_d(self.fold) {
-            let (angle, found) = (self.fold.to_degrees(), &self.coefficients);
+        if sides.fold(f64::INFINITY, f64::min) > self.theta_d(self.fold_angle) {
+            let (angle, found) = (self.fold_angle.to_degrees(), &self.coefficients);
             return Err(format!(
                 "expected a fisheye model that grows up to the image's border, found one that folds back inside the \
                  image, {angle:.1} degrees from its axis, with k1 to k4 = {found:?}; check their order and the size of \
@@ -146,13 +146,13 @@ impl Fisheye {
 
     /// The angle that appears at `theta_d`; `None` beyond the fold.
     fn angle_at(&self, theta_d: f64) -> Option<f64> {
-        let (mut low, mut high) = (0.0, self.fold);
+        let (mut low, mut high) = (0.0, self.fold_angle);
         let reached = self.theta_d(high);
         if theta_d.is_nan() || reached.is_nan() || theta_d > reached {
             return None;
         }
         let mut theta = theta_d.min(high);
-        for _ in 0..STEPS {
+        for _ in 0..MAX_STEPS {
             let error = self.theta_d(theta) - theta_d;
             let newton = theta - error / self.slope(theta);
             if error == 0.0 || (newton - theta).abs() <= f64::EPSILON * theta {

@@ -34,7 +34,7 @@ pub struct PackedMask {
 }
 
 /// Words that are packed at once.
-const GROUP: usize = 4;
+const WORDS_PACKED: usize = 4;
 
 /// The bytes of a mask that are neither 0 nor 255, row-major.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl PackedMask {
     pub fn pack<'a>(&mut self, mask: impl Into<MaskView<'a>>) {
         let mask = mask.into();
         self.subject.resize(mask.size().0 as usize, mask.size().1 as usize);
-        self.coverage.clear();
+        self.coverage.restart();
         pack_rows(&mask, &mut self.subject, &mut self.coverage);
         self.rect = self.subject.rect();
     }
@@ -71,7 +71,7 @@ impl PackedMask {
         cover: impl FnOnce(&mut dyn FnMut(usize, usize, u8)),
     ) {
         self.subject.copy(subject);
-        self.coverage.clear();
+        self.coverage.restart();
 
         let (bits, coverage) = (&mut self.subject, &mut self.coverage);
         cover(&mut |x, y, byte| {
@@ -90,7 +90,7 @@ impl PackedMask {
     pub(super) fn restart(&mut self, size: (u32, u32)) {
         self.subject.resize(size.0 as usize, size.1 as usize);
         self.subject.words_mut().fill(0);
-        self.coverage.clear();
+        self.coverage.restart();
         self.rect = Rect::EMPTY;
     }
 
@@ -132,7 +132,7 @@ impl PackedMask {
 
     /// The mask without coverage: each byte is 255 if its pixel is subject, and 0 otherwise.
     pub fn binary(mut self) -> Self {
-        self.coverage.clear();
+        self.coverage.restart();
         self.coverage.end_rows(self.subject.height());
         self
     }
@@ -180,7 +180,7 @@ impl PackedMask {
 }
 
 impl Coverage {
-    fn clear(&mut self) {
+    fn restart(&mut self) {
         self.ends.clear();
         self.columns.clear();
         self.bytes.clear();
@@ -237,13 +237,13 @@ vectorised! {
         let stride = subject.stride().max(1);
         for (y, (row, words)) in mask.rows().zip(subject.words_mut().chunks_exact_mut(stride)).enumerate() {
             let (blocks, rest) = row.as_chunks::<WORD>();
-            let (groups, others) = blocks.as_chunks::<GROUP>();
-            let (packed, last) = words.split_at_mut(GROUP * groups.len());
+            let (groups, others) = blocks.as_chunks::<WORDS_PACKED>();
+            let (packed, last) = words.split_at_mut(WORDS_PACKED * groups.len());
             for (k, (group, words)) in groups.iter().zip(packed.as_chunks_mut().0).enumerate() {
-                *words = pack_group(group, GROUP * WORD * k, y, coverage);
+                *words = pack_group(group, WORDS_PACKED * WORD * k, y, coverage);
             }
 
-            let start = GROUP * WORD * groups.len();
+            let start = WORDS_PACKED * WORD * groups.len();
             for (k, (block, word)) in others.iter().zip(&mut *last).enumerate() {
                 [*word] = pack_group(&[*block], start + WORD * k, y, coverage);
             }

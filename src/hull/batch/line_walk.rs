@@ -225,8 +225,8 @@ impl ImageLines {
         let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
         let (column, row) = (select(rightwards, right, left), select(downwards, below, above));
         let (u, v) = (column + shift, row + shift);
-        let by_column = ahead((u * z0 - x0) / (x1 - u * z1), z0, z1);
-        let by_row = ahead((v * z0 - y0) / (y1 - v * z1), z0, z1);
+        let by_column = not_behind((u * z0 - x0) / (x1 - u * z1), z0, z1);
+        let by_row = not_behind((v * z0 - y0) / (y1 - v * z1), z0, z1);
         let first = by_column <= by_row;
         let t = select(first, by_column, by_row);
         let t = select(t > self.t[k], t, self.t[k]);
@@ -259,8 +259,8 @@ impl ImageLines {
 
         // Where the line leaves the cell.
         let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
-        let t_column = ahead(by_column(select(rightwards, i + 1.0, i) + shift), z0, z1);
-        let t_row = ahead(by_row(select(downwards, j + 1.0, j) + shift), z0, z1);
+        let t_column = not_behind(by_column(select(rightwards, i + 1.0, i) + shift), z0, z1);
+        let t_row = not_behind(by_row(select(downwards, j + 1.0, j) + shift), z0, z1);
         let t1 = select(t_column <= t_row, t_column, t_row);
         let t1 = select(t1 > t0, t1, t0);
         if t1 == f64::INFINITY || z0 + z1 * t1 <= 2.0 * MIN_DEPTH {
@@ -314,7 +314,7 @@ impl ImageLines {
 
 /// `crossing`, or infinity where it is not finite or lies behind the camera, and so is never reached.
 #[inline(always)]
-fn ahead(crossing: f64, z0: f64, z1: f64) -> f64 {
+fn not_behind(crossing: f64, z0: f64, z1: f64) -> f64 {
     let is_ahead = (crossing.abs() < f64::INFINITY) & (z0 + crossing * z1 > 0.0);
     select(is_ahead, crossing, f64::INFINITY)
 }

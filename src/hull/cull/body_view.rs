@@ -76,7 +76,7 @@ pub(super) struct Volume {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BodyPlacement {
     rows: [[f32; 4]; 3],
-    exact: Matrix4<f64>,
+    matrix: Matrix4<f64>,
     /// The radius of the sphere around the points, in metres.
     pub(super) radius: f32,
 }
@@ -121,15 +121,15 @@ impl BodyPlacement {
         let (middle, radius) = points.bounding_sphere();
         let world_from_middle = world_from_points * Translation3::from(middle.coords);
         let volume_from_middle = Translation3::from(-volume.centre.coords) * world_from_middle;
-        let exact = volume_from_middle.to_homogeneous();
-        if !exact.iter().all(|x| x.is_finite()) {
+        let matrix = volume_from_middle.to_homogeneous();
+        if !matrix.iter().all(|x| x.is_finite()) {
             return Err(Error::argument(
                 "expected a finite pose, found NaN or infinity in rotation or translation; leave the body out",
             ));
         }
-        let rows = std::array::from_fn(|r| std::array::from_fn(|c| exact[(r, c)] as f32));
+        let rows = std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)] as f32));
         // The radius is rounded up, since rounding moves the points.
-        Ok(Self { rows, exact, radius: radius as f32 * (1.0 + 1e-6) })
+        Ok(Self { rows, matrix, radius: radius as f32 * (1.0 + 1e-6) })
     }
 
     /// The middle of the points, in the volume's frame.
@@ -169,8 +169,8 @@ impl<'a> BodyView<'a> {
 
     /// The view as seen from the frame of a body's points. Slopes do not depend on the body's pose.
     pub(super) fn seen_from(&self, placement: &BodyPlacement) -> Self {
-        let exact = self.projection * placement.exact;
-        Self { p: rounded(&exact), projection: exact, ..self.clone() }
+        let matrix = self.projection * placement.matrix;
+        Self { p: rounded(&matrix), projection: matrix, ..self.clone() }
     }
 
     /// The image position of point k of a block, in pixels from the corner of the crop, and its depth. A point behind

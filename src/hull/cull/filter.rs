@@ -11,7 +11,7 @@ const FEW_BLOCKS: u32 = 2;
 
 /// The points found.
 #[derive(Debug, Default)]
-pub(super) struct Found {
+pub(super) struct FoundPoints {
     /// The places of the points in the blocks, ascending.
     pub(super) places: Vec<u32>,
     /// For each view a bit mask of the blocks of a group of which it surely sees every point inside.
@@ -52,8 +52,8 @@ vectorised! {
 
 vectorised! {
     /// Adds the places of the points inside, in ascending order.
-    pub(super) fn find(points: &Points, views: &[BodyView], filter: &Filter, found: &mut Found) {
-        let Found { places, fully_inside } = found;
+    pub(super) fn find(points: &Points, views: &[BodyView], filter: &Filter, found: &mut FoundPoints) {
+        let FoundPoints { places, fully_inside } = found;
         // The view that rejected the last spheres or points is tested first: it is likely to reject their neighbours.
         let (mut first_for_spheres, mut first_for_points) = (0, 0);
 

@@ -1,7 +1,7 @@
 //! A hull as seen from a body's frame: its enabled views and its work volume, and which points of a body are inside.
 
 use super::body_view::{BodyPlacement, BodyView, MaskDilation, Volume};
-use super::filter::{self, Filter, Found};
+use super::filter::{self, Filter, FoundPoints};
 use crate::Result;
 use crate::hull::Hull;
 use crate::math::point_cloud::Points;
@@ -38,7 +38,7 @@ impl<'a> HullInBody<'a> {
         points: &Points,
         world_from_points: &Isometry3<f64>,
         dilation: MaskDilation,
-        found: &mut Found,
+        found: &mut FoundPoints,
     ) -> Result<()> {
         // A body far from the hull's box. The micrometre covers the rounding of its middle.
         let placement = BodyPlacement::new(points, world_from_points, &self.volume)?;

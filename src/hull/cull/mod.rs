@@ -23,7 +23,7 @@ use crate::math::point_cloud::Points;
 use crate::recycle::recycle;
 use body_view::BodyView;
 use body_view::MaskDilation;
-use filter::Found;
+use filter::FoundPoints;
 use hull_in_body::HullInBody;
 use nalgebra::Isometry3;
 
@@ -31,7 +31,7 @@ use nalgebra::Isometry3;
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     lists: [Vec<BodyView<'static>>; 2],
-    found: Found,
+    found: FoundPoints,
 }
 
 impl Scratch {
@@ -73,7 +73,7 @@ impl Scratch {
     }
 
     /// Runs `query` with `hull` as bodies see it.
-    fn with_hull<R>(&mut self, hull: &Hull, query: impl FnOnce(&mut HullInBody, &mut Found) -> R) -> R {
+    fn with_hull<R>(&mut self, hull: &Hull, query: impl FnOnce(&mut HullInBody, &mut FoundPoints) -> R) -> R {
         let lists = std::mem::take(&mut self.lists).map(recycle);
         let mut hull = HullInBody::new(hull, lists);
         let result = query(&mut hull, &mut self.found);

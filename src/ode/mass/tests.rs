@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use approx_eq::close;
+use comparison::approx_eq;
 use ode_sys::{
     dMassAdd, dMassAdjust, dMassRotate, dMassSetBox, dMassSetCapsule, dMassSetCylinder, dMassSetSphere,
 };
@@ -11,11 +11,11 @@ use ode_sys::{dMassTranslate, dMatrix3};
 use super::*;
 use crate::ode::{Convex, TriMesh};
 
-mod approx_eq {
+mod comparison {
     use super::super::Mass;
 
     /// Whether two masses are equal up to roundoff: both multiply the same few numbers in different orders.
-    pub fn close(a: &Mass, b: &Mass) -> bool {
+    pub fn approx_eq(a: &Mass, b: &Mass) -> bool {
         let scale = a.inertia.norm();
         (a.total - b.total).abs() <= 1e-12 * a.total
             && (a.center - b.center).norm() <= 1e-12 * (1.0 + a.center.norm())
@@ -49,10 +49,10 @@ fn the_masses_of_simple_solids_agree_with_ode() {
 
     // SAFETY: each function writes the structure it is given; direction 3 is z.
     unsafe {
-        assert!(close(&sphere, &ode_mass(|mass| dMassSetSphere(mass, 700.0, 0.3))));
-        assert!(close(&cuboid, &ode_mass(|mass| dMassSetBox(mass, 700.0, 0.1, 0.2, 0.3))));
-        assert!(close(&capsule, &ode_mass(|mass| dMassSetCapsule(mass, 700.0, 3, 0.1, 0.5))));
-        assert!(close(&cylinder, &ode_mass(|mass| dMassSetCylinder(mass, 700.0, 3, 0.1, 0.5))));
+        assert!(approx_eq(&sphere, &ode_mass(|mass| dMassSetSphere(mass, 700.0, 0.3))));
+        assert!(approx_eq(&cuboid, &ode_mass(|mass| dMassSetBox(mass, 700.0, 0.1, 0.2, 0.3))));
+        assert!(approx_eq(&capsule, &ode_mass(|mass| dMassSetCapsule(mass, 700.0, 3, 0.1, 0.5))));
+        assert!(approx_eq(&cylinder, &ode_mass(|mass| dMassSetCylinder(mass, 700.0, 3, 0.1, 0.5))));
     }
 }
 
@@ -73,7 +73,7 @@ fn translation_rotation_scaling_and_addition_agree_with_ode() {
         dMassAdjust(mass, 5.0);
         dMassAdd(mass, &original);
     });
-    assert!(close(&ours, &theirs), "{ours:?}\n{theirs:?}");
+    assert!(approx_eq(&ours, &theirs), "{ours:?}\n{theirs:?}");
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn a_mesh_and_a_polyhedron_in_the_shape_of_a_box_have_its_mass() {
     let cuboid = Mass::of(&Shape::cuboid(0.1, 0.2, 0.3), Amount::Density(1000.0)).unwrap();
     let faces: Vec<Vec<u32>> = BOX_FACES.iter().map(|face| face.to_vec()).collect();
     let convex = Shape::Convex(Arc::new(Convex::new(box_points(sides), &faces).unwrap()));
-    assert!(close(&cuboid, &Mass::of(&convex, Amount::Density(1000.0)).unwrap()));
+    assert!(approx_eq(&cuboid, &Mass::of(&convex, Amount::Density(1000.0)).unwrap()));
 
     let moved = box_points(sides).iter().map(|point| point + Vector3::new(1.0, 2.0, 3.0)).collect();
     let triangles = BOX_FACES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
@@ -98,10 +98,10 @@ fn a_mesh_and_a_polyhedron_in_the_shape_of_a_box_have_its_mass() {
 fn a_translation_or_rotation_and_its_inverse_restore_the_mass() {
     let mass = Mass::of(&Shape::cuboid(0.4, 0.5, 0.6), Amount::Total(3.0)).unwrap();
     let by = Vector3::new(0.1, -0.2, 0.3);
-    assert!(close(&mass, &mass.translated(&by).unwrap().translated(&-by).unwrap()));
-    assert!(close(&mass, &mass.translated(&by).unwrap().centred()));
+    assert!(approx_eq(&mass, &mass.translated(&by).unwrap().translated(&-by).unwrap()));
+    assert!(approx_eq(&mass, &mass.translated(&by).unwrap().centred()));
     let rotation = UnitQuaternion::from_euler_angles(1.0, 2.0, 3.0);
-    assert!(close(&mass, &mass.rotated(&rotation).rotated(&rotation.inverse())));
+    assert!(approx_eq(&mass, &mass.rotated(&rotation).rotated(&rotation.inverse())));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! OpenCV's fisheye lens, the model of Kannala and Brandt with four coefficients, on the plane at depth 1.
 //!
 //! ```text
-//!   theta_d                      . fold_angle: from here on two rays would share a pixel
+//!   theta_d                      . fold: from here on two rays would share a pixel
 //!      |                  .   '     '
 //!      |            .                  '
 //!      |       .     theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)

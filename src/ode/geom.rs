@@ -46,8 +46,8 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if the space was removed, or if a size is not positive, finite and within
-    /// [`REACH`](super::REACH); [`Error::Ode`] if memory runs out.
+    /// [`crate::Error::Argument`] if the space was removed, or if a size is not positive, finite and within
+    /// [`REACH`](super::REACH); [`crate::Error::Ode`] if memory runs out.
     pub fn add_geom(&mut self, space: SpaceId, shape: &Shape) -> Result<GeomId> {
         let raw_space = self.spaces.find(space)?.raw;
         let shape = shape.checked()?;
@@ -63,7 +63,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if the space was removed; the geom is destroyed then.
+    /// [`crate::Error::Argument`] if the space was removed; the geom is destroyed then.
     ///
     /// # Safety
     ///

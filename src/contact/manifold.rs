@@ -27,10 +27,10 @@ pub(super) struct Manifolds {
     depths: Vec<Option<f64>>,
     /// The points whose depths [`Self::find_depths`] computes next.
     queried: Vec<usize>,
-    /// The rays of the queried points whose depths are not known.
+    /// The rays of a query of the hull, of points whose depths are not known.
     unknown: Vec<ExitRay>,
     exits: Vec<f64>,
-    /// The points with the rays `unknown`.
+    /// The points with the rays `unknown`, in a query for those that may be deepest.
     unknown_points: Vec<usize>,
     /// The deepest known depth in the manifold of each of `unknown_points`.
     deepest: Vec<f64>,

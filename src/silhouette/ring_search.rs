@@ -9,6 +9,9 @@
 //!     +---------+
 //! ```
 
+// Loops over the lanes of several arrays by index become vector instructions.
+#![allow(clippy::needless_range_loop)]
+
 use super::{Bits, Distances, TableSlices};
 use crate::math::point_cloud::LANES;
 

@@ -28,7 +28,8 @@
 //!
 //! Beside them: [`source`] brings colour images from folders, videos and cameras, [`segment`] makes silhouettes of
 //! them, [`pipeline`] takes the images of all cameras through both to the hull, [`recording`] reads and writes what
-//! cameras saw, [`calibration_check`] tells whether silhouettes fit one another, and [`synthetic`] renders subjects of known geometry, to try a camera layout before buying cameras.
+//! cameras saw, and [`synthetic`] renders subjects of known geometry, to try a camera layout before buying cameras. The
+//! package `ode-visual-hull-check` tests whether silhouettes fit one another.
 //!
 //! # Features
 //!
@@ -103,7 +104,6 @@
 #![cfg_attr(not(feature = "ode"), doc = "\n[`ode`]: #features")]
 #![deny(unsafe_code)]
 
-pub mod calibration_check;
 pub mod camera;
 #[cfg(feature = "ode")]
 mod capi;

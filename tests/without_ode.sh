@@ -4,7 +4,10 @@
 set -eu
 
 cd "$(dirname "$0")/.."
-needed=$(cargo tree --no-default-features --edges normal,build,dev --prefix none | grep -E '^(ode-sys|bindgen|clang-sys) ' || true)
+packages="--package ode-visual-hull --package ode-visual-hull-check"
+# shellcheck disable=SC2086 # a list of options
+needed=$(cargo tree $packages --no-default-features --edges normal,build,dev --prefix none | grep -E '^(ode-sys|bindgen|clang-sys) ' || true)
 [ -z "$needed" ] || { echo "needed without the feature ode: $needed" >&2; exit 1; }
-cargo clippy --no-default-features --all-targets -- --deny warnings
+# shellcheck disable=SC2086
+cargo clippy $packages --no-default-features --all-targets -- --deny warnings
 echo "all but ODE builds without ODE"

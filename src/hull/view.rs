@@ -117,8 +117,8 @@ impl View {
         self.enabled
     }
 
-    /// The part of the image that the real lens saw; `None` if it saw all of it.
-    pub(crate) fn field_of_view(&self) -> Option<&Silhouette> {
+    /// The part of the image that the real lens saw, as its subject pixels; `None` where that is the whole image.
+    pub fn field_of_view(&self) -> Option<&Silhouette> {
         self.field_of_view.as_deref()
     }
 
@@ -156,8 +156,8 @@ impl View {
         self.sees(i, j).then_some((i, j))
     }
 
-    /// Whether pixel `(i, j)` lies in the image and in the field of view of the real lens.
-    pub(crate) fn sees(&self, i: i32, j: i32) -> bool {
+    /// Whether pixel `(i, j)` lies in the image and in the real lens's field of view.
+    pub fn sees(&self, i: i32, j: i32) -> bool {
         self.silhouette.image().contains(i, j)
             && self.field_of_view().is_none_or(|field_of_view| field_of_view.is_subject(i, j))
     }

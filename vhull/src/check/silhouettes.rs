@@ -4,10 +4,12 @@ use super::{Options, Report};
 use crate::progress;
 use crate::recorded_hulls::RecordedHulls;
 use ode_visual_hull::Result;
-use ode_visual_hull::calibration_check::{EpipolarTangency, SilhouetteCoherence, ViewShift};
 use ode_visual_hull::hull::{EmptyReason, Hull, HullData};
 use ode_visual_hull::pipeline::publish_masks;
 use ode_visual_hull::rig::{PoseConvention, Rig};
+use ode_visual_hull_check::{
+    EpipolarTangency, SilhouetteCoherence, ViewShift, silhouette_coherence, total_coherence,
+};
 
 /// Every so many pixels and rows a ray is asked whether it meets the hull.
 const STEP: usize = 4;
@@ -36,7 +38,7 @@ pub fn describe_silhouettes(recorded: &RecordedHulls, options: &Options, report:
         let hull = recorded.hull(frame)?;
         tangents.add(&hull);
         if k % fitted == 0 {
-            let of_frame = hull.silhouette_coherence(STEP);
+            let of_frame = silhouette_coherence(&hull, STEP);
             if of_frame.iter().all(|fit| fit.filled_pixels == 0) {
                 empty.push((frame, hull.clone()));
             }
@@ -47,31 +49,13 @@ pub fn describe_silhouettes(recorded: &RecordedHulls, options: &Options, report:
     bar.finish_and_clear();
     println!("silhouettes of {} frames, {} to {}", frames.len(), frames[0], frames[frames.len() - 1]);
     let shifts = tangents.shifts();
-    let fits = totals(&fits);
+    let fits = total_coherence(&fits);
     table(recorded.recording.rig(), &shifts, &fits);
     judge(recorded.recording.rig(), &shifts, &fits, options, report);
     if let Some((frame, hull)) = empty.first() {
         report.add_problem(format!("frame {frame}: the hull is empty: {}", why(hull, recorded, *frame)?));
     }
     Ok(())
-}
-
-/// Views' fits, of all frames together; the depth is the median over the frames with a cut.
-fn totals(frames: &[Vec<SilhouetteCoherence>]) -> Vec<SilhouetteCoherence> {
-    let views = frames.first().map_or(0, Vec::len);
-    let of = |view: usize| {
-        let own = || frames.iter().map(move |fits| &fits[view]);
-        let mut depths: Vec<f64> =
-            own().filter(|fit| fit.carved_pixels > 0).map(|fit| fit.carved_depth_px).collect();
-        depths.sort_by(f64::total_cmp);
-        SilhouetteCoherence {
-            pixels: own().map(|fit| fit.pixels).sum(),
-            filled_pixels: own().map(|fit| fit.filled_pixels).sum(),
-            carved_pixels: own().map(|fit| fit.carved_pixels).sum(),
-            carved_depth_px: depths.get(depths.len() / 2).copied().unwrap_or(0.0),
-        }
-    };
-    (0..views).map(of).collect()
 }
 
 fn table(rig: &Rig, shifts: &[ViewShift], fits: &[SilhouetteCoherence]) {
@@ -195,5 +179,5 @@ fn fills(rig: &Rig, recorded: &RecordedHulls, frame: u32) -> Result<bool> {
     data.add_views(rig.cameras())?;
     data.set_bounds(rig.work_volume()?)?;
     let hull = publish_masks(&data, &recorded.recording.masks(frame)?, 0.0)?;
-    Ok(hull.silhouette_coherence(2 * STEP).iter().any(|fit| fit.filled_pixels > 0))
+    Ok(silhouette_coherence(&hull, 2 * STEP).iter().any(|fit| fit.filled_pixels > 0))
 }

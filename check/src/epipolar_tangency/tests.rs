@@ -1,8 +1,9 @@
 use super::*;
-use crate::camera::{Camera, Distortion};
-use crate::hull::{Aabb, HullData};
-use crate::synthetic::{PERSON_PERIOD, Subject, layout, silhouette};
+use image::{GrayImage, Luma};
 use nalgebra::{Isometry3, Matrix3, Point3};
+use ode_visual_hull::camera::{Camera, Distortion};
+use ode_visual_hull::hull::{Aabb, HullData};
+use ode_visual_hull::synthetic::{PERSON_PERIOD, Subject, layout, silhouette};
 use std::sync::Arc;
 
 const SIZE: (u32, u32) = (240, 320);
@@ -12,7 +13,7 @@ fn cameras() -> Vec<Camera> {
     layout::staggered(5, 3.2, &[0.6, 1.6, 2.3], Point3::new(0.0, 0.0, 0.9), SIZE, 0.6).unwrap()
 }
 
-/// The same camera with its principal point moved.
+/// A camera with its principal point moved.
 fn moved(camera: &Camera, by: Vector2<f64>) -> Camera {
     let mut k: Matrix3<f64> = *camera.intrinsics();
     k[(0, 2)] += by.x;
@@ -26,6 +27,7 @@ fn hulls(real: &[Camera], calibrated: &[Camera]) -> Vec<Arc<Hull>> {
     let data = HullData::new();
     data.add_views(calibrated).unwrap();
     data.set_bounds(Aabb::new(Point3::new(-1.0, -1.0, -0.2), Point3::new(1.0, 1.0, 2.2)).unwrap()).unwrap();
+
     let hull = |k: u32| {
         let subject = Subject::person_at(f64::from(k) * PERSON_PERIOD / 6.0);
         for (view, camera) in real.iter().enumerate() {
@@ -52,17 +54,19 @@ fn silhouettes_of_one_subject_agree() {
 }
 
 #[test]
-fn a_view_whose_principal_point_is_off_is_told_from_the_others() {
+fn a_view_whose_principal_point_is_off_is_distinguished_from_the_others() {
     let real = cameras();
     let by = Vector2::new(6.0, -5.0);
     let mut calibrated = real.clone();
     calibrated[2] = moved(&real[2], by);
+
     let shifts = shifts(&real, &calibrated);
     for (view, found) in shifts.iter().enumerate() {
-        // Some directions are told by few planes, and reluctance shortens a shift there.
+        // Few planes constrain some directions, and the prior shortens a shift there.
         let expected = if view == 2 { by } else { Vector2::zeros() };
         assert!((found.shift - expected).norm() < 1.5, "view {view}: {found:?}");
     }
+
     assert!(shifts[2].gain > 2.0 && shifts[2].gap > 3.0 && shifts[2].gap_after < 1.0, "{:?}", shifts[2]);
 }
 
@@ -72,6 +76,7 @@ fn a_part_that_one_view_alone_sees_does_not_count() {
     let data = HullData::new();
     data.add_views(&cameras).unwrap();
     data.set_bounds(Aabb::new(Point3::new(-1.0, -1.0, -0.2), Point3::new(1.0, 1.0, 2.2)).unwrap()).unwrap();
+
     for (view, camera) in cameras.iter().enumerate() {
         let mut mask = silhouette(camera, &Subject::person_at(0.0));
         if view == 1 {
@@ -80,6 +85,7 @@ fn a_part_that_one_view_alone_sees_does_not_count() {
         }
         data.set_mask(view, &mask).unwrap();
     }
+
     let mut tangents = EpipolarTangency::new();
     tangents.add(&data.update(0.0).unwrap());
     assert!(tangents.shifts().iter().all(|shift| shift.gap < 1.0 && shift.shift.norm() < 1.0));

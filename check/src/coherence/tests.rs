@@ -1,9 +1,9 @@
 use super::*;
-use crate::camera::Camera;
-use crate::hull::{Aabb, HullData};
-use crate::synthetic::{Placed, Solid, Subject, Texture, layout, silhouette};
 use image::{GrayImage, Luma};
 use nalgebra::Isometry3;
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::hull::{Aabb, HullData};
+use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, layout, silhouette};
 
 /// Four cameras around a ball of 0.6 m.
 fn cameras() -> Vec<Camera> {
@@ -22,7 +22,7 @@ fn coherence(cameras: &[Camera], masks: &[GrayImage]) -> Vec<SilhouetteCoherence
     data.add_views(cameras).unwrap();
     data.set_bounds(Aabb::new(Point3::new(-1.0, -1.0, 0.0), Point3::new(1.0, 1.0, 2.0)).unwrap()).unwrap();
     masks.iter().enumerate().for_each(|(view, mask)| data.set_mask(view, mask).unwrap());
-    data.update(0.0).unwrap().silhouette_coherence(1)
+    silhouette_coherence(&data.update(0.0).unwrap(), 1)
 }
 
 #[test]
@@ -39,11 +39,13 @@ fn the_hull_of_exact_silhouettes_fills_them() {
 fn the_view_that_lost_a_part_is_the_one_that_cuts() {
     let cameras = cameras();
     let mut masks = masks(&cameras);
+
     // The lower third of the ball, some 20 rows.
     let rows: Vec<u32> = (0..160).filter(|&y| (0..160).any(|x| masks[2].get_pixel(x, y).0[0] > 0)).collect();
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     let from = last - (last - first) / 3;
     (from..=last).for_each(|y| (0..160).for_each(|x| masks[2].put_pixel(x, y, Luma([0]))));
+
     let fits = coherence(&cameras, &masks);
     assert!(fits[2].filled_share() > 0.9, "it still fits itself: {:?}", fits[2]);
     for view in [0, 1, 3] {
@@ -53,6 +55,7 @@ fn the_view_that_lost_a_part_is_the_one_that_cuts() {
             fits[view]
         );
     }
+
     // Half of what is missing lies at least a few pixels inside the part, and none deeper than the part is high.
     let height = f64::from(last - from + 1);
     assert!(fits[2].carved_depth_px > 2.0 && fits[2].carved_depth_px < height, "{:?}", fits[2]);

@@ -1,8 +1,5 @@
 //! What a running program asks of the allocator: nothing, once everything has grown to its size.
 
-#[cfg(feature = "ode")]
-mod scene;
-
 use nalgebra::{Isometry3, Point3, Vector3, point};
 use ode_visual_hull::camera::{Camera, Distortion};
 use ode_visual_hull::contact::{self, SampledBody, Settings};
@@ -108,22 +105,26 @@ fn a_frame_works_in_less_than_half_the_memory_of_its_masks() {
 fn a_simulation_on_a_hull_allocates_nothing_in_the_steady_state() {
     use nalgebra::UnitQuaternion;
     use ode_visual_hull::ode::{Shape, SpaceKind};
+    use ode_visual_hull_testing::{scene, world};
 
     let data = scene::table();
-    let mut world = scene::world(SpaceKind::default());
-    let root = world.root_space();
-    world.add_hull(root, &data).unwrap();
+    let mut simulated = world::world(SpaceKind::default());
+    let root = simulated.root_space();
+    simulated.add_hull(root, &data).unwrap();
     let lying = scene::at(0.05, 0.1, scene::TOP + 0.041) * UnitQuaternion::from_euler_angles(1.57, 0.0, 0.3);
     let shapes = [
-        (scene::cube(0.15), scene::at(-0.12, -0.1, scene::TOP + 0.08)),
-        (scene::cube(0.1), scene::at(0.15, -0.12, scene::TOP + 0.06)),
+        (world::cube(0.15), scene::at(-0.12, -0.1, scene::TOP + 0.08)),
+        (world::cube(0.1), scene::at(0.15, -0.12, scene::TOP + 0.06)),
         (Shape::Cylinder { radius: 0.04, length: 0.1 }, lying),
     ];
-    let bodies = shapes.each_ref().map(|(shape, pose)| scene::add_body(&mut world, shape, pose).0);
+    let bodies = shapes.each_ref().map(|(shape, pose)| world::add_body(&mut simulated, shape, pose).0);
     let mut step = |k: usize| {
         scene::show_table(&data, 0.01 * k as f64);
-        scene::step(&mut world, 0.01);
-        assert!(bodies.iter().all(|&body| scene::height(&world, body) > scene::TOP), "all rest on the table");
+        world::step(&mut simulated, 0.01);
+        assert!(
+            bodies.iter().all(|&body| world::height(&simulated, body) > scene::TOP),
+            "all rest on the table"
+        );
     };
     (1..100).for_each(&mut step);
     let allocated = allocation_counter::measure(|| (100..150).for_each(&mut step));

@@ -1,10 +1,10 @@
 //! Real calibration files of OpenCV's family, as other people's programs wrote them.
 
-mod data;
-
 use nalgebra::Point3;
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::rig::{Calibration, Hints, Rig};
+use ode_visual_hull_testing::captures;
+use ode_visual_hull_testing::random::Random;
 use std::path::Path;
 
 /// What the files do not tell: the captures' image size and, where stated, millimetres.
@@ -33,20 +33,17 @@ fn assert_round_trip(rig: &Rig) {
 
 /// 1000 points that the camera sees, 0.5 to 10 m before it, from a fixed sequence.
 fn points_before(camera: &Camera) -> impl Iterator<Item = Point3<f64>> {
-    let mut state = 0x2545_f491_4f6c_dd1d_u64;
-    let mut random = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = Random(1);
     let (width, height) = (f64::from(camera.size().0), f64::from(camera.size().1));
-    let point = move || camera.unproject(random() * width, random() * height, 0.5 + 9.5 * random());
+    let point =
+        move || camera.unproject(width * random.unit(), height * random.unit(), random.between(0.5, 10.0));
     // Beyond the range of its model a lens sees nothing.
     std::iter::repeat_with(point).take(100_000).flatten().take(1000)
 }
 
 #[test]
 fn easymocaps_cameras_surround_a_subject_and_keep_their_places_in_our_file() {
-    let Some(folder) = data::find("calibration_samples/easymocap") else { return };
+    let Some(folder) = captures::find("calibration_samples/easymocap") else { return };
     let calibration = load(&folder, &HD);
     let rig = &calibration.rig;
     assert_eq!(rig.cameras().iter().map(Camera::name).collect::<Vec<_>>(), ["2", "3", "4", "5", "6", "7"]);
@@ -64,7 +61,9 @@ fn easymocaps_cameras_surround_a_subject_and_keep_their_places_in_our_file() {
 
 #[test]
 fn easymocaps_lenses_without_poses_say_so() {
-    let Some(path) = data::find("calibration_samples/easymocap/intri_easymocap_example.yml") else { return };
+    let Some(path) = captures::find("calibration_samples/easymocap/intri_easymocap_example.yml") else {
+        return;
+    };
     let message = Rig::load(&path).unwrap_err().to_string();
     assert!(message.contains("expected extri_easymocap_example.yml beside it, found none"), "{message}");
     assert!(message.contains("it holds the poses, R_ and T_ of each camera"), "{message}");
@@ -72,7 +71,7 @@ fn easymocaps_lenses_without_poses_say_so() {
 
 #[test]
 fn kalibrs_single_camera_is_at_the_origin_and_keeps_its_lens_in_our_file() {
-    let Some(path) = data::find("calibration_samples/kalibr/camchain.yaml") else { return };
+    let Some(path) = captures::find("calibration_samples/kalibr/camchain.yaml") else { return };
     let calibration = load(&path, &Hints::default());
     let camera = &calibration.rig.cameras()[0];
     assert_eq!((camera.name(), camera.size(), camera.centre()), ("cam0", (1280, 720), Point3::origin()));
@@ -86,7 +85,7 @@ fn opencvs_xml_in_two_spellings_is_in_millimetres_and_says_so() {
         ("uu_cam1_config.xml", "uu_cam1_config"),
         ("uu_cam1_config_othernames.xml", "uu_cam1_config_othernames"),
     ] {
-        let Some(path) = data::find(&format!("calibration_samples/opencv_xml/{file}")) else { return };
+        let Some(path) = captures::find(&format!("calibration_samples/opencv_xml/{file}")) else { return };
         let message = Rig::load(&path).unwrap_err().to_string();
         assert!(message.contains("metres per unit, 0.001 if these are millimetres"), "{message}");
         let message = Calibration::load(&path, &Hints { size: None, ..SMALL_MM }).unwrap_err().to_string();
@@ -101,7 +100,7 @@ fn opencvs_xml_in_two_spellings_is_in_millimetres_and_says_so() {
 #[test]
 fn a_folder_per_camera_has_the_lenses_of_its_refined_rig() {
     let (Some(folder), Some(refined)) =
-        (data::find("seated_person/original"), data::find("seated_person/rig.toml"))
+        (captures::find("seated_person/original"), captures::find("seated_person/rig.toml"))
     else {
         return;
     };

@@ -1,15 +1,15 @@
 //! Real calibration files of other tools are read, stand where they should, and survive the way through this crate's
 //! own.
 
-mod data;
-
 use nalgebra::{Matrix3, Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Distortion};
 use ode_visual_hull::rig::{Calibration, Hints, Rig};
+use ode_visual_hull_testing::captures;
+use ode_visual_hull_testing::random::Random;
 use std::path::PathBuf;
 
 fn sample(path: &str) -> Option<PathBuf> {
-    data::find("calibration_samples").map(|folder| folder.join(path))
+    captures::find("calibration_samples").map(|folder| folder.join(path))
 }
 
 fn load(path: &str, size: Option<(u32, u32)>) -> Option<Rig> {
@@ -22,20 +22,12 @@ fn names(rig: &Rig) -> Vec<&str> {
     rig.cameras().iter().map(Camera::name).collect()
 }
 
-/// Numbers in `[0, 1)`, the same in every run.
-fn uniform(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// A thousand points all over the camera's image, at depths of 0.3 to 8 m; less those beyond its lens model.
 fn points_before(camera: &Camera) -> Vec<Point3<f64>> {
-    let mut random = uniform(1);
+    let mut random = Random(1);
     let (width, height) = (f64::from(camera.size().0), f64::from(camera.size().1));
-    let mut point = |_| camera.unproject(random() * width, random() * height, 0.3 + 7.7 * random());
+    let mut point =
+        |_| camera.unproject(width * random.unit(), height * random.unit(), random.between(0.3, 8.0));
     (0..1000).filter_map(&mut point).collect()
 }
 
@@ -131,7 +123,7 @@ fn qualisys_export_is_read_and_written() {
 #[test]
 fn qualisys_export_agrees_with_the_rig_that_was_published_of_it() {
     let Some(rig) = load("qualisys_qca/Calib.qca.txt", None) else { return };
-    let Some(published) = data::find("balancing_person/rig_as_published.toml") else { return };
+    let Some(published) = captures::find("balancing_person/rig_as_published.toml") else { return };
     let published = Rig::load(published).unwrap();
     for (ours, theirs) in rig.cameras().iter().zip(published.cameras()) {
         assert_eq!(ours.size(), (2 * theirs.size().0, 2 * theirs.size().1));

@@ -1,14 +1,13 @@
 //! The hull as a geometry class of ODE: what an ODE program may expect of any class, and what is special to ours.
 
-mod scene;
-
 use nalgebra::{Point3, UnitQuaternion, Vector3, point, vector};
 use ode_visual_hull::contact::Mode;
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{ContactGeom, GeomId, RayFlags, Shape, SpaceKind, Surface, TriMesh, World};
 use ode_visual_hull::sample;
 use ode_visual_hull::synthetic::Subject;
-use scene::*;
+use ode_visual_hull_testing::scene::*;
+use ode_visual_hull_testing::world::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 

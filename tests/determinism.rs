@@ -6,12 +6,11 @@
 //! (`GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4`).
 //! They change only with what bodies do, and with a "Behaviour" line in the changelog.
 
-mod scene;
-
 use nalgebra::UnitQuaternion;
 use ode_visual_hull::contact::Mode;
 use ode_visual_hull::ode::{Shape, SpaceKind, set_random_seed};
-use scene::*;
+use ode_visual_hull_testing::scene::*;
+use ode_visual_hull_testing::world::*;
 
 /// FNV-1a over the bits.
 fn hash(numbers: impl Iterator<Item = f64>) -> u64 {

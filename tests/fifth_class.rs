@@ -2,11 +2,10 @@
 //! there is none left. Alone in its process: the classes of other tests would count.
 
 mod foreign_class;
-mod scene;
-
 use ode_sys::{dCloseODE, dInitODE2};
 use ode_visual_hull::ode::{Ode, World};
-use scene::*;
+use ode_visual_hull_testing::scene::*;
+use ode_visual_hull_testing::world::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The table of classes is one for the process: these tests run one after the other, each from an empty table.

@@ -1,21 +1,8 @@
-//! The hull from pixels against the analytic hull of the same cameras: the quick part of `examples/figures.rs`.
+//! The hull from pixels against the analytic hull of the same cameras: the quick part of `examples/figures`.
 
-#[allow(dead_code, reason = "the figures measure more")]
-#[path = "../examples/figures/accuracy.rs"]
-mod accuracy;
-#[path = "../examples/figures/analytic.rs"]
-mod analytic;
-#[path = "../examples/figures/contour.rs"]
-mod contour;
-#[path = "../examples/figures/random.rs"]
-mod random;
-#[allow(dead_code, reason = "the figures measure more")]
-#[path = "../examples/figures/scene.rs"]
-mod scene;
-
-use accuracy::{exit_errors_px, mean, p99};
 use ode_visual_hull::hull::EdgeModel;
-use scene::Scene;
+use ode_visual_hull_testing::quality::accuracy::{self, exit_errors_px, mean, p99};
+use ode_visual_hull_testing::quality::scene::{self, Scene};
 use std::sync::LazyLock;
 
 static SCENES: LazyLock<[Scene; 3]> =

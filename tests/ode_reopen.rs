@@ -1,12 +1,12 @@
 //! ODE closes with the last reference on it, and opens again. Alone in its process: others would hold ODE open.
 
 mod foreign_class;
-mod scene;
 
 use nalgebra::Vector3;
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{Ode, Shape, Surface, World, random_seed, set_random_seed};
-use scene::{TOP, drop_box_on, height, step, table};
+use ode_visual_hull_testing::scene::{TOP, table};
+use ode_visual_hull_testing::world::{drop_box_on, height, step};
 use std::sync::Arc;
 
 fn simulate(ode: &Ode) -> f64 {

@@ -1,14 +1,10 @@
 //! The hulls of real subjects have the volumes and extents that were measured of them by other means.
 
-#[path = "../examples/figures/captures.rs"]
-mod captures;
-mod data;
-
-use captures::{DINO, SEATED, carve, dino_cameras};
 use nalgebra::{Point3, point};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Unseen};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::silhouette::load_mask;
+use ode_visual_hull_testing::captures::{self, DINO, SEATED, carve, dino_cameras};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -30,7 +26,7 @@ fn hull_of(dir: &Path, frame: u32, bounds: Aabb) -> Arc<Hull> {
 
 #[test]
 fn the_seated_person_is_as_large_as_measured_through_four_distorting_lenses() {
-    let Some(dir) = data::find("seated_person") else { return };
+    let Some(dir) = captures::find("seated_person") else { return };
     let hull = hull_of(&dir, 0, SEATED);
     let (volume, aabb) = carve(&hull, 0.02);
     // Measured by projecting voxels of 2 cm through the lenses, to three digits and two decimals.
@@ -40,7 +36,7 @@ fn the_seated_person_is_as_large_as_measured_through_four_distorting_lenses() {
 
 #[test]
 fn the_balancing_person_is_as_large_as_measured() {
-    let Some(dir) = data::find("balancing_person") else { return };
+    let Some(dir) = captures::find("balancing_person") else { return };
     let hull = hull_of(&dir, 50, Aabb::new(point![-1.5, -1.5, 0.0], point![1.5, 1.5, 2.2]).unwrap());
     let (volume, aabb) = carve(&hull, 0.02);
     assert!((volume - 0.122).abs() < 0.005, "{volume}");
@@ -49,7 +45,7 @@ fn the_balancing_person_is_as_large_as_measured() {
 
 #[test]
 fn the_dinosaur_is_as_large_as_measured_where_views_that_miss_a_part_abstain() {
-    let Some(dir) = data::find("dino") else { return };
+    let Some(dir) = captures::find("dino") else { return };
     let data = HullData::new();
     data.set_unseen(Unseen::ABSTAIN).unwrap();
     for (number, camera) in dino_cameras(&dir) {

@@ -1,14 +1,14 @@
 //! Real captures are read as they are, and undistorted masks say what the distorted ones say.
 
-mod data;
-
 use image::GrayImage;
-use nalgebra::{Point2, Point3};
+use nalgebra::{Point2, Point3, point};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::silhouette::Undistortion;
 use ode_visual_hull::source::{Frame, ReadAhead, ReadOptions, Source, Synchroniser, Video, WhenFull};
+use ode_visual_hull_testing::captures;
+use ode_visual_hull_testing::random::Random;
 
 fn names(rig: &Rig) -> Vec<&str> {
     rig.cameras().iter().map(Camera::name).collect()
@@ -16,7 +16,7 @@ fn names(rig: &Rig) -> Vec<&str> {
 
 #[test]
 fn the_seated_person_is_read() {
-    let Some(dir) = data::find("seated_person") else { return };
+    let Some(dir) = captures::find("seated_person") else { return };
     let recording = Recording::open(dir).unwrap();
     assert_eq!(names(recording.rig()), ["cam1", "cam2", "cam3", "cam4"]);
     assert_eq!(recording.frames(), [0, 100, 200, 300, 400]);
@@ -29,7 +29,7 @@ fn the_seated_person_is_read() {
 
 #[test]
 fn the_balancing_person_is_read() {
-    let Some(dir) = data::find("balancing_person") else { return };
+    let Some(dir) = captures::find("balancing_person") else { return };
     let recording = Recording::open(&dir).unwrap();
     assert_eq!(names(recording.rig()), ["cam01", "cam02", "cam03", "cam04"]);
     assert_eq!(recording.frames(), (0..100).collect::<Vec<_>>());
@@ -53,7 +53,7 @@ fn stands_around_a_person(rig: &Rig) {
 
 #[test]
 fn the_videos_of_the_seated_person_show_its_images() {
-    let Some(dir) = data::find("seated_person") else { return };
+    let Some(dir) = captures::find("seated_person") else { return };
     let recording = Recording::open(&dir).unwrap();
     for (camera, image) in recording.rig().cameras().iter().zip(recording.images(100).unwrap()) {
         let reading = ReadOptions { size: Some(camera.size()), first: 99, times: None };
@@ -73,7 +73,7 @@ fn the_videos_of_the_seated_person_show_its_images() {
 
 #[test]
 fn the_videos_of_the_balancing_person_are_of_one_time_and_of_two_sizes() {
-    let Some(dir) = data::find("balancing_person/original") else { return };
+    let Some(dir) = captures::find("balancing_person/original") else { return };
     let open = |name: &str, size| {
         Video::open(dir.join(format!("{name}.mp4")), ReadOptions { size, ..ReadOptions::default() })
     };
@@ -111,18 +111,9 @@ fn distance_to_edge(mask: &GrayImage, p: &Point2<f64>) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Numbers in `[0, 1)`, the same in every run.
-fn uniform(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 #[test]
 fn undistorted_masks_say_what_the_distorted_ones_say() {
-    let Some(dir) = data::find("seated_person") else { return };
+    let Some(dir) = captures::find("seated_person") else { return };
     let recording = Recording::open(dir).unwrap();
     let masks = recording.masks(0).unwrap();
     let (mut compared, mut differ, mut unseen, mut farthest) = (0, 0, 0, 0.0_f64);
@@ -130,10 +121,10 @@ fn undistorted_masks_say_what_the_distorted_ones_say() {
         let undistortion = Undistortion::new(camera).unwrap();
         let pinhole = undistortion.pinhole();
         let undistorted = undistortion.apply(mask, 0).unwrap();
-        let mut random = uniform(1);
+        let mut random = Random(1);
         for _ in 0..250_000 {
             // A box around the person, 0.3 m wider.
-            let world = Point3::new(1.2 * random() - 0.25, 1.5 * random() - 0.25, 1.8 * random() - 0.1);
+            let world = random.point(point![-0.25, -0.25, -0.1], point![0.95, 1.25, 1.7]);
             let Some(distorted) = place(camera, &world) else { continue };
             compared += 1;
             let Some(straight) =

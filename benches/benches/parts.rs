@@ -6,8 +6,8 @@ use divan::{Bencher, black_box, counter::ItemsCount};
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_visual_hull::hull::{EdgeModel, Points, Workspace};
 use ode_visual_hull_bench::ours::{Boxes, Frame, Rig};
-use ode_visual_hull_bench::random::Random;
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, SAMPLES_4000, Scene, UHD, VGA, Who};
+use ode_visual_hull_testing::random::Random;
 
 const SIZES: [(u32, u32); 3] = [VGA, FULL_HD, UHD];
 
@@ -23,7 +23,7 @@ fn person() -> Frame {
 /// 1000 points at random inside.
 fn points_inside(frame: &Frame) -> Vec<Point3<f64>> {
     let mut random = Random(11);
-    let points = std::iter::repeat_with(|| random.point(frame.aabb()));
+    let points = std::iter::repeat_with(|| random.point(frame.aabb().min, frame.aabb().max));
     points.filter(|p| frame.hull().inside(p)).take(1000).collect()
 }
 

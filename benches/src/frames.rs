@@ -1,11 +1,11 @@
 //! Whole frames beside the literal program: masks in; out come its body vectors, and our default contacts.
 
-use crate::figure::Bound;
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use ode_visual_hull_bench::literal::{LiteralBodies, LiteralHull};
 use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, Given, Optics, SAMPLES_400, Scene, VGA, Who};
+use ode_visual_hull_testing::figure::Bound;
 
 const CONTACTS: &str = "masks in, default contacts out, boxes of 400 samples";
 const RESPONSES: &str = "masks in, the paper's body vectors out, boxes of 400 samples";

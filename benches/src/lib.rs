@@ -22,8 +22,6 @@ pub mod nets;
 pub mod ode;
 pub mod ours;
 pub mod parry;
-#[path = "../../examples/figures/random.rs"]
-pub mod random;
 pub mod scene;
 
 #[cfg(test)]

@@ -3,10 +3,6 @@
 //!
 //! `make bench`, or `cargo run --release -p ode-visual-hull-bench -- --help`. It fails where a bound is missed.
 
-#[path = "../../tests/data/mod.rs"]
-mod data;
-#[path = "../../examples/figures/figure.rs"]
-mod figure;
 mod frames;
 mod page;
 mod peers;
@@ -18,12 +14,12 @@ mod scaling;
 mod segmentation;
 mod session;
 mod simulation;
-#[path = "../../examples/figures/table.rs"]
-mod table;
 mod threads;
 mod timing;
 
 use clap::Parser;
+use ode_visual_hull_testing::figure::Figure;
+use ode_visual_hull_testing::figure_table;
 use session::Session;
 use std::path::Path;
 use std::process::ExitCode;
@@ -68,8 +64,8 @@ fn main() -> ExitCode {
     }
     let rows = session.into_rows();
     let figures: Vec<_> = rows.iter().map(|row| row.figure.clone()).collect();
-    table::print_table(&figures);
-    let mut written = table::record(&root.join("target/figures.json"), &figures);
+    figure_table::print_table(&figures);
+    let mut written = figure_table::record(&root.join("target/figures.json"), &figures);
     if options.only.is_empty() {
         // The page tells of one run.
         written = written.and_then(|()| page::write(&root.join("docs/performance.md"), &rows));
@@ -79,5 +75,5 @@ fn main() -> ExitCode {
         return ExitCode::FAILURE;
     }
     println!("\n{} figures written to target/figures.json", figures.len());
-    if figures.iter().all(figure::Figure::holds) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if figures.iter().all(Figure::holds) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

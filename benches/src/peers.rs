@@ -1,6 +1,5 @@
 //! What one would do instead: carve voxels, mesh them, build the engine's tree over the mesh, and collide with that.
 
-use crate::figure::Bound;
 use crate::frames::with_body_vectors;
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
@@ -9,6 +8,7 @@ use ode_visual_hull_bench::nets::Mesh;
 use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, Given, Optics, SAMPLES_400, Scene, VGA, Who};
 use ode_visual_hull_bench::{ode, parry};
+use ode_visual_hull_testing::figure::Bound;
 
 const PEERS: [&str; 3] = ["ode_trimesh", "parry_trimesh", "parry_voxels"];
 

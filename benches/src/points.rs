@@ -1,14 +1,14 @@
 //! Single points: inside or not, and the exit.
 
-use crate::figure::Bound;
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use nalgebra::{Isometry3, Point3};
 use ode_visual_hull::hull::{Points, Workspace};
 use ode_visual_hull_bench::literal::{LiteralHull, Vec3};
 use ode_visual_hull_bench::ours::{Frame, Rig};
-use ode_visual_hull_bench::random::Random;
 use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, Scene, VGA, Who};
+use ode_visual_hull_testing::figure::Bound;
+use ode_visual_hull_testing::random::Random;
 
 /// Points of an inside test.
 const MANY: usize = 24_000;
@@ -88,14 +88,14 @@ pub fn respond<'a>(
 /// `count` points at random in the hull's box.
 fn anywhere(frame: &Frame, count: usize) -> Vec<Point3<f64>> {
     let mut random = Random(2);
-    (0..count).map(|_| random.point(frame.aabb())).collect()
+    (0..count).map(|_| random.point(frame.aabb().min, frame.aabb().max)).collect()
 }
 
 /// `count` points at random whose depth lies in `depths` pixels, each depth as often.
 pub fn at_depth(frame: &Frame, depths: std::ops::RangeInclusive<u16>, count: usize) -> Vec<Point3<f64>> {
     let mut random = Random(3);
     let mut missing = vec![count.div_ceil(depths.len()); depths.len()];
-    let points = std::iter::repeat_with(|| random.point(frame.aabb()));
+    let points = std::iter::repeat_with(|| random.point(frame.aabb().min, frame.aabb().max));
     let wanted = |p: &Point3<f64>| -> bool {
         let depth = frame.depth_px(p);
         let class = missing.get_mut(usize::from(depth.wrapping_sub(*depths.start())));

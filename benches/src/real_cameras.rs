@@ -3,11 +3,11 @@
 //! Seven views of the person, and 60 boxes of 400 samples. Each figure compares the library with itself, on one frame
 //! size, and gives the time of the real case beside.
 
-use crate::figure::Bound;
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use ode_visual_hull_bench::ours::{Boxes, Frame, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, VGA, Who};
+use ode_visual_hull_testing::figure::Bound;
 
 pub fn measure(session: &mut Session) {
     let boxes = Boxes::new(&Bodies::scattered(60, SAMPLES_400));

@@ -1,6 +1,5 @@
 //! How the cost grows with cameras, resolution, samples, bodies and depth: a plot of each.
 
-use crate::figure::Bound;
 use crate::frames::{from_frame, from_masks};
 use crate::plot::{Line, Plot};
 use crate::points;
@@ -10,6 +9,7 @@ use ode_visual_hull_bench::ours::Rig;
 use ode_visual_hull_bench::scene::{
     Bodies, Given, Optics, SAMPLES_400, SAMPLES_4000, SIZES, Scene, VGA, Who,
 };
+use ode_visual_hull_testing::figure::Bound;
 
 pub fn measure(session: &mut Session) {
     cameras(session);

@@ -3,7 +3,6 @@
 //! Metres, z up. The cameras stand around the subject at 3.2 m, so that a pixel covers 6 mm at VGA.
 
 use crate::masks;
-use crate::random::Random;
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3, point, vector};
 use ode_visual_hull::camera::{Camera, Distortion};
@@ -11,6 +10,7 @@ use ode_visual_hull::hull::Aabb;
 use ode_visual_hull::sample::{self, Samples};
 use ode_visual_hull::silhouette::Undistortion;
 use ode_visual_hull::synthetic::{self, Placed, Solid, Subject, Texture, layout};
+use ode_visual_hull_testing::random::Random;
 
 /// Image sizes in pixels, and what they are called.
 pub const SIZES: [(&str, (u32, u32)); 3] =
@@ -201,7 +201,7 @@ impl Bodies {
         let about = Aabb { min: point![-0.45, -0.6, 0.1], max: point![0.45, 0.6, 1.7] };
         let mut random = Random(7);
         let mut pose = || {
-            let at = random.point(&about);
+            let at = random.point(about.min, about.max);
             Isometry3::from_parts(Translation3::from(at.coords), random.rotation())
         };
         Self { samples, poses: (0..count).map(|_| pose()).collect() }

@@ -2,14 +2,15 @@
 //!
 //! The two take turns on the same images, each on one thread, by the clock of that thread.
 
-use crate::data;
-use crate::figure::Bound;
 use crate::session::{Session, StartTime};
-use crate::timing::{median, thread_seconds};
+use crate::timing::thread_seconds;
 use image::{GrayImage, RgbImage};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::segment::{CleanPlate, Learning, RunningGaussian, Segmenter, Thresholds};
 use ode_visual_hull::synthetic::{Scene, Subject, add_noise, clean_plate, layout, render_over};
+use ode_visual_hull_testing::captures;
+use ode_visual_hull_testing::figure::Bound;
+use ode_visual_hull_testing::median;
 use std::hint::black_box;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -79,7 +80,7 @@ struct Capture {
 
 /// The first camera of the seated person's capture, where it is.
 fn captured() -> Option<Capture> {
-    let recording = Recording::open(data::find("seated_person")?).ok()?;
+    let recording = Recording::open(captures::find("seated_person")?).ok()?;
     let frames = recording.image_frames().iter();
     let images =
         frames.map(|&frame| Some(recording.images(frame).ok()?.swap_remove(0))).collect::<Option<_>>()?;

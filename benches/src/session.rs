@@ -1,8 +1,8 @@
 //! One run of the program: how long it measures, what it has measured, and where it reports progress.
 
-use crate::figure::{Bound, Figure};
 use crate::timing::{PairedBench, Times};
 use indicatif::{ProgressBar, ProgressStyle};
+use ode_visual_hull_testing::figure::{Bound, Figure};
 use std::path::{Path, PathBuf};
 
 /// What a figure's clock starts with.

@@ -1,11 +1,12 @@
 //! A simulation of ODE: how much of a step is colliding.
 
 use crate::session::{Session, StartTime};
-use crate::timing::{median, thread_seconds};
+use crate::timing::thread_seconds;
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{Amount, BodyId, Mass, Ode, Shape, Surface, World, set_random_seed};
 use ode_visual_hull_bench::scene::{BOX, Bodies, SAMPLES_400, Scene, VGA, Who};
+use ode_visual_hull_testing::median;
 use std::sync::Arc;
 
 /// Seconds a step.

@@ -4,12 +4,12 @@ use crate::carve::Grid;
 use crate::literal::{LiteralBodies, LiteralHull, Vec3};
 use crate::nets::Mesh;
 use crate::ours::{Boxes, Frame, Rig};
-use crate::random::Random;
 use crate::scene::{Bodies, Given, Optics, SAMPLES_400, SAMPLES_4000, Scene, VGA, Who};
 use crate::{ode, parry};
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::contact::BodyContacts;
 use ode_visual_hull::hull::reference;
+use ode_visual_hull_testing::random::Random;
 
 fn plain(p: &Point3<f64>) -> Vec3 {
     p.coords.cast::<f32>().into()
@@ -50,7 +50,7 @@ fn the_literal_program_and_the_reference_agree_on_what_is_inside() {
     let (scene, frame) = person();
     let literal = LiteralHull::new(&scene, frame.aabb());
     let mut random = Random(5);
-    let points: Vec<_> = (0..20_000).map(|_| random.point(frame.aabb())).collect();
+    let points: Vec<_> = (0..20_000).map(|_| random.point(frame.aabb().min, frame.aabb().max)).collect();
     let inside = points.iter().filter(|p| reference::inside(frame.hull(), p)).count();
     let differ = points.iter().filter(|p| literal.inside(&plain(p)) != reference::inside(frame.hull(), p));
     assert!(inside > 500, "{inside} points inside");
@@ -65,7 +65,7 @@ fn the_literal_program_and_the_reference_respond_alike() {
         let frame = Rig::new(&scene).publish(&scene.masks);
         let literal = LiteralHull::new(&scene, frame.aabb());
         let mut random = Random(7);
-        let points = std::iter::repeat_with(|| random.point(frame.aabb()));
+        let points = std::iter::repeat_with(|| random.point(frame.aabb().min, frame.aabb().max));
         let points = points.filter(|p| reference::inside(frame.hull(), p)).take(1_000);
         let (mut all, mut agree) = (0, 0);
         for p in points {

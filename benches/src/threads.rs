@@ -1,10 +1,10 @@
 //! The bodies of one frame shared out among threads.
 
-use crate::figure::Bound;
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use ode_visual_hull_bench::ours::{Boxes, Rig};
 use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, Who};
+use ode_visual_hull_testing::figure::Bound;
 use rayon::ThreadPoolBuilder;
 
 pub fn measure(session: &mut Session) {

@@ -4,6 +4,7 @@
 //! threads of their own, it is the wall clock.
 
 use indicatif::ProgressBar;
+use ode_visual_hull_testing::median;
 use rustix::time::{ClockId, clock_gettime};
 use std::hint::black_box;
 
@@ -110,13 +111,13 @@ impl Times {
     /// The median over the rounds.
     pub fn seconds(&self, name: &str) -> f64 {
         let index = self.index(name);
-        median(self.rounds.iter().map(|round| round[index]).collect())
+        median(self.rounds.iter().map(|round| round[index]))
     }
 
     /// How many times as long as `other` a candidate takes: the median over the rounds of the ratios within one.
     pub fn ratio(&self, name: &str, other: &str) -> f64 {
         let (index, other) = (self.index(name), self.index(other));
-        median(self.rounds.iter().map(|round| round[index] / round[other]).collect())
+        median(self.rounds.iter().map(|round| round[index] / round[other]))
     }
 
     fn index(&self, name: &str) -> usize {
@@ -132,10 +133,4 @@ pub fn thread_seconds() -> f64 {
 fn seconds(clock: ClockId) -> f64 {
     let time = clock_gettime(clock);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
-}
-
-pub fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    0.5 * (values[(n - 1) / 2] + values[n / 2])
 }

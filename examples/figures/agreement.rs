@@ -8,14 +8,14 @@
 //!   +---------+   +---------+
 //! ```
 
-use crate::accuracy::{mean, share};
-use crate::figure::{Bound, Figure};
-use crate::random::Random;
-use crate::scene;
 use nalgebra::{Isometry3, Point2, Point3, UnitQuaternion, point};
 use ode_visual_hull::camera::{Camera, Distortion, Fisheye, Lens};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, PointResponse, Response, Unseen, Workspace, reference};
 use ode_visual_hull::synthetic::{self, Subject, layout};
+use ode_visual_hull_testing::figure::{Bound, Figure};
+use ode_visual_hull_testing::quality::accuracy::{mean, share};
+use ode_visual_hull_testing::quality::scene;
+use ode_visual_hull_testing::random::Random;
 use std::sync::Arc;
 
 /// Small images: the reference looks at every pixel.
@@ -157,7 +157,7 @@ fn points(hull: &Hull, seed: u64) -> Vec<Point3<f64>> {
     let around = hull.aabb().grown(0.02);
     let (mut points, mut inside) = (Vec::new(), 0);
     while inside < POINTS {
-        let p = random.point(&around);
+        let p = random.point(around.min, around.max);
         inside += usize::from(reference::inside(hull, &p));
         points.push(p);
     }

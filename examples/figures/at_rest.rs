@@ -1,6 +1,5 @@
 //! A box at rest: how still it lies on noisy silhouettes, beside ODE's own box, other modes and the literal paper.
 
-use crate::figure::{Bound::AtMost, Figure};
 use crate::studio::*;
 use image::GrayImage;
 use nalgebra::{Isometry3, Vector3, vector};
@@ -9,6 +8,7 @@ use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{BodyId, Shape, World};
 use ode_visual_hull::sample;
 use ode_visual_hull::synthetic::{flip_boundary, silhouette};
+use ode_visual_hull_testing::figure::{Bound::AtMost, Figure};
 use std::sync::Arc;
 
 /// Seconds of settling before the measurement, and of the measurement.
@@ -27,19 +27,19 @@ const BOX: Vector3<f64> = Vector3::new(0.2, 0.2, 0.2);
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("a box on still, noisy masks");
     let still: Vec<f64> = SEEDS.map(|seed| on_still_masks(seed, Mode::Clustered)).collect();
-    let single = median(SEEDS.map(|seed| on_still_masks(seed, Mode::Single)).collect());
+    let single = median(SEEDS.map(|seed| on_still_masks(seed, Mode::Single)));
     let worst = still.iter().copied().fold(0.0, f64::max);
     progress("a box on live masks");
-    let live = median(SEEDS.map(on_live_masks).collect());
+    let live = median(SEEDS.map(on_live_masks));
     let multi = median(still);
     vec![
         Figure::bounded("rest_rms_mm_s", multi, AtMost(0.5)),
         Figure::bounded("rest_rms_mm_s_worst_seed", worst, AtMost(10.0)),
-        Figure::reported("rest_rms_mm_s_native", median(SEEDS.map(on_native).collect())),
+        Figure::reported("rest_rms_mm_s_native", median(SEEDS.map(on_native))),
         Figure::bounded("rest_live_rms_mm_s", live, AtMost(2.0)),
         // A box that does not move at all has no jitter to divide by: a nanometre a second stands for none.
         Figure::reported("single_over_multi_jitter", single / multi.max(1e-6)),
-        Figure::reported("literal_rest_rms_mm_s", median(SEEDS.map(literal).collect())),
+        Figure::reported("literal_rest_rms_mm_s", median(SEEDS.map(literal))),
     ]
 }
 

@@ -1,13 +1,13 @@
 //! What a call through the C face costs beside the same question asked in Rust.
 
-use crate::figure::{Bound::AtMost, Figure};
-use crate::random::Random;
 use crate::studio::{add_body, at, data, level_ring, masks, median, publish, table, world};
 use nalgebra::{Point3, Vector3, point};
 use ode_sys::{dCreateBox, dGeomDestroy, dGeomID, dGeomSetPosition, dSpaceID};
 use ode_visual_hull::hull::Aabb;
 use ode_visual_hull::ode::{GeomId, Shape, World};
 use ode_visual_hull::synthetic::coverage;
+use ode_visual_hull_testing::figure::{Bound::AtMost, Figure};
+use ode_visual_hull_testing::random::Random;
 use std::ffi::{c_int, c_uchar, c_void};
 use std::hint::black_box;
 use std::ptr::null_mut;
@@ -79,7 +79,7 @@ fn compare(scenes: &[Scene], calls: usize, c: fn(&Scene), rust: fn(&Scene)) -> (
         }
     };
     let rounds: Vec<(f64, f64)> = (0..scenes.len() * ROUNDS).map(round).collect();
-    let pick = |of: fn(&(f64, f64)) -> f64| median(rounds.iter().map(of).collect());
+    let pick = |of: fn(&(f64, f64)) -> f64| median(rounds.iter().map(of));
     (pick(|round| round.0), pick(|round| round.1), pick(|round| round.0 / round.1))
 }
 
@@ -128,7 +128,7 @@ impl Scene {
         };
         let around = Aabb::new(point![-0.3, -0.3, -0.25], point![0.3, 0.3, 0.25]).expect("a box");
         let mut random = Random(seed);
-        let points = (0..POINTS).map(|_| random.point(&around)).collect();
+        let points = (0..POINTS).map(|_| random.point(around.min, around.max)).collect();
         Self { world, hull, cube, c_data, c_hull, c_cube, points }
     }
 

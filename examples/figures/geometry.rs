@@ -1,10 +1,10 @@
 //! The geometric figures: the hull from pixels against the analytic hull of the same cameras.
 
-use crate::accuracy::{self, NormalError, Probe, mean, p99, share};
-use crate::figure::{Bound, Figure};
-use crate::scene::{self, Scene};
 use Bound::{AtLeast, AtMost};
 use ode_visual_hull::hull::EdgeModel;
+use ode_visual_hull_testing::figure::{Bound, Figure};
+use ode_visual_hull_testing::quality::accuracy::{self, NormalError, Probe, mean, p99, share};
+use ode_visual_hull_testing::quality::scene::{self, Scene};
 use std::collections::BTreeMap;
 
 /// What is asked of the worst scene.

@@ -1,14 +1,14 @@
 //! Bodies deep in the hull, pierced by it, and held by it.
 
-use crate::figure::{
-    Bound::{AtLeast, AtMost},
-    Figure,
-};
 use crate::studio::*;
 use nalgebra::{UnitQuaternion, Vector3, vector};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::ode::Shape;
 use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
+use ode_visual_hull_testing::figure::{
+    Bound::{AtLeast, AtMost},
+    Figure,
+};
 
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("bodies inside, pierced and held");
@@ -57,7 +57,7 @@ fn exit_speed(subject: &Subject, side: f64, place: Vector3<f64>) -> f64 {
         }
         fastest
     };
-    median(SEEDS.map(once).collect())
+    median(SEEDS.map(once))
 }
 
 /// Whether two hands, 4 mm nearer to each other than the box between them is wide, hold it for three seconds.

@@ -1,9 +1,6 @@
 //! The figures of segmentation: real captures against the masks that came with them, and synthetic images against
 //! exact silhouettes.
 
-use crate::captures::{DINO, SEATED, carve, dino_cameras};
-use crate::data;
-use crate::figure::{Bound, Figure};
 use image::{GrayImage, RgbImage, imageops};
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Camera;
@@ -14,6 +11,8 @@ use ode_visual_hull::segment::{CleanPlate, Cleanup, Segmenter, Shadows, Threshol
 use ode_visual_hull::silhouette::PackedMask;
 use ode_visual_hull::source::{ReadOptions, Source, Video};
 use ode_visual_hull::synthetic::{Scene, Subject, add_noise, clean_plate, layout, render_over, silhouette};
+use ode_visual_hull_testing::captures::{self, DINO, SEATED, carve, dino_cameras};
+use ode_visual_hull_testing::figure::{Bound, Figure};
 use std::path::Path;
 
 /// Frames of the empty room that a plate is made of.
@@ -25,7 +24,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     for (name, capture) in
         [("seated_person", seated as Capture), ("balancing_person", balancing), ("dino", dino)]
     {
-        if let Some(dir) = data::find(name) {
+        if let Some(dir) = captures::find(name) {
             progress(name);
             figures.extend(capture(&dir, &mut coded));
         }

@@ -1,17 +1,17 @@
 //! Five boxes on the table: how far the top one creeps, beside ODE's own table.
 
-use crate::figure::{Bound::AtMost, Figure};
 use crate::studio::*;
 use nalgebra::{Vector2, vector};
 use ode_visual_hull::ode::{BodyId, Shape, World};
 use ode_visual_hull::synthetic::coverage;
+use ode_visual_hull_testing::figure::{Bound::AtMost, Figure};
 
 const SIDE: f64 = 0.15;
 
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("five boxes on the table");
-    let native = median(SEEDS.map(|seed| creep(seed, false)).collect());
-    let hull = median(SEEDS.map(|seed| creep(seed, true)).collect());
+    let native = median(SEEDS.map(|seed| creep(seed, false)));
+    let hull = median(SEEDS.map(|seed| creep(seed, true)));
     vec![
         Figure::bounded("stack5_creep_over_native", hull / native, AtMost(1.5)),
         Figure::reported("stack5_creep_mm", hull),

@@ -1,35 +1,22 @@
 //! The studio of the physical figures: subjects, rigs, masks, and worlds on their hulls.
 
 use image::GrayImage;
-use nalgebra::{Isometry3, Point3, Vector3, point, vector};
+use nalgebra::{Isometry3, point, vector};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{Aabb, HullData};
-use ode_visual_hull::ode::{
-    Amount, BodyId, GeomId, Mass, Ode, Shape, SpaceKind, Surface, World, set_random_seed,
-};
-use ode_visual_hull::pipeline::publish_masks;
-use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, layout};
+use ode_visual_hull::ode::{Amount, BodyId, GeomId, Ode, Shape, SpaceKind, Surface, World, set_random_seed};
+use ode_visual_hull::synthetic::{Subject, layout};
+use ode_visual_hull_testing::world::add_body_of;
 use std::sync::Arc;
+
+pub use ode_visual_hull_testing::median;
+pub use ode_visual_hull_testing::scene::{ORIGIN, TABLE, TOP, at, cuboid, publish};
 
 /// Seeds over which medians are taken, of ODE's random numbers and of the masks' noise alike.
 pub const SEEDS: std::ops::Range<u64> = 0..8;
 
 /// The step of all simulations, in seconds: what most programs of ODE use.
 pub const DT: f64 = 0.01;
-
-/// Height of the table's top above its middle, in metres; the table is a box of 0.5 x 0.5 x 0.4 m.
-pub const TOP: f64 = 0.2;
-
-pub const TABLE: Vector3<f64> = Vector3::new(0.5, 0.5, 2.0 * TOP);
-
-pub fn cuboid(lengths: Vector3<f64>, pose: Isometry3<f64>) -> Placed {
-    let solid = Solid::cuboid(lengths).expect("positive sizes");
-    Placed::new(solid, pose, Texture::plain([200, 60, 40]))
-}
-
-pub fn at(x: f64, y: f64, z: f64) -> Isometry3<f64> {
-    Isometry3::translation(x, y, z)
-}
 
 /// Seven cameras of 640x480 pixels on a ring of 3 m, level with `height`: about 4 mm a pixel.
 pub fn level_ring(height: f64) -> Vec<Camera> {
@@ -53,11 +40,7 @@ pub fn data(cameras: &[Camera]) -> Arc<HullData> {
     Arc::new(data)
 }
 
-/// Publishes `masks` as the frame of `time`.
-pub fn publish(data: &HullData, masks: &[GrayImage], time: f64) {
-    publish_masks(data, masks, time).expect("a mask of the camera's size in every view");
-}
-
+/// What each camera sees of `subject`, drawn by `draw`.
 pub fn masks(
     cameras: &[Camera],
     subject: &Subject,
@@ -66,6 +49,7 @@ pub fn masks(
     cameras.iter().map(|camera| draw(camera, subject)).collect()
 }
 
+/// The table as a subject.
 pub fn table() -> Subject {
     Subject::new(vec![cuboid(TABLE, Isometry3::identity())])
 }
@@ -85,14 +69,7 @@ pub fn world(seed: u64, surface_layer: f64) -> World {
 
 /// A body of density 100 kg/m3 with one geom.
 pub fn add_body(world: &mut World, shape: &Shape, pose: &Isometry3<f64>) -> (BodyId, GeomId) {
-    let body = world.add_body();
-    let root = world.root_space();
-    let geom = world.add_geom(root, shape).expect("positive sizes");
-    world.geom_mut(geom).set_body(Some(body)).expect("placeable");
-    let mass = Mass::of(shape, Amount::Density(100.0)).expect("positive");
-    world.body_mut(body).set_mass(&mass).expect("positive");
-    world.body_mut(body).set_pose(pose).expect("finite");
-    (body, geom)
+    add_body_of(world, shape, Amount::Density(100.0), pose)
 }
 
 pub fn step(world: &mut World) {
@@ -108,11 +85,3 @@ pub fn speed(world: &World, body: BodyId) -> f64 {
 pub fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
-
-pub fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    0.5 * (values[(n - 1) / 2] + values[n / 2])
-}
-
-pub const ORIGIN: Point3<f64> = Point3::new(0.0, 0.0, 0.0);

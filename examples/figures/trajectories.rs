@@ -1,10 +1,7 @@
 //! How near bodies on the hull of a box stay to what they do on ODE's own box, and how fast they roll: the scenes of
 //! the tests, as figures.
 
-#[path = "../../tests/trajectories/scenes.rs"]
-mod scenes;
-
-use crate::figure::{
+use ode_visual_hull_testing::figure::{
     Bound::{AtMost, Between},
     Figure,
 };
@@ -19,5 +16,5 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
         };
         Figure { name, value, bound }
     };
-    scenes::compare::figures(progress).into_iter().map(figure).collect()
+    ode_visual_hull_testing::trajectories::compare::figures(progress).into_iter().map(figure).collect()
 }

@@ -6,33 +6,12 @@ use crate::camera::{Camera, Ray};
 use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
 use nalgebra::{Vector3, point, vector};
+use ode_visual_hull_random::Random;
 use std::sync::{Arc, OnceLock};
 
-/// A small fixed-seed generator: splitmix64.
-pub(super) struct Random(pub u64);
-
-impl Random {
-    pub(super) fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub(super) fn point(&mut self, aabb: &Aabb) -> Point3<f64> {
-        let extent = aabb.max - aabb.min;
-        aabb.min + extent.map(|e| e * self.unit())
-    }
-
-    fn direction(&mut self) -> Vector3<f64> {
-        loop {
-            let v = vector![self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5];
-            if v.norm() > 0.1 && v.norm() < 0.5 {
-                return v.normalize();
-            }
-        }
-    }
+/// A random point of `aabb`.
+pub(super) fn point_in(random: &mut Random, aabb: &Aabb) -> Point3<f64> {
+    random.point(aabb.min, aabb.max)
 }
 
 pub(super) fn bounds() -> Aabb {
@@ -109,7 +88,7 @@ fn inside_agrees_with_the_reference_whatever_the_culls() {
 
         let mut random = Random(1);
         for _ in 0..20_000 {
-            let p = random.point(&bounds().grown(0.05));
+            let p = point_in(&mut random, &bounds().grown(0.05));
             let expected = reference::inside(&with_all, &p);
             assert_eq!(with_none.inside(&p), expected, "{p}");
             assert_eq!(with_all.inside(&p), expected, "{p}");
@@ -124,7 +103,7 @@ fn the_box_holds_every_inside_point() {
         let hull = hull(Unseen::Outside, samples).with_culls(Culls::NONE);
         let mut random = Random(2);
         for _ in 0..20_000 {
-            let p = random.point(&bounds());
+            let p = point_in(&mut random, &bounds());
             let inside = hull.inside(&p) || hull.inside_by(&p, EdgeModel::Coverage);
             assert!(!inside || hull.aabb().contains(&p));
         }
@@ -139,7 +118,7 @@ fn responses_agree_with_the_reference() {
         let mut compared = 0;
 
         while compared < 400 {
-            let p = random.point(hull.aabb());
+            let p = point_in(&mut random, hull.aabb());
             let (found, expected) = (hull.respond(&p), reference::respond(&hull, &p));
             let Some(expected) = expected else {
                 assert!(found.is_none());
@@ -164,7 +143,7 @@ fn exits_in_any_direction_agree_with_the_reference() {
         let mut compared = 0;
 
         while compared < 400 {
-            let (p, direction) = (random.point(hull.aabb()), random.direction());
+            let (p, direction) = (point_in(&mut random, hull.aabb()), random.direction());
             if hull.inside(&p) {
                 let found = hull.exit(&p, &direction, EdgeModel::Pixel);
                 let expected = reference::exit(&hull, &p, &direction);
@@ -183,7 +162,7 @@ fn coverage_exits_are_where_bilinear_coverage_falls_below_one_half() {
     let mut compared = 0;
 
     while compared < 300 {
-        let (p, direction) = (random.point(hull.aabb()), random.direction());
+        let (p, direction) = (point_in(&mut random, hull.aabb()), random.direction());
         if hull.inside_by(&p, EdgeModel::Coverage) {
             let t = hull.exit(&p, &direction, EdgeModel::Coverage);
             let inside_at = |t: f64| hull.inside_by(&(p + direction * t), EdgeModel::Coverage);
@@ -203,7 +182,7 @@ fn a_point_moved_by_its_response_is_outside() {
     let hull = hull(Unseen::Outside, 1);
     let mut random = Random(6);
     for _ in 0..4000 {
-        let p = random.point(hull.aabb());
+        let p = point_in(&mut random, hull.aabb());
         if let Some(response) = hull.respond(&p) {
             assert!(!hull.inside(&(p + response.normal * (response.depth + 1e-9))));
         }
@@ -217,8 +196,8 @@ fn a_ray_from_outside_enters_and_leaves_where_the_verdict_changes() {
         let mut random = Random(7);
         let (mut hits, mut facing) = (0, 0);
         for _ in 0..2000 {
-            let origin = random.point(&bounds().grown(0.5));
-            let ray = Ray { origin, direction: (random.point(hull.aabb()) - origin).normalize() };
+            let origin = point_in(&mut random, &bounds().grown(0.5));
+            let ray = Ray { origin, direction: (point_in(&mut random, hull.aabb()) - origin).normalize() };
             let inside = |t: f64| hull.inside(&ray.at(t));
 
             // A ray that misses is outside all the way, by steps of a millimetre.
@@ -251,7 +230,7 @@ fn a_point_on_a_background_pixel_is_nearest_to_that_pixel() {
     let mut compared = 0;
 
     for _ in 0..60_000 {
-        let p = random.point(hull.aabb());
+        let p = point_in(&mut random, hull.aabb());
         let distance = |view: &View| view.pixel(&p).map(|(i, j)| view.silhouette().distance(i, j));
         let on_background = hull.views().iter().find(|view| distance(view) == Some(0));
         if let Some(view) = on_background.filter(|_| hull.inside_by(&p, EdgeModel::Coverage)) {

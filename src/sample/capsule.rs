@@ -62,13 +62,14 @@ fn rings(radius: f64, length: f64, spacing: f64) -> Vec<Ring> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Lcg, assert_covers, assert_unit_normals};
+    use super::super::testing::{assert_covers, assert_unit_normals};
     use super::*;
     use nalgebra::{Point3, Vector3};
+    use ode_visual_hull_random::Random;
 
     const SIZES: [(f64, f64); 5] = [(0.1, 0.3), (0.02, 2.0), (0.005, 0.004), (0.2, 0.0), (0.3, 1e-4)];
 
-    fn surface_point(radius: f64, length: f64, random: &mut Lcg) -> Point3<f64> {
+    fn surface_point(radius: f64, length: f64, random: &mut Random) -> Point3<f64> {
         let direction = random.direction();
         // Half of the points on the caps, half on the side.
         if random.below(2) == 0 {

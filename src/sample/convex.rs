@@ -47,10 +47,11 @@ pub fn convex(vertices: &[Point3<f64>], min_feature: f64) -> Result<Samples> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Lcg, assert_covers, assert_unit_normals};
+    use super::super::testing::{assert_covers, assert_unit_normals};
     use super::super::{Sample, box_};
     use super::*;
     use nalgebra::{UnitQuaternion, Vector3};
+    use ode_visual_hull_random::Random;
 
     fn box_corners(lengths: Vector3<f64>) -> Vec<Point3<f64>> {
         let at =
@@ -97,7 +98,7 @@ mod tests {
 
     #[test]
     fn duplicates_noise_inner_points_and_order_have_no_effect() {
-        let mut random = Lcg::new(2);
+        let mut random = Random(2);
         let rotation = UnitQuaternion::from_euler_angles(0.3, 1.1, -0.7);
         for noise in [0.0, 1e-15, 3e-8] {
             let mut vertices = box_corners(Vector3::new(0.4, 0.3, 0.2));
@@ -129,7 +130,7 @@ mod tests {
 
     #[test]
     fn random_hulls_are_covered_and_their_samples_are_support_points() {
-        let mut random = Lcg::new(9);
+        let mut random = Random(9);
         for n in [4, 5, 6, 9, 20, 60, 200] {
             for flattening in [1.0, 0.2, 0.003] {
                 let vertex =
@@ -156,11 +157,11 @@ mod tests {
 
     #[test]
     fn the_hull_is_closed() {
-        let mut random = Lcg::new(21);
+        let mut random = Random(21);
         // Many points of a lattice lie in common planes and lines.
         for round in 0..60 {
             let n = 8 + round;
-            let point = |random: &mut Lcg| Point3::new(random.below(4), random.below(4), random.below(3));
+            let point = |random: &mut Random| Point3::new(random.below(4), random.below(4), random.below(3));
             let vertices: Vec<_> = (0..n).map(|_| point(&mut random).cast::<f64>()).collect();
             let (corners, _) = weld(&vertices, 1e-6);
             let faces = wrap(&corners, 1e-6).unwrap();

@@ -51,14 +51,15 @@ fn add(by_kind: &mut [Vec<Sample>; 3], lengths: &Vector3<f64>, lattice: [(usize,
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Lcg, assert_covers, assert_unit_normals};
+    use super::super::testing::{assert_covers, assert_unit_normals};
     use super::*;
+    use ode_visual_hull_random::Random;
     use std::collections::HashSet;
 
     const SIZES: [(f64, f64, f64); 5] =
         [(0.4, 0.3, 0.2), (1.0, 1.0, 0.001), (0.01, 0.01, 0.01), (2.0, 0.02, 0.03), (0.03, 0.0300001, 0.5)];
 
-    fn surface_point(lengths: &Vector3<f64>, random: &mut Lcg) -> Point3<f64> {
+    fn surface_point(lengths: &Vector3<f64>, random: &mut Random) -> Point3<f64> {
         let mut at = Vector3::from_fn(|_, _| random.between(-0.5, 0.5));
         let axis = random.below(3);
         at[axis] = if random.below(2) == 0 { -0.5 } else { 0.5 };

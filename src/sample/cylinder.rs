@@ -63,13 +63,14 @@ fn rings(radius: f64, length: f64, spacing: f64) -> Vec<Ring> {
 #[cfg(test)]
 mod tests {
     use super::super::Sample;
-    use super::super::testing::{Lcg, assert_covers, assert_unit_normals};
+    use super::super::testing::{assert_covers, assert_unit_normals};
     use super::*;
     use nalgebra::{Point3, Vector3};
+    use ode_visual_hull_random::Random;
 
     const SIZES: [(f64, f64); 5] = [(0.1, 0.3), (0.01, 3.0), (0.004, 0.003), (0.5, 0.002), (0.2, 0.021)];
 
-    fn surface_point(radius: f64, length: f64, random: &mut Lcg) -> Point3<f64> {
+    fn surface_point(radius: f64, length: f64, random: &mut Random) -> Point3<f64> {
         let (sin, cos) = random.between(0.0, 7.0).sin_cos();
         let (from_axis, height) = match random.below(3) {
             0 => (radius * random.between(0.0, 1.0).sqrt(), -0.5),

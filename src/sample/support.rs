@@ -138,15 +138,15 @@ fn stands(d: &Vector3<f64>) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::Lcg;
     use super::super::{capsule, cylinder, sphere};
     use super::*;
+    use ode_visual_hull_random::Random;
 
     #[test]
     fn no_sample_lies_farther_than_the_support_point() {
         let bodies = [sphere(0.1, 0.01), capsule(0.05, 0.3, 0.01), cylinder(0.08, 0.2, 0.01)]
             .map(|body| body.unwrap());
-        let mut random = Lcg::new(3);
+        let mut random = Random(3);
         for body in &bodies {
             for _ in 0..200 {
                 let d = random.direction();
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn support_points_lie_on_the_surface() {
-        let mut random = Lcg::new(5);
+        let mut random = Random(5);
         for _ in 0..500 {
             let mut d = random.direction();
             d.z *= random.between(0.0, 0.3);

@@ -84,10 +84,11 @@ fn is_inside_out(corners: &[Point3<f64>], faces: &[Facet]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Lcg, assert_covers, assert_unit_normals};
+    use super::super::testing::{assert_covers, assert_unit_normals};
     use super::super::{Sample, box_};
     use super::*;
     use nalgebra::Vector3;
+    use ode_visual_hull_random::Random;
 
     /// A triangulated box with every face divided `n` times along each side; 12 triangles for `n = 1`.
     fn box_mesh(lengths: Vector3<f64>, n: usize) -> Vec<[Point3<f64>; 3]> {
@@ -109,7 +110,7 @@ mod tests {
         triangles
     }
 
-    fn on_mesh(triangles: &[[Point3<f64>; 3]], random: &mut Lcg) -> Point3<f64> {
+    fn on_mesh(triangles: &[[Point3<f64>; 3]], random: &mut Random) -> Point3<f64> {
         let [a, b, c] = triangles[random.below(triangles.len())];
         let (mut s, mut t) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
         if s + t > 1.0 {
@@ -145,7 +146,7 @@ mod tests {
 
     #[test]
     fn any_triangle_is_covered() {
-        let mut random = Lcg::new(11);
+        let mut random = Random(11);
         for _ in 0..40 {
             let squeeze = random.between(0.0, 1.0).powi(4);
             let mut corner = || {

@@ -223,10 +223,10 @@ fn is_candidate(radius: i32, offset: i32, squared: i32) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::Random;
     use super::super::{Border, Silhouette};
     use super::*;
     use image::{GrayImage, Luma};
+    use ode_visual_hull_random::Random;
 
     /// A random pixel of the masks.
     fn pixel(random: &mut Random) -> (i32, i32) {

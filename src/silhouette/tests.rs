@@ -3,25 +3,6 @@ use nalgebra::Vector2;
 
 mod tables;
 
-/// A linear congruential generator of pseudo-random numbers, with the seed as its state.
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    /// A number in `0.0..1.0`.
-    pub(super) fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    pub(super) fn below(&mut self, end: u32) -> u32 {
-        (self.unit() * f64::from(end)) as u32
-    }
-}
-
 /// A binary mask whose subject pixels are those for whose centres `inside` holds.
 fn drawn(width: u32, height: u32, inside: impl Fn(f64, f64) -> bool) -> GrayImage {
     GrayImage::from_fn(width, height, |i, j| {

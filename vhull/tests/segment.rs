@@ -5,6 +5,7 @@ use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::rig::Rig;
+use ode_visual_hull_testing::random::Random;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -264,11 +265,10 @@ fn a_full_disk_is_told_and_leaves_no_half_written_file() {
     let folder = Folder::new("full");
     let dir = record(&folder, 4);
     // Blocks anywhere make a large mask.
-    let mut state = 1_u32;
+    let mut random = Random(1);
     let mut noise = RgbImage::from_pixel(64, 48, Rgb([0; 3]));
     for pixel in noise.pixels_mut() {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        *pixel = if state >> 31 == 0 { Rgb([250, 0, 0]) } else { Rgb([60, 90, 60]) };
+        *pixel = if random.below(2) == 0 { Rgb([250, 0, 0]) } else { Rgb([60, 90, 60]) };
     }
     let noise = image::imageops::resize(&noise, SIZE.0, SIZE.1, image::imageops::FilterType::Nearest);
     for camera in CAMERAS {

@@ -2,11 +2,12 @@
 
 use super::*;
 use crate::camera::{Camera, Fisheye};
-use crate::hull::tests::{POLICIES, Random, bounds, cameras, hull, mask};
+use crate::hull::tests::{POLICIES, bounds, cameras, hull, mask, point_in};
 use crate::hull::{Aabb, HullData, Unseen, View, reference};
 use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
 use nalgebra::{Matrix3, point, vector};
+use ode_visual_hull_random::Random;
 use std::sync::{Arc, LazyLock};
 
 /// The kind of views that a hull has.
@@ -111,7 +112,7 @@ fn perforated_mask(random: &mut Random, has_coverage: bool) -> GrayImage {
 
 fn points(hull: &Hull, count: usize) -> Vec<Point3<f64>> {
     let mut random = Random(7);
-    (0..count).map(|_| random.point(&hull.aabb().grown(0.02))).collect()
+    (0..count).map(|_| point_in(&mut random, &hull.aabb().grown(0.02))).collect()
 }
 
 /// The exit direction of a point, by the single queries [`Hull::exit_vector`] and [`Hull::respond`]; `None` if it is
@@ -209,7 +210,8 @@ fn many_exits_have_the_bits_of_single_ones() {
     for (n, hull) in hulls().iter().enumerate() {
         // Random directions, and some along the axes.
         let cube = Aabb { min: point![-1.0, -1.0, -1.0], max: point![1.0, 1.0, 1.0] };
-        let mut directions: Vec<_> = (0..6).map(|_| random.point(&cube).coords.normalize()).collect();
+        let mut directions: Vec<_> =
+            (0..6).map(|_| point_in(&mut random, &cube).coords.normalize()).collect();
         directions.extend([Vector3::x(), -Vector3::y(), Vector3::z(), vector![0.6, 0.0, -0.8]]);
 
         for edge in [EdgeModel::Pixel, EdgeModel::Coverage] {

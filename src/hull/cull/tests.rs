@@ -1,10 +1,11 @@
 //! Queries of many points, which run through the filter, against the single queries.
 
-use crate::hull::tests::{POLICIES, Random, bounds, cameras, hull};
+use crate::hull::tests::{POLICIES, bounds, cameras, hull, point_in};
 use crate::hull::*;
 use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
 use nalgebra::{Isometry3, UnitQuaternion, point, vector};
+use ode_visual_hull_random::Random;
 use std::sync::Arc;
 
 /// Poses of the frame in which a batch's points are given: at the world's, near it and far from it.
@@ -20,7 +21,7 @@ fn poses() -> [Isometry3<f64>; 3] {
 /// `count` points around the hull in the world, and for each pose the batch of them in its frame.
 fn batches(count: usize, seed: u64) -> Vec<(Vec<Point3<f64>>, Points, Isometry3<f64>)> {
     let mut random = Random(seed);
-    let world: Vec<_> = (0..count).map(|_| random.point(&bounds().grown(0.05))).collect();
+    let world: Vec<_> = (0..count).map(|_| point_in(&mut random, &bounds().grown(0.05))).collect();
     let batch = |pose: Isometry3<f64>| {
         let local: Vec<_> = world.iter().map(|p| pose.inverse_transform_point(p)).collect();
         (world.clone(), Points::new(&local), pose)
@@ -88,7 +89,7 @@ fn beyond_an_open_border_a_batch_agrees_with_single_points() {
     let hull = Hull::new(cameras().into_iter().map(view).collect(), wide, Unseen::Outside, 0.0);
 
     let (mut workspace, mut random) = (Workspace::new(), Random(7));
-    let world: Vec<_> = (0..5_000).map(|_| random.point(&wide)).collect();
+    let world: Vec<_> = (0..5_000).map(|_| point_in(&mut random, &wide)).collect();
     let inside = hull.inside_many(&Points::new(&world), &Isometry3::identity(), &mut workspace).unwrap();
     let wrong = world.iter().enumerate().filter(|(k, p)| inside.contains(*k) != hull.inside(p)).count();
     // Few points lie so near to a pixel's border that single precision moves them across it.

@@ -1,7 +1,7 @@
 use super::*;
-use crate::silhouette::tests::Random;
 use crate::silhouette::{Border, Silhouette};
 use image::Luma;
+use ode_visual_hull_random::Random;
 
 /// Widths below, at and above a word, and images without pixels.
 const SIZES: [(u32, u32); 8] = [(0, 0), (0, 3), (3, 0), (1, 1), (63, 5), (64, 5), (65, 7), (200, 130)];

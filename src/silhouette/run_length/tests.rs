@@ -1,6 +1,6 @@
 use super::*;
-use crate::silhouette::tests::Random;
 use image::{GrayImage, Luma};
+use ode_visual_hull_random::Random;
 
 const SIZES: [(u32, u32); 9] =
     [(0, 0), (0, 3), (3, 0), (1, 1), (63, 5), (64, 5), (65, 7), (128, 9), (203, 131)];
@@ -77,7 +77,7 @@ fn changed_bytes_never_panic() {
             for _ in 0..1 + random.below(3) {
                 // Half of the changes are in the header or the first rows.
                 let end = if random.unit() < 0.5 { HEADER + 8 } else { changed.len() };
-                let index = random.below(changed.len().min(end) as u32) as usize;
+                let index = random.below(changed.len().min(end));
                 changed[index] = random.below(256) as u8;
             }
 

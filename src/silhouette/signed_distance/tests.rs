@@ -1,5 +1,6 @@
 use super::*;
 use image::{GrayImage, Luma};
+use ode_visual_hull_random::Random;
 
 /// A mask whose subject pixels are those for which `is_subject` holds.
 fn drawn(width: u32, height: u32, is_subject: impl Fn(i32, i32) -> bool) -> GrayImage {
@@ -7,12 +8,9 @@ fn drawn(width: u32, height: u32, is_subject: impl Fn(i32, i32) -> bool) -> Gray
 }
 
 /// A mask in which about `percent` percent of the pixels, chosen at random, are subject.
-fn scattered(width: u32, height: u32, percent: u32, seed: u32) -> GrayImage {
-    let mut state = seed;
-    GrayImage::from_fn(width, height, |_, _| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        Luma([if (state >> 16) % 100 < percent { 255 } else { 0 }])
-    })
+fn scattered(width: u32, height: u32, percent: u32, seed: u64) -> GrayImage {
+    let mut random = Random(seed);
+    GrayImage::from_fn(width, height, |_, _| Luma([if random.below(100) < percent { 255 } else { 0 }]))
 }
 
 fn disc(radius: f64) -> impl Fn(i32, i32) -> bool {
@@ -125,7 +123,7 @@ fn reused_memory_gives_equal_distances() {
     let mut distance = SignedDistance::default();
     for (width, height, percent) in [(70, 60, 50), (30, 90, 2), (90, 20, 98), (5, 4, 0), (70, 60, 100)] {
         for border in [Border::Unknown, Border::Background] {
-            let s = Silhouette::new(&scattered(width, height, percent, width), border);
+            let s = Silhouette::new(&scattered(width, height, percent, width.into()), border);
             let rect = s.image().grown(3);
             distance.refill(&s, &rect);
             assert_eq!(distance.rect(), rect);

@@ -1,8 +1,8 @@
 //! Every table compared with its definition, pixel by pixel, for random masks of many sizes.
 
 use super::super::{Border, Rect, SUBJECT, Silhouette, contact_edge};
-use super::Random;
 use image::{GrayImage, Luma};
+use ode_visual_hull_random::Random;
 
 /// Masks of a few rectangles, some with holes, which touch any border of the image. Every third mask has coverage.
 fn masks() -> impl Iterator<Item = (GrayImage, Border)> {

@@ -2,7 +2,8 @@ mod tiles;
 
 use super::*;
 use crate::camera::{Distortion, Fisheye};
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Vector3, point};
+use ode_visual_hull_random::Random;
 
 const SIZE: (u32, u32) = (322, 243);
 
@@ -79,15 +80,6 @@ fn star() -> GrayImage {
     })
 }
 
-/// A generator of pseudo-random numbers in `[0, 1)`.
-fn uniform(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 #[test]
 fn a_pinhole_needs_no_undistortion() {
     assert!(Undistortion::new(&camera(245.0, &[])).is_none());
@@ -114,11 +106,10 @@ fn world_points_find_the_same_verdict_in_both_images_but_at_the_edge() {
     for camera in cameras() {
         let undistortion = Undistortion::new(&camera).unwrap();
         let undistorted = undistortion.apply(&mask, 0).unwrap();
-
-        let mut random = uniform(7);
+        let mut random = Random(7);
         let (mut compared, mut differ) = (0, 0);
         for _ in 0..100_000 {
-            let world = Point3::new(8.0 * random() - 4.0, 8.0 * random() - 4.0, 8.0 * random() - 4.0);
+            let world = random.point(point![-4.0, -4.0, -4.0], point![4.0, 4.0, 4.0]);
             let (Some(a), Some(b)) = (camera.project(&world), undistortion.pinhole().project(&world)) else {
                 continue;
             };

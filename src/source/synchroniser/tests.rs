@@ -1,6 +1,7 @@
 use super::super::testing::{Fed, assert_says, frame};
 use super::super::{Source, WhenFull};
 use super::*;
+use ode_visual_hull_random::Random;
 
 fn streams<S: Source + 'static>(sources: impl IntoIterator<Item = S>) -> Vec<ReadAhead> {
     let names = ["a", "b", "c"].into_iter();
@@ -69,15 +70,11 @@ fn streams_of_unequal_length_end_with_flagged_sets() {
 #[test]
 fn no_image_is_in_two_sets_or_in_none() {
     // Independent streams with steps of 3 ms to 11 ms.
-    let mut state = 1_u64;
-    let mut random = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        0.003 + (state >> 33) as f64 / f64::from(1_u32 << 31) * 0.008
-    };
+    let mut random = Random(1);
     let mut stream = || {
         (0..200)
             .scan(0.0, |time, _| {
-                *time += random();
+                *time += random.between(0.003, 0.011);
                 Some(*time)
             })
             .collect::<Vec<f64>>()

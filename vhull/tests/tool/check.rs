@@ -1,9 +1,10 @@
-use super::{data, folder, studio, vhull};
+use super::{folder, studio, vhull};
 use image::GrayImage;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Distortion};
 use ode_visual_hull::rig::{PoseConvention, Rig};
 use ode_visual_hull::synthetic::layout;
+use ode_visual_hull_testing::captures;
 use std::path::Path;
 
 /// The rig in `folder` with the principal point of one camera moved.
@@ -123,7 +124,7 @@ fn tents_are_told_as_high_as_they_are() {
 
 #[test]
 fn the_balancing_persons_published_calibration_is_off_in_two_cameras() {
-    let Some(dir) = data::find("balancing_person") else { return };
+    let Some(dir) = captures::find("balancing_person") else { return };
     let run = vhull(&dir, &["check", "rig_as_published.toml", "."]);
     let faults = verdict(&run.out);
     assert_eq!((run.code, faults.lines().count()), (3, 3), "{}{}", run.out, run.error);
@@ -137,7 +138,7 @@ fn the_balancing_persons_published_calibration_is_off_in_two_cameras() {
 
 #[test]
 fn the_seated_person_is_fine_through_four_distorting_lenses() {
-    let Some(dir) = data::find("seated_person") else { return };
+    let Some(dir) = captures::find("seated_person") else { return };
     let run = vhull(&dir, &["check", "."]);
     assert_eq!((run.code, verdict(&run.out)), (0, "verdict: content\n"), "{}{}", run.out, run.error);
 }

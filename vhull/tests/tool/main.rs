@@ -2,8 +2,6 @@
 
 mod check;
 mod convert;
-#[path = "../../../tests/data/mod.rs"]
-mod data;
 mod mesh;
 mod synth;
 

@@ -1,5 +1,6 @@
-use super::{data, studio, vhull};
+use super::{studio, vhull};
 use nalgebra::Vector3;
+use ode_visual_hull_testing::captures;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -94,7 +95,7 @@ fn sequences_are_numbered_and_obj_holds_the_same_as_ply() {
 
 #[test]
 fn the_balancing_persons_mesh_has_the_measured_volume() {
-    let Some(dir) = data::find("balancing_person") else { return };
+    let Some(dir) = captures::find("balancing_person") else { return };
     let folder = super::folder("mesh_person");
     let out = folder.join("person.ply");
     let run =

@@ -1,10 +1,11 @@
 //! Frames, masks and times of [`HullData`], on discs that move and grow.
 
 use super::*;
-use crate::hull::tests::{Random, bounds, cameras};
+use crate::hull::tests::{bounds, cameras, point_in};
 use crate::hull::{EdgeModel, ExitVector};
 use image::{GrayImage, Luma};
 use nalgebra::{Point3, Vector3};
+use ode_visual_hull_random::Random;
 use std::sync::Barrier;
 
 /// Number of frames whose query results are compared.
@@ -19,7 +20,7 @@ fn data() -> HullData {
 
 fn points() -> Vec<Point3<f64>> {
     let mut random = Random(17);
-    (0..300).map(|_| random.point(&bounds())).collect()
+    (0..300).map(|_| point_in(&mut random, &bounds())).collect()
 }
 
 /// Sets masks of a disc that moves from frame to frame, with coverage in every second view, and publishes the frame.

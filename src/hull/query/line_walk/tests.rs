@@ -1,9 +1,10 @@
 //! Traversals at an open border, and the roots of the coverage along a line.
 
 use super::*;
-use crate::hull::tests::{Random, cameras};
+use crate::hull::tests::cameras;
 use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
+use ode_visual_hull_random::Random;
 use std::sync::Arc;
 
 #[test]

@@ -3,7 +3,7 @@
 use super::{Calibration, Hints};
 use crate::Result;
 use crate::rig::testing::{Folder, HINTS, Sample, several_files, single_files};
-use crate::sample::testing::Lcg;
+use ode_visual_hull_random::Random;
 
 const CUTS: usize = 24;
 const MUTATIONS: usize = 60;
@@ -35,7 +35,7 @@ const WORDS: [&str; 20] = [
 ];
 
 /// `bytes` with a few random changes: a bit flipped, a stretch removed or doubled, a byte inserted, a word replaced.
-fn mutated(bytes: &[u8], random: &mut Lcg) -> Vec<u8> {
+fn mutated(bytes: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for _ in 0..=random.below(3) {
         let at = random.below(bytes.len().max(1));
@@ -83,7 +83,7 @@ fn a_calibration_cut_off_anywhere_is_a_rig_or_an_error() {
 
 #[test]
 fn a_calibration_changed_at_random_is_a_rig_or_an_error() {
-    let mut random = Lcg::new(1);
+    let mut random = Random(1);
     for Sample { name, text } in single_files() {
         for _ in 0..MUTATIONS {
             assert_rig_or_error(
@@ -96,7 +96,7 @@ fn a_calibration_changed_at_random_is_a_rig_or_an_error() {
 
 #[test]
 fn a_folder_with_a_file_changed_at_random_is_a_rig_or_an_error() {
-    let mut random = Lcg::new(2);
+    let mut random = Random(2);
     for files in several_files() {
         let folder = Folder::new();
         let path = folder.path().display().to_string();

@@ -4,8 +4,8 @@ use super::super::tile_mask::TileMask;
 use super::*;
 use crate::camera::{Distortion, Fisheye, Lens};
 use crate::silhouette::mask_crop::value_beyond;
-use crate::silhouette::tests::Random;
 use crate::silhouette::{Border, Silhouette};
+use ode_visual_hull_random::Random;
 
 /// A camera with a random lens, skew and principal point. Its image has a few pixels on a side, or some hundred that
 /// are not a multiple of a tile or a block.

@@ -54,6 +54,7 @@ impl Contour {
         contour
     }
 
+    /// The camera that sees it.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }

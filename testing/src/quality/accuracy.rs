@@ -1,16 +1,16 @@
-//! How far the hull from pixels is from the analytic one, and whether its parts agree with one another.
+//! How far the hull from pixels is from the analytic one, and whether its queries agree with one another.
 
-use crate::analytic::footprint;
+use super::analytic::footprint;
+use super::scene::Scene;
 use crate::random::Random;
-use crate::scene::Scene;
 use nalgebra::{Isometry3, Point2, Point3, Translation3, Vector3};
 use ode_visual_hull::hull::{Aabb, Culls, EdgeModel, Hull, NearestEdge, reference};
 use ode_visual_hull::sample::{self, Samples};
 
-/// Pixels that the points probed lie inside the analytic hull, in the view in which they are shallowest.
+/// Depth of the probes in the analytic hull, in pixels of the view in which they are shallowest.
 const DEPTH_PX: std::ops::RangeInclusive<f64> = 1.0..=40.0;
 
-/// What the response's exit is overstepped by to be outside, in metres.
+/// A point moved by its response and this far beyond, in metres, has to be outside.
 const NANOMETRE: f64 = 1e-9;
 
 /// A point inside the analytic hull and its exit direction: along the outward normal of the nearest surface.
@@ -18,9 +18,11 @@ const NANOMETRE: f64 = 1e-9;
 /// Along a direction that grazes the surface a small error of the silhouette moves the exit far: that would measure
 /// the direction, not the hull.
 pub struct Probe {
+    /// Inside the analytic hull, in the world.
     pub p: Point3<f64>,
-    pub way: Vector3<f64>,
-    /// Metres along the way to the analytic hull's surface.
+    /// The exit direction, a unit vector.
+    pub direction: Vector3<f64>,
+    /// Metres along the direction to the analytic hull's surface.
     pub exit: f64,
 }
 
@@ -29,13 +31,13 @@ pub fn probes(scene: &Scene, count: usize, seed: u64) -> Vec<Probe> {
     let mut random = Random(seed);
     let mut probes = Vec::with_capacity(count);
     while probes.len() < count {
-        let p = random.point(scene.binary.aabb());
+        let p = random_point(&mut random, scene.binary.aabb());
         if !scene.analytic.contains(&p) || !DEPTH_PX.contains(&scene.analytic.depth_px(&p)) {
             continue;
         }
-        if let Some(way) = scene.analytic.way_out(&p) {
-            let (exit, _) = scene.analytic.exit(&p, &way);
-            probes.push(Probe { p, way, exit });
+        if let Some(direction) = scene.analytic.exit_direction(&p) {
+            let (exit, _) = scene.analytic.exit(&p, &direction);
+            probes.push(Probe { p, direction, exit });
         }
     }
     probes
@@ -46,7 +48,7 @@ pub fn probes(scene: &Scene, count: usize, seed: u64) -> Vec<Probe> {
 pub fn inside_agreement(scene: &Scene, count: usize, seed: u64) -> f64 {
     let around = around(&scene.binary);
     let mut random = Random(seed);
-    let points = std::iter::repeat_with(|| random.point(&around));
+    let points = std::iter::repeat_with(|| random_point(&mut random, &around));
     let clear = points.filter(|p| !scene.analytic.near_a_contour(p, 1.0)).take(count);
     share(clear.map(|p| scene.binary.inside(&p) == scene.analytic.contains(&p)))
 }
@@ -56,7 +58,7 @@ pub fn inside_agreement(scene: &Scene, count: usize, seed: u64) -> f64 {
 pub fn culls_agree(scene: &Scene, count: usize, seed: u64) -> f64 {
     let mut random = Random(seed);
     let around = around(&scene.binary);
-    let points: Vec<_> = (0..count).map(|_| random.point(&around)).collect();
+    let points: Vec<_> = (0..count).map(|_| random_point(&mut random, &around)).collect();
     let bodies = [sample::sphere(0.05, 0.03), sample::box_(Vector3::new(0.2, 0.1, 0.05), 0.03)];
     let bodies = bodies.map(|body| body.expect("a valid shape"));
     let poses: Vec<_> = (0..count / 20).map(|_| pose(&mut random, &around.grown(0.1))).collect();
@@ -126,12 +128,13 @@ pub fn exit_errors_px(scene: &Scene, hull: &Hull, edge: EdgeModel, probes: &[Pro
     probes.iter().map(|probe| exit_error_px(scene, hull, &lone, edge, probe)).collect()
 }
 
-/// An exit found too soon is off by its distance from the contour in the view that ended it. One found too late is off
-/// by as much as the way from the true exit to it strays outside, so that a gap jumped over counts in full.
+/// The error of an exit that lies before the true one is its distance from the contour in the view that ended the line.
+/// Behind the true one it is the farthest distance outside along the line from the true exit on, so that a gap that was
+/// skipped counts in full.
 fn exit_error_px(scene: &Scene, hull: &Hull, lone: &[Hull], edge: EdgeModel, probe: &Probe) -> f64 {
-    let exit = |hull: &Hull| hull.exit(&probe.p, &probe.way, edge);
+    let exit = |hull: &Hull| hull.exit(&probe.p, &probe.direction, edge);
     let found = exit(hull);
-    let at = |t: f64| probe.p + probe.way * t;
+    let at = |t: f64| probe.p + probe.direction * t;
     if found <= probe.exit {
         let by_view = |a: &usize, b: &usize| exit(&lone[*a]).total_cmp(&exit(&lone[*b]));
         let ending = (0..lone.len()).min_by(by_view).map(|view| &scene.analytic.contours()[view]);
@@ -144,8 +147,9 @@ fn exit_error_px(scene: &Scene, hull: &Hull, lone: &[Hull], edge: EdgeModel, pro
 /// How far a normal found is from the analytic one.
 #[derive(Debug, Clone, Copy)]
 pub struct NormalError {
+    /// The angle between the two normals.
     pub degrees: f64,
-    /// Whether the hull has an edge there ([`crate::analytic::AnalyticHull::near_edge`]).
+    /// Whether the hull has an edge there ([`super::analytic::AnalyticHull::near_edge`]).
     pub near_edge: bool,
 }
 
@@ -181,7 +185,7 @@ fn normal_error(scene: &Scene, nearest: &NearestEdge, found: &Vector3<f64>) -> O
 /// `count` points inside `hull`.
 fn inside(hull: &Hull, count: usize, seed: u64) -> impl Iterator<Item = Point3<f64>> {
     let mut random = Random(seed);
-    let points = std::iter::repeat_with(move || random.point(hull.aabb()));
+    let points = std::iter::repeat_with(move || random_point(&mut random, hull.aabb()));
     points.filter(|p| hull.inside(p)).take(count)
 }
 
@@ -190,22 +194,26 @@ fn around(hull: &Hull) -> Aabb {
     hull.aabb().grown(0.2).intersection(hull.bounds())
 }
 
-fn pose(random: &mut Random, aabb: &Aabb) -> Isometry3<f64> {
-    Isometry3::from_parts(Translation3::from(random.point(aabb)), random.rotation())
+fn random_point(random: &mut Random, aabb: &Aabb) -> Point3<f64> {
+    random.point(aabb.min, aabb.max)
 }
 
-/// The share of true ones; NaN of none.
+fn pose(random: &mut Random, aabb: &Aabb) -> Isometry3<f64> {
+    Isometry3::from_parts(Translation3::from(random_point(random, aabb)), random.rotation())
+}
+
+/// The share of verdicts that are true; NaN without any.
 pub fn share(verdicts: impl Iterator<Item = bool>) -> f64 {
     let (yes, all) = verdicts.fold((0, 0), |(yes, all), verdict| (yes + u32::from(verdict), all + 1));
     f64::from(yes) / f64::from(all)
 }
 
-/// The mean; NaN of none.
+/// The mean; NaN without values.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The value that 99 in 100 do not exceed; NaN of none.
+/// The value that 99 in 100 do not exceed; NaN without values.
 pub fn p99(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -1,11 +1,7 @@
 //! Bad input: each gets an error that says where, what was expected, what was found and what to do; the last good
 //! frame stays in force, nothing panics, and no body of ODE ever has a state that is not finite.
 
-mod scene;
-
-#[path = "bad_input/bodies.rs"]
 mod bodies;
-#[path = "bad_input/recordings.rs"]
 mod recordings;
 
 use image::{GrayImage, Luma};
@@ -19,7 +15,8 @@ use ode_visual_hull::rig::Rig;
 use ode_visual_hull::sample::{self, BodyShape};
 use ode_visual_hull::synthetic::{Subject, coverage};
 use ode_visual_hull::{Error, Result};
-use scene::*;
+use ode_visual_hull_testing::scene::*;
+use ode_visual_hull_testing::world::*;
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

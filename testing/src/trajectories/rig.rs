@@ -18,7 +18,9 @@ pub struct Rig {
     pub name: &'static str,
     /// The box's full side lengths.
     pub lengths: Vector3<f64>,
+    /// The box's pose.
     pub world_from_box: Isometry3<f64>,
+    /// Four pinhole cameras.
     pub cameras: Vec<Camera>,
     data: OnceLock<Arc<HullData>>,
 }

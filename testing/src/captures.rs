@@ -1,19 +1,34 @@
-//! What is needed to measure the hulls of real captures, here and in `tests/real_hulls.rs`.
+//! Real recordings that some tests and figures run on. They are not part of the repository.
 
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{Aabb, Hull};
 use ode_visual_hull::rig::Rig;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The seated person's work volume.
+/// The environment variable that names the folder of captures.
+pub const VARIABLE: &str = "ODE_VISUAL_HULL_DATA";
+
+/// The work volume of the capture `seated_person`.
 pub const SEATED: Aabb = Aabb { min: Point3::new(-0.5, -0.5, 0.0), max: Point3::new(1.5, 1.5, 2.0) };
 
-/// The box that the dinosaur is known to fill.
+/// The box that the subject of the capture `dino` is known to fill.
 pub const DINO: Aabb =
     Aabb { min: Point3::new(-0.0619, -0.0189, -0.0578), max: Point3::new(0.0109, 0.0682, 0.0155) };
 
-/// Volume in cubic metres and bounding box of a hull, by a grid of points `spacing` apart.
+/// The file or folder at `path` among the captures: in the folder that [`VARIABLE`] names, else in `../shared/data`
+/// beside the repository. Where it is absent this prints so, and the test has nothing to test.
+pub fn find(path: &str) -> Option<PathBuf> {
+    let default = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    let found = std::env::var_os(VARIABLE).map_or_else(default, PathBuf::from).join(path);
+    if found.exists() {
+        return Some(found);
+    }
+    eprintln!("skipped: no {}; set {VARIABLE} to the folder of captures", found.display());
+    None
+}
+
+/// Volume in cubic metres and bounding box of a hull, by a grid of points `spacing` metres apart.
 pub fn carve(hull: &Hull, spacing: f64) -> (f64, Aabb) {
     let bounds = hull.bounds();
     let counts = (bounds.max - bounds.min).map(|extent| (extent / spacing) as usize);
@@ -32,7 +47,11 @@ pub fn carve(hull: &Hull, spacing: f64) -> (f64, Aabb) {
     (count as f64 * spacing.powi(3), aabb)
 }
 
-/// The dinosaur's views by number, but for the sixth, of which there is no usable mask.
+/// The cameras of the capture `dino` by number, without the sixth, of which there is no usable mask.
+///
+/// # Panics
+///
+/// Where the calibration cannot be read.
 pub fn dino_cameras(dir: &Path) -> Vec<(usize, Camera)> {
     let rig = Rig::load(dir.join("dinoSR_par.txt")).expect("a calibration");
     (1..).zip(rig.cameras().iter().cloned()).filter(|&(view, _)| view != 6).collect()

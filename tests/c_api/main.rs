@@ -1,9 +1,7 @@
 //! The C face, from C: the programs in `tests/c` pass as C99 and as C++, with the shared and with the static library,
 //! and under valgrind; the header says what the library holds.
 
-#[path = "c_api/header.rs"]
 mod header;
-#[path = "c_api/program.rs"]
 mod program;
 
 use program::{Language, Linkage, Program, root, scratch};

@@ -1,4 +1,4 @@
-//! One measured number and what is asked of it.
+//! One measured number and its bound.
 
 use std::fmt;
 
@@ -7,30 +7,35 @@ use std::fmt;
 pub struct Figure {
     /// Lower case, words joined by underscores, the unit last.
     pub name: String,
+    /// In the unit that the name ends with.
     pub value: f64,
-    /// `None`: reported whatever it is.
+    /// `None` for a figure that is only reported.
     pub bound: Option<Bound>,
 }
 
-/// What is asked of a number.
+/// The values that a number may have.
 #[derive(Debug, Clone, Copy)]
-#[allow(dead_code, reason = "which bounds are used is up to the groups")]
 pub enum Bound {
+    /// Up to and including the value.
     AtMost(f64),
+    /// From the value on.
     AtLeast(f64),
+    /// From the first to the second value, both included.
     Between(f64, f64),
 }
 
 impl Figure {
+    /// A figure that has to keep `bound`.
     pub fn bounded(name: &str, value: f64, bound: Bound) -> Self {
         Self { name: name.into(), value, bound: Some(bound) }
     }
 
+    /// A figure without a bound.
     pub fn reported(name: &str, value: f64) -> Self {
         Self { name: name.into(), value, bound: None }
     }
 
-    /// Whether the bound, if any, holds; NaN keeps none.
+    /// Whether the value is within the bound, if there is one. NaN is within none.
     pub fn holds(&self) -> bool {
         match self.bound {
             None => true,

@@ -6,11 +6,8 @@
 //!
 //! `cargo run --release --example box_stack -- --help` tells the options. Recordings of real cameras: `vhull run`.
 
-#[path = "box_stack/options.rs"]
 mod options;
-#[path = "box_stack/sensor.rs"]
 mod sensor;
-#[path = "box_stack/studio.rs"]
 mod studio;
 
 use clap::Parser;

@@ -1,6 +1,6 @@
 //! The solids and cameras that the hull is measured on.
 
-use crate::analytic::AnalyticHull;
+use super::analytic::AnalyticHull;
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Vector3, point, vector};
 use ode_visual_hull::camera::Camera;
@@ -16,13 +16,14 @@ const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.5);
 /// Heights of the seven cameras in metres, from below the subject's middle to far above its top.
 const HEIGHTS: [f64; 7] = [0.15, 1.1, 0.45, 1.7, 0.0, 1.35, 0.8];
 
-/// Half a metre wide each.
+/// The names of the solids, each half a metre wide.
 pub const SHAPES: [&str; 3] = ["sphere", "box", "torus"];
 
-/// A subject before cameras: the hull as it should be, and as pixels have it.
+/// A solid in front of cameras: its analytic hull, and its hulls from pixels.
 pub struct Scene {
     /// Shape and number of cameras, as in `torus_7`.
     pub name: String,
+    /// From the exact contours.
     pub analytic: AnalyticHull,
     /// From binary masks.
     pub binary: Hull,
@@ -48,7 +49,7 @@ pub fn scene(shape: &str, n: usize) -> Scene {
     }
 }
 
-/// `shape` where cameras look at it.
+/// The solid `shape` at the place that the cameras look at.
 pub fn placed(shape: &str) -> Placed {
     let (solid, turn) = match shape {
         "sphere" => (Solid::sphere(0.25), Vector3::zeros()),

@@ -1,27 +1,33 @@
-//! Figures as a table, and in a file that several programs write into.
+//! Figures as a printed table, and in a file that several programs write to.
 
-use super::figure::{Bound, Figure};
+use crate::figure::{Bound, Figure};
 use std::io;
 use std::path::Path;
 
-/// One row a figure, those with a bound first.
+/// Prints one row for each figure, those with a bound first.
 pub fn print_table(figures: &[Figure]) {
     let width = figures.iter().map(|figure| figure.name.len()).max().unwrap_or(0);
-    println!("{:width$} | {:>10} | {:>16} | ok", "name", "measured", "asked");
+    println!("{:width$} | {:>10} | {:>16} | ok", "name", "measured", "bound");
     println!("{:-<width$}-|-{:->10}-|-{:->16}-|---", "", "", "");
+
     let (bounded, free): (Vec<&Figure>, _) = figures.iter().partition(|figure| figure.bound.is_some());
     for figure in bounded.into_iter().chain(free) {
-        let asked = figure.bound.as_ref().map(Bound::to_string).unwrap_or_default();
+        let bound = figure.bound.as_ref().map(Bound::to_string).unwrap_or_default();
         let ok = match figure.bound {
             Some(_) if figure.holds() => "yes",
             Some(_) => "NO",
             None => "",
         };
-        println!("{:width$} | {:>10.5} | {asked:>16} | {ok}", figure.name, figure.value);
+        println!("{:width$} | {:>10.5} | {bound:>16} | {ok}", figure.name, figure.value);
     }
 }
 
-/// Writes `figures` into the JSON object at `path`, name to number. Figures of other names that stand there stay.
+/// Writes `figures` into the JSON object at `path`, name to number. Figures of other names that the file holds already
+/// are kept.
+///
+/// # Errors
+///
+/// The file cannot be read or written.
 pub fn record(path: &Path, figures: &[Figure]) -> io::Result<()> {
     let before = match std::fs::read_to_string(path) {
         Ok(text) => text,
@@ -34,21 +40,23 @@ pub fn record(path: &Path, figures: &[Figure]) -> io::Result<()> {
     std::fs::write(path, merged(&before, figures))
 }
 
-/// The object in `before`, one member a line as it is written here, with `figures` put in.
+/// The object in `before`, which has one member a line as this function writes them, with `figures` added or replaced.
 fn merged(before: &str, figures: &[Figure]) -> String {
     let member = |line: &'_ str| {
         let (name, value) = line.trim().trim_end_matches(',').strip_prefix('"')?.split_once("\": ")?;
         Some((name.to_owned(), value.to_owned()))
     };
+
     let mut members: Vec<(String, String)> = before.lines().filter_map(member).collect();
     for figure in figures {
-        // JSON has no word for NaN; Rust prints any other number as JSON has it, and names need no escapes.
+        // JSON cannot express NaN; Rust prints any other number as JSON has it, and names need no escapes.
         let value = if figure.value.is_finite() { figure.value.to_string() } else { "null".into() };
         match members.iter_mut().find(|(name, _)| *name == figure.name) {
             Some((_, old)) => *old = value,
             None => members.push((figure.name.clone(), value)),
         }
     }
+
     let lines: Vec<_> = members.iter().map(|(name, value)| format!("  \"{name}\": {value}")).collect();
     format!("{{\n{}\n}}\n", lines.join(",\n"))
 }

@@ -6,21 +6,20 @@
 //! RECORD_TRAJECTORIES=1 cargo test --release --test trajectories
 //! ```
 
-#[path = "trajectories/scenes.rs"]
-mod scenes;
-
 use nalgebra::{Point3, Vector3, point};
 use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::EdgeModel;
-use scenes::compare::{Rolled, distance_px, rms_px, rolled};
-use scenes::reference::{Reference, tolerance_px};
-use scenes::rig::{RAMP, Rig, TABLE};
-use scenes::stage::{Ends, Scene, Support, run, run_for};
+use ode_visual_hull_testing::random::Random;
+use ode_visual_hull_testing::trajectories::compare::{Rolled, distance_px, rms_px, rolled};
+use ode_visual_hull_testing::trajectories::reference::{Reference, tolerance_px};
+use ode_visual_hull_testing::trajectories::rig::{RAMP, Rig, TABLE};
+use ode_visual_hull_testing::trajectories::stage::{Ends, Scene, Support, run, run_for};
+use ode_visual_hull_testing::trajectories::{self};
 use std::sync::LazyLock;
 
 /// All scenes, recorded anew where that was asked for.
 static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| {
-    let scenes = scenes::all();
+    let scenes = trajectories::all();
     if std::env::var_os("RECORD_TRAJECTORIES").is_some() {
         for scene in &scenes {
             let native = run(scene, Support::Native);
@@ -82,27 +81,18 @@ fn every_way_to_meet_a_support_is_among_the_scenes() {
     );
 }
 
-/// Repeatable numbers in -1..1 (Knuth's MMIX generator).
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
-
 /// The five faces that a body may touch: all but the underside, by axis and side.
 const FACES: [(usize, f64); 5] = [(2, 1.0), (0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)];
 
 /// A point near a face, within the box's height and a fifth of its size beyond its other edges, in the box's frame;
 /// a micrometre to a decimetre off the face's plane.
-fn near_face(rig: &Rig, (axis, side): (usize, f64), random: &mut impl FnMut() -> f64) -> Point3<f64> {
+fn near_face(rig: &Rig, (axis, side): (usize, f64), random: &mut Random) -> Point3<f64> {
     let half = rig.lengths / 2.0;
-    let mut p = Vector3::from_fn(|i, _| 1.2 * half[i] * random());
+    let mut p = Vector3::from_fn(|i, _| 1.2 * half[i] * random.between(-1.0, 1.0));
     // Above the underside, which no camera sees.
     p.z = p.z.max(-0.99 * half.z);
-    let off = 10f64.powf(-3.5 + 2.5 * random());
-    p[axis] = side * half[axis] + off.copysign(random());
+    let off = 10f64.powf(random.between(-6.0, -1.0));
+    p[axis] = side * half[axis] + off.copysign(random.between(-1.0, 1.0));
     p.into()
 }
 
@@ -112,7 +102,7 @@ fn the_hull_of_the_box_is_the_box_at_every_face_that_is_touched() {
     // the box.
     for rig in [&*TABLE, &*RAMP] {
         let placed = rig.placed();
-        let mut random = random(7);
+        let mut random = Random(7);
         let mut inside = 0;
         for face in FACES {
             for _ in 0..4000 {
@@ -152,10 +142,10 @@ fn the_hull_from_pixels_ends_where_the_box_does() {
     // a camera sees the far end of the ramp smaller than its centre.
     for rig in [&*TABLE, &*RAMP] {
         let (_, hull) = rig.hull_data().latest().unwrap();
-        let mut random = random(9);
+        let mut random = Random(9);
         for (axis, side) in FACES {
             for _ in 0..200 {
-                let mut p = Vector3::from_fn(|i, _| 0.4 * rig.lengths[i] * random());
+                let mut p = Vector3::from_fn(|i, _| 0.4 * rig.lengths[i] * random.between(-1.0, 1.0));
                 p[axis] = side * (rig.lengths[axis] / 2.0 - 0.01);
                 let mut out = Vector3::zeros();
                 out[axis] = side;

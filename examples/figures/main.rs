@@ -4,44 +4,18 @@
 //! `cargo run --release --example figures [-- GROUP...]` measures the named groups, all of them by default, and
 //! prints a table of what was measured and what was asked. It fails where a bound is missed.
 
-#[path = "figures/accuracy.rs"]
-mod accuracy;
-#[path = "figures/agreement.rs"]
 mod agreement;
-#[path = "figures/analytic.rs"]
-mod analytic;
-#[path = "figures/at_rest.rs"]
 mod at_rest;
-#[path = "figures/capi.rs"]
 mod capi;
-#[path = "figures/captures.rs"]
-mod captures;
-#[path = "figures/contour.rs"]
-mod contour;
-#[path = "../tests/data/mod.rs"]
-mod data;
-#[path = "figures/figure.rs"]
-mod figure;
-#[path = "figures/geometry.rs"]
 mod geometry;
-#[path = "figures/grip.rs"]
 mod grip;
-#[path = "figures/random.rs"]
-mod random;
-#[path = "figures/scene.rs"]
-mod scene;
-#[path = "figures/segmentation.rs"]
 mod segmentation;
-#[path = "figures/stack.rs"]
 mod stack;
-#[path = "figures/studio.rs"]
 mod studio;
-#[path = "figures/table.rs"]
-mod table;
-#[path = "figures/trajectories.rs"]
 mod trajectories;
 
-use figure::Figure;
+use ode_visual_hull_testing::figure::Figure;
+use ode_visual_hull_testing::figure_table;
 use std::process::ExitCode;
 
 /// Measures a group's figures; what it is at is told to the argument.
@@ -72,9 +46,9 @@ fn main() -> ExitCode {
             figures.extend(measure(&|at| eprintln!("{name}: {at}")));
         }
     }
-    table::print_table(&figures);
+    figure_table::print_table(&figures);
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/figures.json");
-    if let Err(error) = table::record(&path, &figures) {
+    if let Err(error) = figure_table::record(&path, &figures) {
         eprintln!("{}: {error}", path.display());
         return ExitCode::FAILURE;
     }

@@ -3,8 +3,6 @@
 //! A scene is built twice by the same code: on ODE's box, which gives the reference in the file of its name, and on
 //! the hull of that box.
 
-#![allow(dead_code, reason = "tests and figures each use a part")]
-
 pub mod compare;
 pub mod reference;
 pub mod rig;
@@ -24,6 +22,7 @@ const BALL: Shape = Shape::Sphere { radius: 0.08 };
 const CAPSULE: Shape = Shape::Capsule { radius: 0.05, length: 0.15 };
 const CYLINDER: Shape = Shape::Cylinder { radius: 0.08, length: 0.2 };
 
+/// All scenes.
 pub fn all() -> Vec<Scene> {
     let mut scenes = drops();
     scenes.extend(edge_first_drops());

@@ -1,11 +1,11 @@
-//! The reference files: one table of body poses a scene, with what it is written above it.
+//! The reference files: for each scene a table of body poses, under comments that describe the scene.
 
 use super::stage::{CONTACTS, DT, Run, SEED, Scene};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Every how manieth step is kept: 25 ms.
+/// A row is written for every fifth step, 25 ms.
 pub const EVERY: usize = 5;
 
 /// How far the hull may be off, RMS of the worst body, in pixels of the rig.
@@ -18,12 +18,14 @@ pub fn tolerance_px(scene: &Scene) -> f64 {
 pub struct Reference {
     /// The rig's pixel in metres.
     pub pixel: f64,
+    /// Largest RMS distance of the hull's run from this one, in pixels.
     pub tolerance_px: f64,
     /// Steps and the poses of all bodies after them.
     pub rows: Vec<(usize, Vec<Isometry3<f64>>)>,
 }
 
 impl Reference {
+    /// The reference that `run`, on ODE's own box, gives.
     pub fn of(scene: &Scene, run: &Run) -> Self {
         // From the first impact on, the last step too.
         let kept = (run.first..run.last).step_by(EVERY).chain([run.last]);
@@ -40,6 +42,11 @@ impl Reference {
         self.rows.last().map_or(0, |(k, _)| *k)
     }
 
+    /// Reads the scene's file.
+    ///
+    /// # Panics
+    ///
+    /// Where the file is missing or of another form.
     pub fn read(scene: &Scene) -> Self {
         let path = path(scene);
         let text = std::fs::read_to_string(&path).unwrap_or_else(|error| {
@@ -49,6 +56,11 @@ impl Reference {
             .unwrap_or_else(|| panic!("{}: expected header and rows as written", path.display()))
     }
 
+    /// Writes the scene's file.
+    ///
+    /// # Panics
+    ///
+    /// Where the file cannot be written.
     pub fn write(&self, scene: &Scene, run: &Run) {
         std::fs::write(path(scene), self.text(scene, run)).unwrap();
     }
@@ -111,5 +123,5 @@ impl Reference {
 }
 
 fn path(scene: &Scene) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("tests/trajectories/{}.csv", scene.name))
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../tests/trajectories/{}.csv", scene.name))
 }

@@ -1,4 +1,4 @@
-//! A scene built on either support and stepped: what is the same on both sides is written once.
+//! A scene built on ODE's box or on the hull of that box, and stepped.
 
 use super::rig::Rig;
 use nalgebra::{Isometry3, Vector3, vector};
@@ -29,9 +29,13 @@ pub enum Support {
 /// A body at the start, all in the world's frame; 1 kg.
 #[derive(Debug, Clone)]
 pub struct InitialState {
+    /// Its only geom.
     pub shape: Shape,
+    /// World from body.
     pub pose: Isometry3<f64>,
+    /// In m/s.
     pub velocity: Vector3<f64>,
+    /// In rad/s.
     pub spin: Vector3<f64>,
 }
 
@@ -41,17 +45,21 @@ pub struct Scene {
     pub name: &'static str,
     /// What happens, in a sentence.
     pub about: &'static str,
+    /// The support and its cameras.
     pub rig: &'static Rig,
+    /// The bodies at the start.
     pub bodies: Vec<InitialState>,
     /// What holds the first body to the world.
     pub joint: Option<JointKind>,
+    /// Of all contacts.
     pub surface: Surface,
+    /// When the comparison ends.
     pub ends: Ends,
     /// Whether a body falls on an edge or a corner, where a small difference at the impact grows.
     pub edge_first: bool,
 }
 
-/// When a scene has been seen.
+/// When a scene ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ends {
     /// At rest, or 2 s after the first impact.
@@ -63,15 +71,21 @@ pub enum Ends {
 /// A body after a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
+    /// World from body.
     pub pose: Isometry3<f64>,
+    /// In m/s.
     pub velocity: Vector3<f64>,
+    /// In rad/s.
     pub spin: Vector3<f64>,
 }
 
 /// A scene that runs.
 pub struct Stage {
+    /// The world of ODE.
     pub world: World,
+    /// The geom that the bodies fall on.
     pub support: GeomId,
+    /// The bodies in the scene's order.
     pub bodies: Vec<BodyId>,
     surface: Surface,
     _turn: MutexGuard<'static, ()>,
@@ -81,6 +95,7 @@ pub struct Stage {
 static TURN: Mutex<()> = Mutex::new(());
 
 impl Stage {
+    /// `scene` at its start, on `support`.
     pub fn new(scene: &Scene, support: Support) -> Self {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let mut world = World::new(&Ode::init().unwrap()).unwrap();
@@ -110,6 +125,7 @@ impl Stage {
         Self { world, support, bodies, surface: scene.surface, _turn: turn }
     }
 
+    /// The bodies' states, in the scene's order.
     pub fn states(&self) -> Vec<State> {
         let state = |&id: &BodyId| {
             let body = self.world.body(id);
@@ -153,6 +169,7 @@ fn add(world: &mut World, start: &InitialState) -> BodyId {
 
 /// A scene as it went: the states before the first step, and after each.
 pub struct Run {
+    /// By step, the start first; then by body.
     pub states: Vec<Vec<State>>,
     /// The step in which a body first touched the support.
     pub first: usize,

@@ -1,6 +1,6 @@
-//! The visual hull that cameras with perfect silhouettes would give: the measure of the one from pixels.
+//! The visual hull of perfect silhouettes, the reference for the one from pixels.
 
-use crate::contour::Contour;
+use super::contour::Contour;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::synthetic::Placed;
@@ -52,7 +52,7 @@ impl AnalyticHull {
     }
 
     /// The outward normal of the hull's surface nearest to `p`, a point inside; `None` where it is not smooth.
-    pub fn way_out(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
+    pub fn exit_direction(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
         let metres = |contour: &&Contour| -contour.signed_distance_of(p) * footprint(contour.camera(), p);
         let contour = self.contours.iter().min_by(|a, b| metres(a).total_cmp(&metres(b)))?;
         contour.normal_in_world(&contour.nearest(&contour.project(p)?))
@@ -146,12 +146,12 @@ mod tests {
     }
 
     #[test]
-    fn the_way_out_is_square_to_the_nearest_cone() {
+    fn the_exit_direction_is_square_to_the_nearest_cone() {
         let hull = sphere_hull();
         let p = hull.contours()[0].camera().centre() * 0.08;
-        let way = hull.way_out(&p).unwrap();
-        let camera = hull.contours()[hull.exit(&p, &way).1].camera();
+        let direction = hull.exit_direction(&p).unwrap();
+        let camera = hull.contours()[hull.exit(&p, &direction).1].camera();
         // A plane through the camera that touches the sphere has its centre 0.25 m behind.
-        assert!(((camera.centre().coords).dot(&way) - 0.25).abs() < 1e-4);
+        assert!(((camera.centre().coords).dot(&direction) - 0.25).abs() < 1e-4);
     }
 }

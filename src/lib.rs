@@ -22,6 +22,7 @@
 //! | [`rig`] | a named set of cameras, and the files it is read from |
 //! | [`silhouette`] | one view's mask, prepared: bounding rectangle, distances, edge normals |
 //! | [`hull`] | the shape: inside, exits, rays; [`hull::HullData`] takes masks and publishes frames |
+//! | [`shape`] | the shapes of the virtual bodies |
 //! | [`sample`] | surface samples of the virtual bodies |
 //! | [`contact`] | a body against a hull: clusters of samples, a few contacts |
 //! | [`ode`] | a safe wrapper of ODE, and the hull as a geometry class |
@@ -121,6 +122,7 @@ mod recycle;
 pub mod rig;
 pub mod sample;
 pub mod segment;
+pub mod shape;
 pub mod silhouette;
 pub mod source;
 pub mod synthetic;

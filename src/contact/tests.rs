@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::hull::{Aabb, Unseen, View};
-use crate::sample::{self, BodyShape};
+use crate::sample::{self, Samples};
+use crate::shape::Shape;
 use crate::silhouette::{Border, Silhouette};
 use crate::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
 use nalgebra::{UnitQuaternion, point, vector};
@@ -214,23 +215,26 @@ fn the_body_response_moves_the_body_out() {
     }
 }
 
-fn shapes() -> [BodyShape; 5] {
+/// Samples of a sphere, a cube, a capsule, a cylinder, and the convex hull of a cube's corners.
+fn bodies() -> [Samples; 5] {
+    let shapes = [
+        Shape::Sphere { radius: 0.1 },
+        Shape::cube(0.2),
+        Shape::Capsule { radius: 0.05, length: 0.1 },
+        Shape::Cylinder { radius: 0.05, length: 0.2 },
+    ];
+    let [sphere, cube, capsule, cylinder] = shapes.map(|shape| shape.sample(0.03).unwrap());
+
     let corners = [-0.1, 0.1].into_iter().flat_map(|x| [-0.1, 0.1].map(|y| (x, y)));
-    let vertices = corners.flat_map(|(x, y)| [-0.1, 0.1].map(|z| point![x, y, z])).collect();
-    [
-        BodyShape::Sphere { radius: 0.1 },
-        BodyShape::Box { lengths: vector![0.2, 0.2, 0.2] },
-        BodyShape::Capsule { radius: 0.05, length: 0.1 },
-        BodyShape::Cylinder { radius: 0.05, length: 0.2 },
-        BodyShape::Convex { vertices },
-    ]
+    let vertices: Vec<_> = corners.flat_map(|(x, y)| [-0.1, 0.1].map(|z| point![x, y, z])).collect();
+    [sphere, cube, capsule, cylinder, sample::convex(&vertices, 0.03).unwrap()]
 }
 
 #[test]
 fn bodies_get_the_same_contacts_in_a_batch_as_alone() {
     let hull = table();
     let plate = sample::box_(vector![0.8, 0.8, 0.2], 0.05).unwrap();
-    let all: Vec<_> = shapes().iter().map(|shape| shape.sample(0.03).unwrap()).chain([plate]).collect();
+    let all: Vec<_> = bodies().into_iter().chain([plate]).collect();
     let escapes = [None, Some(Vector3::x()), None];
 
     // Bodies of all shapes in and above the table, and one without a finite pose at index 40.
@@ -269,18 +273,18 @@ fn bodies_get_the_same_contacts_in_a_batch_as_alone() {
 #[test]
 fn every_shape_on_the_table_is_pushed_up() {
     let hull = table();
-    for shape in shapes() {
-        let samples = shape.sample(0.03).unwrap();
+    let names = ["sphere", "cube", "capsule", "cylinder", "convex"];
+    for (name, samples) in names.iter().zip(bodies()) {
         for mode in [Mode::Clustered, Mode::Paper, Mode::Point, Mode::Single] {
             let settings = Settings { mode, ..Settings::default() };
             let found = collide(hull, &samples, &at(0.0, 0.01, 0.296), &settings, None);
             let found: Vec<_> = found.contacts().collect();
-            assert!(!found.is_empty(), "{shape:?} {mode:?}");
+            assert!(!found.is_empty(), "{name} {mode:?}");
 
             // The paper's 5x5 normals are biased by up to 6.6 degrees, and single ones deviate by more.
             let tolerance = if mode == Mode::Clustered { 0.035 } else { 0.4 };
             let is_up = |contact: &Contact| contact.direction.angle(&Vector3::z()) < tolerance;
-            assert!(found.iter().all(is_up), "{shape:?} {mode:?} {found:?}");
+            assert!(found.iter().all(is_up), "{name} {mode:?} {found:?}");
         }
     }
 }

@@ -2,15 +2,12 @@
 //!
 //! Each function takes the argument's name for the error message.
 
-use nalgebra::{Isometry3, Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Unit, Vector3};
 
 use crate::{Error, Result};
 
-/// The largest coordinate, offset and size that a [`World`](super::World) accepts, in metres: 10 000 km.
-///
-/// ODE's hash space numbers its cells with 32-bit integers and aborts the process when they overflow. A body that
-/// flies or falls beyond this limit is stopped by the step in which it does.
-pub const REACH: f64 = 1e7;
+pub use crate::shape::REACH;
+pub(super) use crate::shape::check_point as point;
 
 /// Larger numbers are refused as if they were infinite, because their squares and products in ODE would overflow.
 const LARGEST: f64 = 1e30;
@@ -75,18 +72,6 @@ pub(super) fn vector(name: &str, value: &Vector3<f64>) -> Result<()> {
     }
 }
 
-/// Accepts a point whose coordinates are each within [`REACH`].
-pub(super) fn point(name: &str, value: &Point3<f64>) -> Result<()> {
-    if value.iter().all(|x| x.abs() <= REACH) {
-        Ok(())
-    } else {
-        let [x, y, z] = [value.x, value.y, value.z];
-        Err(Error::argument(format!(
-            "{name}: expected finite coordinates of at most {REACH} m, found ({x}, {y}, {z})"
-        )))
-    }
-}
-
 /// Accepts a finite vector that is not zero, and returns it normalised.
 pub(super) fn direction(name: &str, value: &Vector3<f64>) -> Result<Unit<Vector3<f64>>> {
     vector(name, value)?;
@@ -108,6 +93,7 @@ pub(super) fn pose(name: &str, value: &Isometry3<f64>) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Point3;
 
     const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 

@@ -5,10 +5,11 @@ mod view;
 use ode_sys::{dGeomDestroy, dGeomID, dGeomSetData, dSpaceAdd};
 
 use super::arena::{GeomId, Key, SpaceId};
-use super::shape::Shape;
+use super::shape::{checked, create};
 use super::trimesh::MeshData;
 use super::world::World;
 use crate::Result;
+use crate::shape::Shape;
 
 pub use view::{Geom, GeomMut};
 
@@ -50,10 +51,10 @@ impl World {
     /// [`REACH`](super::REACH); [`crate::Error::Ode`] if memory runs out.
     pub fn add_geom(&mut self, space: SpaceId, shape: &Shape) -> Result<GeomId> {
         let raw_space = self.spaces.find(space)?.raw;
-        let shape = shape.checked()?;
+        let shape = checked(shape)?;
         // SAFETY: ODE is open as long as the world lives, and the record keeps the shape and the search tree as long as
         // the geom.
-        let (raw, mesh) = unsafe { shape.create()? };
+        let (raw, mesh) = unsafe { create(&shape)? };
         // SAFETY: space and geom are alive, and a new geom is in no space.
         unsafe { dSpaceAdd(raw_space, raw) };
         Ok(self.keep_geom(GeomRecord { raw, space: space.0, shape: Some(shape), _mesh: mesh }))

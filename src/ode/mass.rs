@@ -3,8 +3,9 @@
 use nalgebra::{Cholesky, Matrix3, Point3, UnitQuaternion, Vector3};
 use ode_sys::dMass;
 
-use super::shape::Shape;
+use super::shape::checked;
 use super::{check, convert};
+use crate::shape::Shape;
 use crate::{Error, Result};
 
 /// The amount of matter in a homogeneous solid, as its mass or its density.
@@ -55,7 +56,7 @@ impl Mass {
     /// [`Error::Argument`] for an amount that is not positive and finite, for sizes out of range, and for shapes
     /// without volume: planes, rays, and meshes whose signed volume is not positive.
     pub fn of(shape: &Shape, amount: Amount) -> Result<Self> {
-        let unit = Self::of_unit_density(&shape.checked()?)?;
+        let unit = Self::of_unit_density(&checked(shape)?)?;
         let total = match amount {
             Amount::Total(total) => check::positive("mass", total)?,
             Amount::Density(density) => check::positive("density", density)? * unit.total,

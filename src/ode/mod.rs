@@ -52,7 +52,6 @@ mod body;
 mod check;
 mod collide;
 mod convert;
-mod convex;
 mod geom;
 mod hull;
 mod init;
@@ -73,18 +72,17 @@ pub use arena::{BodyId, GeomId, JointGroupId, JointId, SpaceId};
 pub use body::{Body, BodyMut};
 pub use check::REACH;
 pub use collide::{ContactGeom, Contacts, Pair};
-pub use convex::Convex;
 pub use geom::{Geom, GeomMut, RayFlags};
 pub use hull::{HullMut, HullView};
 pub use init::{Ode, random_seed, set_random_seed};
 pub use joint::{Joint, JointKind, JointMut, JointParam, JointType};
 pub use mass::{Amount, Mass};
 pub use parameters::{AutoDisable, Damping};
-pub use shape::Shape;
 pub use space::{SpaceKind, SweepAxes};
 pub use surface::{Approximation, Surface};
-pub use trimesh::TriMesh;
 pub use world::World;
+
+pub use crate::shape::{Convex, Shape, TriMesh};
 
 pub(crate) use hull::{
     RawHull, apply_latest_frame_everywhere, clear_samples, close_class, create_hull_in, open_class,

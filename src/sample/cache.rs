@@ -1,8 +1,9 @@
 //! A cache of samples, so that a body is sampled once instead of at every step.
 
 use super::weld::extent;
-use super::{BodyShape, Samples, convex, trimesh};
+use super::{Samples, convex, trimesh};
 use crate::Result;
+use crate::shape::Shape;
 use nalgebra::Point3;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -69,15 +70,17 @@ impl SampleCache {
     /// [`Self::get_trimesh`].
     ///
     /// # Errors
-    /// All errors of [`BodyShape::sample`].
-    pub fn get(&mut self, shape: &BodyShape, min_feature: f64) -> Result<Arc<Samples>> {
+    /// All errors of [`Shape::sample`].
+    pub fn get(&mut self, shape: &Shape, min_feature: f64) -> Result<Arc<Samples>> {
         let d = min_feature;
         let key = match *shape {
-            BodyShape::Sphere { radius } => Key::Sphere([radius, d].map(f64::to_bits)),
-            BodyShape::Box { lengths: l } => Key::Box([l.x, l.y, l.z, d].map(f64::to_bits)),
-            BodyShape::Capsule { radius, length } => Key::Capsule([radius, length, d].map(f64::to_bits)),
-            BodyShape::Cylinder { radius, length } => Key::Cylinder([radius, length, d].map(f64::to_bits)),
-            BodyShape::Convex { .. } | BodyShape::Trimesh { .. } => return shape.sample(d).map(Arc::new),
+            Shape::Sphere { radius } => Key::Sphere([radius, d].map(f64::to_bits)),
+            Shape::Box { sides: l } => Key::Box([l.x, l.y, l.z, d].map(f64::to_bits)),
+            Shape::Capsule { radius, length } => Key::Capsule([radius, length, d].map(f64::to_bits)),
+            Shape::Cylinder { radius, length } => Key::Cylinder([radius, length, d].map(f64::to_bits)),
+            Shape::Convex(_) | Shape::TriMesh(_) | Shape::Plane { .. } | Shape::Ray { .. } => {
+                return shape.sample(d).map(Arc::new);
+            }
         };
         self.find(key, &[], || shape.sample(min_feature))
     }
@@ -166,22 +169,22 @@ mod tests {
     #[test]
     fn a_shape_is_sampled_once() {
         let mut cache = SampleCache::new();
-        let shape = BodyShape::Box { lengths: Vector3::new(0.1, 0.2, 0.3) };
+        let shape = Shape::cuboid(0.1, 0.2, 0.3);
         let first = cache.get(&shape, 0.03).unwrap();
         assert!(Arc::ptr_eq(&first, &cache.get(&shape, 0.03).unwrap()));
         assert!(!Arc::ptr_eq(&first, &cache.get(&shape, 0.04).unwrap()));
-        let ball = BodyShape::Sphere { radius: 0.1 };
+        let ball = Shape::Sphere { radius: 0.1 };
         assert_eq!(*cache.get(&ball, 0.03).unwrap(), ball.sample(0.03).unwrap());
         assert_eq!(cache.len(), 3);
-        assert!(cache.get(&BodyShape::Sphere { radius: -1.0 }, 0.03).is_err());
+        assert!(cache.get(&Shape::Sphere { radius: -1.0 }, 0.03).is_err());
         assert_eq!(cache.len(), 3);
     }
 
     #[test]
     fn shapes_of_equal_parameters_and_different_class_are_distinct() {
         let mut cache = SampleCache::new();
-        let capsule = cache.get(&BodyShape::Capsule { radius: 0.1, length: 0.2 }, 0.03).unwrap();
-        let cylinder = cache.get(&BodyShape::Cylinder { radius: 0.1, length: 0.2 }, 0.03).unwrap();
+        let capsule = cache.get(&Shape::Capsule { radius: 0.1, length: 0.2 }, 0.03).unwrap();
+        let cylinder = cache.get(&Shape::Cylinder { radius: 0.1, length: 0.2 }, 0.03).unwrap();
         assert_ne!(capsule, cylinder);
     }
 
@@ -205,7 +208,7 @@ mod tests {
     #[test]
     fn the_least_recently_used_shape_is_evicted_first() {
         let mut cache = SampleCache::new();
-        let shape = |k: usize| BodyShape::Sphere { radius: 1e-3 + k as f64 * 1e-6 };
+        let shape = |k: usize| Shape::Sphere { radius: 1e-3 + k as f64 * 1e-6 };
         let first = cache.get(&shape(0), 0.03).unwrap();
         let second = cache.get(&shape(1), 0.03).unwrap();
         for k in 2..MAX_SHAPES + 1 {

@@ -54,7 +54,6 @@ pub use cylinder::cylinder;
 pub use implicit::implicit;
 pub use limits::MAX_SAMPLES;
 pub use points::from_points;
-pub use shape::BodyShape;
 pub use sphere::sphere;
 pub use support::{FLAT_ANGLE, Smooth, SupportPoints};
 pub use trimesh::trimesh;
@@ -175,17 +174,22 @@ fn bounding_sphere(samples: &[Sample]) -> (Point3<f64>, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::{Convex, Shape, TriMesh};
 
-    fn shapes() -> [BodyShape; 6] {
-        let corner = |k: usize| Point3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64 * 0.5);
-        let tetrahedron = [[0, 2, 1], [0, 1, 4], [0, 4, 2], [1, 2, 4]];
+    fn shapes() -> [Shape; 6] {
+        let sign = |k: u32, bit: u32| if k & bit == 0 { -1.0 } else { 1.0 };
+        let corner = |k: u32| Point3::new(0.2 * sign(k, 1), 0.2 * sign(k, 2), 0.1 * sign(k, 4));
+        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let convex = Convex::new((0..8).map(corner).collect(), &faces.map(|face| face.to_vec())).unwrap();
+        let tetrahedron = vec![[0, 2, 1], [0, 1, 4], [0, 4, 2], [1, 2, 4]];
+        let mesh = TriMesh::new((0..8).map(corner).collect(), tetrahedron).unwrap();
         [
-            BodyShape::Sphere { radius: 0.2 },
-            BodyShape::Box { lengths: Vector3::new(0.3, 0.2, 0.1) },
-            BodyShape::Capsule { radius: 0.1, length: 0.4 },
-            BodyShape::Cylinder { radius: 0.1, length: 0.4 },
-            BodyShape::Convex { vertices: (0..8).map(corner).collect() },
-            BodyShape::Trimesh { triangles: tetrahedron.map(|triangle| triangle.map(corner)).to_vec() },
+            Shape::Sphere { radius: 0.2 },
+            Shape::cuboid(0.3, 0.2, 0.1),
+            Shape::Capsule { radius: 0.1, length: 0.4 },
+            Shape::Cylinder { radius: 0.1, length: 0.4 },
+            Shape::Convex(convex.into()),
+            Shape::TriMesh(mesh.into()),
         ]
     }
 
@@ -213,6 +217,6 @@ mod tests {
     #[test]
     fn samples_can_be_sent_to_and_shared_with_other_threads() {
         fn is_send_and_sync<T: Send + Sync>() {}
-        is_send_and_sync::<(Samples, SampleCache, BodyShape, SupportPoints)>();
+        is_send_and_sync::<(Samples, SampleCache, SupportPoints)>();
     }
 }

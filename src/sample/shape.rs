@@ -1,62 +1,53 @@
-//! The body shapes as values.
+//! The samples of a shape.
 
 use super::{Samples, box_, capsule, convex, cylinder, sphere, trimesh};
-use crate::Result;
-use nalgebra::{Point3, Vector3};
+use crate::shape::Shape;
+use crate::{Error, Result};
 
-/// A body's shape in its own frame: lengths in metres, the axis of capsules and cylinders along the local z axis.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum BodyShape {
-    /// A sphere, see [`sphere`].
-    Sphere {
-        /// The radius.
-        radius: f64,
-    },
-    /// A box, see [`box_`].
-    Box {
-        /// The lengths of the edges along x, y and z.
-        lengths: Vector3<f64>,
-    },
-    /// A capsule, see [`capsule`].
-    Capsule {
-        /// The radius of the side and of the hemispheres.
-        radius: f64,
-        /// The length of the side, without the hemispheres.
-        length: f64,
-    },
-    /// A cylinder, see [`cylinder`].
-    Cylinder {
-        /// The radius of the side.
-        radius: f64,
-        /// The full length.
-        length: f64,
-    },
-    /// A convex hull, see [`convex`].
-    Convex {
-        /// The vertices, in any order.
-        vertices: Vec<Point3<f64>>,
-    },
-    /// A triangle mesh, see [`trimesh`].
-    Trimesh {
-        /// The triangles, counter-clockwise as seen from outside.
-        triangles: Vec<[Point3<f64>; 3]>,
-    },
-}
-
-impl BodyShape {
+impl Shape {
     /// Samples the surface so that no feature of diameter `min_feature` (metres) fits between the samples.
     ///
     /// # Errors
-    /// All errors of the shape's function.
+    ///
+    /// A plane or a ray, which have no closed surface; else those of the function of the shape: [`sphere`], [`box_`],
+    /// [`capsule`], [`cylinder`], [`convex`] and [`trimesh`].
     pub fn sample(&self, min_feature: f64) -> Result<Samples> {
         match self {
             Self::Sphere { radius } => sphere(*radius, min_feature),
-            Self::Box { lengths } => box_(*lengths, min_feature),
+            Self::Box { sides } => box_(*sides, min_feature),
             Self::Capsule { radius, length } => capsule(*radius, *length, min_feature),
             Self::Cylinder { radius, length } => cylinder(*radius, *length, min_feature),
-            Self::Convex { vertices } => convex(vertices, min_feature),
-            Self::Trimesh { triangles } => trimesh(triangles, min_feature),
+            Self::Convex(polyhedron) => convex(polyhedron.points(), min_feature),
+            Self::TriMesh(mesh) => {
+                let corner = |index: u32| mesh.points()[index as usize];
+                let triangles: Vec<_> = mesh.triangles().iter().map(|corners| corners.map(corner)).collect();
+                trimesh(&triangles, min_feature)
+            }
+            Self::Plane { .. } => Err(no_surface("plane", "take a wide box whose top lies in it")),
+            Self::Ray { .. } => Err(no_surface("ray", "ask the hull for it by `Hull::ray_cast`")),
+        }
+    }
+}
+
+fn no_surface(found: &str, instead: &str) -> Error {
+    Error::argument(format!(
+        "shape to sample: expected one with a closed surface, found a {found}; {instead}"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn shapes_without_a_closed_surface_are_refused_with_another_way() {
+        let plane = Shape::Plane { normal: Vector3::z(), offset: 0.0 };
+        for (shape, parts) in
+            [(plane, ["plane", "wide box"]), (Shape::Ray { length: 1.0 }, ["ray", "ray_cast"])]
+        {
+            let message = shape.sample(0.03).unwrap_err().to_string();
+            assert!(parts.iter().all(|part| message.contains(part)), "{message}");
         }
     }
 }

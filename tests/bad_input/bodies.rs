@@ -19,14 +19,14 @@ fn bodies_of_no_size_are_refused() {
                 assert_says(world.add_geom(root, &shape), &["expected a length above 0", &found]);
             }
             for shape in [
-                BodyShape::Sphere { radius },
-                BodyShape::Box { lengths: vector![1.0, 1.0, size] },
-                BodyShape::Capsule { radius, length },
-                BodyShape::Cylinder { radius, length },
+                Shape::Sphere { radius },
+                Shape::cuboid(1.0, 1.0, size),
+                Shape::Capsule { radius, length },
+                Shape::Cylinder { radius, length },
             ] {
                 assert!(matches!(shape.sample(0.03), Err(Error::Argument(_))), "{shape:?}");
             }
-            assert!(BodyShape::Sphere { radius: 1.0 }.sample(size.min(0.0)).is_err());
+            assert!(Shape::Sphere { radius: 1.0 }.sample(size.min(0.0)).is_err());
         }
         for _ in 0..20 {
             step(&mut world, 0.005);

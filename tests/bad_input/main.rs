@@ -12,7 +12,7 @@ use ode_visual_hull::hull::{Aabb, EdgeModel, EmptyReason, HullData, Unseen};
 use ode_visual_hull::ode::{BodyId, Shape, SpaceKind, TriMesh, World};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
-use ode_visual_hull::sample::{self, BodyShape};
+use ode_visual_hull::sample;
 use ode_visual_hull::synthetic::{Subject, coverage};
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_testing::scene::*;
@@ -329,22 +329,24 @@ fn sizes_whose_product_overflows_are_refused_before_any_memory_is_taken() {
         let mask = ode_visual_hull::silhouette::load_mask(folder.path(name));
         assert_says(mask, &[name, "expected an image", "found"]);
     }
-    let lengths = vector![1e9, 1e9, 1e9];
+
+    let sides = vector![1e9, 1e9, 1e9];
     let far = [1e9, 2e9].map(|x| point![x, -x, x]);
     let triangle = [far[0], far[1], point![0.0, 1e9, 0.0]];
     let tetrahedron = [triangle[0], triangle[1], triangle[2], point![0.0, 0.0, -1e9]];
-    for shape in [
-        BodyShape::Sphere { radius: 1e9 },
-        BodyShape::Box { lengths },
-        BodyShape::Capsule { radius: 1e9, length: 1e9 },
-        BodyShape::Cylinder { radius: 1e9, length: 1e9 },
-        BodyShape::Convex { vertices: tetrahedron.to_vec() },
-        BodyShape::Trimesh { triangles: vec![triangle; 3] },
-    ] {
-        for min_feature in [1e-3, 1e-300] {
-            assert_says(shape.sample(min_feature), &["min_feature", "at most 1000000", "raise min_feature"]);
-        }
+    let shapes = [
+        Shape::Sphere { radius: 1e9 },
+        Shape::Box { sides },
+        Shape::Capsule { radius: 1e9, length: 1e9 },
+        Shape::Cylinder { radius: 1e9, length: 1e9 },
+    ];
+    for min_feature in [1e-3, 1e-300] {
+        let too_many = ["min_feature", "at most 1000000", "raise min_feature"];
+        shapes.iter().for_each(|shape| assert_says(shape.sample(min_feature), &too_many));
+        assert_says(sample::convex(&tetrahedron, min_feature), &too_many);
+        assert_says(sample::trimesh(&[triangle; 3], min_feature), &too_many);
     }
+
     let wide = [point![-1e9, -1e9, -1e9], point![1e9, 1e9, 1e9]];
     assert_says(sample::implicit(|p| p.x, wide, 1e-6), &["grid nodes", "raise min_feature or tighten"]);
 }

@@ -12,9 +12,10 @@ use ode_sys::{
 use super::{GeomRecord, RayFlags};
 use crate::hull::Aabb;
 use crate::ode::arena::{BodyId, GeomId, SpaceId};
-use crate::ode::shape::Shape;
+use crate::ode::shape::{checked, resize};
 use crate::ode::world::World;
 use crate::ode::{check, convert};
+use crate::shape::Shape;
 use crate::{Error, Result};
 
 /// Read access to a geom of a [`World`].
@@ -242,7 +243,7 @@ impl<'w> GeomMut<'w> {
     /// [`Error::Argument`] for a shape of another kind, for a polyhedron or mesh, and for sizes that
     /// [`World::add_geom`] refuses.
     pub fn set_shape(&mut self, shape: &Shape) -> Result<()> {
-        let shape = shape.checked()?;
+        let shape = checked(shape)?;
 
         let old = self.view().shape().cloned().ok_or_else(|| {
             Error::argument(format!(
@@ -252,7 +253,7 @@ impl<'w> GeomMut<'w> {
         })?;
 
         // SAFETY: the geom is alive and was made from a shape of the kind of `old`, and the new sizes are checked.
-        unsafe { old.resize(self.raw, &shape)? };
+        unsafe { resize(&old, self.raw, &shape)? };
         if let Some(record) = self.world.geoms.get_mut(self.id.0) {
             record.shape = Some(shape);
         }

@@ -2,7 +2,8 @@
 
 use crate::Result;
 use crate::lock::lock;
-use crate::sample::{BodyShape, SampleCache, Samples};
+use crate::sample::{SampleCache, Samples};
+use crate::shape::Shape;
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{
     dBoxClass, dCapsuleClass, dCollide, dContactGeom, dConvexClass, dCreatePlane, dCylinderClass,
@@ -88,12 +89,12 @@ pub(super) unsafe fn of(
     }
 }
 
-fn plain_shape(class: u32, [x, y, z]: [f64; 3]) -> Option<BodyShape> {
+fn plain_shape(class: u32, [x, y, z]: [f64; 3]) -> Option<Shape> {
     let shape = match class {
-        c if c == dSphereClass => BodyShape::Sphere { radius: x },
-        c if c == dBoxClass => BodyShape::Box { lengths: Vector3::new(x, y, z) },
-        c if c == dCapsuleClass => BodyShape::Capsule { radius: x, length: y },
-        c if c == dCylinderClass => BodyShape::Cylinder { radius: x, length: y },
+        c if c == dSphereClass => Shape::Sphere { radius: x },
+        c if c == dBoxClass => Shape::Box { sides: Vector3::new(x, y, z) },
+        c if c == dCapsuleClass => Shape::Capsule { radius: x, length: y },
+        c if c == dCylinderClass => Shape::Cylinder { radius: x, length: y },
         _ => return None,
     };
     Some(shape)

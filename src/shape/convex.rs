@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector3};
 
-use super::check;
+use super::check_point;
 use crate::{Error, Result};
 
 /// The tolerance for roundoff in planes, as a part of the polyhedron's size.
@@ -32,7 +32,7 @@ impl Convex {
     /// the origin inside: move the points, and give the geom a pose or an offset.)
     pub fn new(points: Vec<Point3<f64>>, faces: &[Vec<u32>]) -> Result<Self> {
         for (i, point) in points.iter().enumerate() {
-            check::point(&format!("point {i} of the polyhedron"), point)?;
+            check_point(&format!("point {i} of the polyhedron"), point)?;
         }
         if points.len() < 4 || faces.len() < 4 {
             return Err(Error::argument(format!(
@@ -78,7 +78,8 @@ impl Convex {
     }
 
     /// The faces in ODE's layout: for each face the number of its points, then their indices.
-    pub(super) fn polygons(&self) -> &[u32] {
+    #[cfg(feature = "ode")]
+    pub(crate) fn polygons(&self) -> &[u32] {
         &self.polygons
     }
 }

@@ -170,7 +170,8 @@ fn check_occupancy(s: &Silhouette, plain: &Plain) {
 
 #[test]
 fn distances_of_large_masks_equal_those_of_a_raster_scan_pixel_by_pixel() {
-    let mut random = Random(11);
+    // With this seed two of the masks have distances that exceed a byte.
+    let mut random = Random(12);
     let mut s = Silhouette::blank(Border::Background);
     let mut deepest = 0;
     for k in 0..12 {

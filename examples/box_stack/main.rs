@@ -15,7 +15,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use ode_visual_hull::Result;
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::set_random_seed;
-use ode_visual_hull_film::{Capture, FilmOptions, Simulation, run_film, view_of};
+use ode_visual_hull_film::{FilmOptions, Simulation, Story, run_film, view_of};
 use options::Options;
 use std::io::Write;
 use std::process::ExitCode;
@@ -39,11 +39,11 @@ fn run(options: &Options) -> Result<()> {
     let mut simulation = Simulation::new(&data, studio.pixel_size(&data)?)?;
     studio::stack(&mut simulation)?;
     let frames = options.frames.map_or(usize::MAX, |frames| frames as usize).min(studio.frames());
-    let view = view_of(&studio, options.view.as_deref(), &data)?;
-    let shooting =
+    let view = view_of(&studio, options.view.as_deref())?;
+    let film =
         FilmOptions { out: &options.out, name: "box_stack", frames, view: (!options.no_gif).then_some(view) };
     let progress = progress_bar(frames);
-    let text = run_film(&shooting, &mut studio, &data, &mut simulation, &mut |summary| {
+    let text = run_film(&film, &mut studio, &data, &mut simulation, &mut |summary| {
         progress.set_message(summary);
         progress.inc(1);
     })?;

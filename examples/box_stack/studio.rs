@@ -11,12 +11,13 @@ use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::hull::{Aabb, Hull, HullData};
 use ode_visual_hull::pipeline::Pipeline;
 use ode_visual_hull::segment::{CleanPlate, Segmenter, Thresholds};
+use ode_visual_hull::shape::Shape;
 use ode_visual_hull::source::ImageSet;
 use ode_visual_hull::synthetic::{
     Hit, Placed, Room, Scene, Solid, Subject, Texture, clean_plate, render_over,
 };
 use ode_visual_hull::{Error, Result};
-use ode_visual_hull_film::{Capture, FRAME_RATE, Form, Simulation, Window};
+use ode_visual_hull_film::{FRAME_RATE, Frames, Simulation, Story, Window};
 use std::sync::Arc;
 
 /// The real box, in metres.
@@ -95,29 +96,9 @@ impl Studio {
     }
 }
 
-impl Capture for Studio {
-    fn subject(&self) -> &str {
-        "real box"
-    }
-
+impl Frames for Studio {
     fn cameras(&self) -> &[Camera] {
         &self.cameras
-    }
-
-    fn best_view(&self, _: &HullData) -> usize {
-        self.cameras.len() - 1
-    }
-
-    fn frames(&self) -> usize {
-        (END * FRAME_RATE) as usize
-    }
-
-    fn still_until(&self) -> f64 {
-        STILL_UNTIL
-    }
-
-    fn moments(&self) -> [f64; 3] {
-        [STILL_UNTIL - 0.1, MOVED_BY - 0.2, END]
     }
 
     /// The whole way of a real system: image, noise, subtraction of the empty room, mask. The data is the pipeline's.
@@ -140,16 +121,38 @@ impl Capture for Studio {
         Ok(self.images[view].clone())
     }
 
-    fn window(&self, view: usize, _: &HullData) -> Window {
-        Window::full(&self.cameras[view])
-    }
-
     fn hit(&self, ray: &Ray, _: usize, _: &Hull) -> Option<Hit> {
         self.scene.subject.first_hit(ray).map(|(hit, _)| hit)
     }
 
     fn real_top(&self) -> Option<f64> {
         Some((real_pose(time_of(self.frame?)) * Point3::new(0.0, 0.0, 0.5 * REAL.z)).z)
+    }
+}
+
+impl Story for Studio {
+    fn subject(&self) -> &str {
+        "real box"
+    }
+
+    fn frames(&self) -> usize {
+        (END * FRAME_RATE) as usize
+    }
+
+    fn still_until(&self) -> f64 {
+        STILL_UNTIL
+    }
+
+    fn moments(&self) -> [f64; 3] {
+        [STILL_UNTIL - 0.1, MOVED_BY - 0.2, END]
+    }
+
+    fn best_view(&self) -> usize {
+        self.cameras.len() - 1
+    }
+
+    fn window(&self, view: usize) -> Window {
+        Window::full(&self.cameras[view])
     }
 
     fn light(&self) -> Point3<f64> {
@@ -174,7 +177,7 @@ pub fn stack(simulation: &mut Simulation) -> Result<()> {
     for (sides, yaw, colour) in boxes {
         top += 0.001;
         let pose = Isometry3::new(vector![0.0, 0.0, top + 0.5 * sides.z], Vector3::z() * yaw);
-        simulation.add(Form::Box { sides }, &pose, colour)?;
+        simulation.add(&Shape::Box { sides }, &pose, colour)?;
         top += sides.z;
     }
     Ok(())

@@ -3,12 +3,13 @@
 //! Each body is ray-cast per pixel through the camera's own lens, so that it lands where the camera would see it.
 //! Real surfaces close to a body are shaded a little, or the body would seem to float.
 
-use crate::capture::Window;
-use crate::form::{Entrance, Form};
+use crate::ray_cast::{self, Entry};
+use crate::window::Window;
 use image::RgbImage;
 use image::imageops::{FilterType, crop_imm, resize};
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
+use ode_visual_hull::shape::Shape;
 use ode_visual_hull::synthetic::Hit;
 
 /// Rays along a pixel's edge.
@@ -27,10 +28,10 @@ const REACH: f64 = 0.07;
 const SHADE: f64 = 0.6;
 
 /// A body to draw.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Drawn {
-    /// Its form.
-    pub form: Form,
+    /// A box or a sphere; other shapes are not drawn.
+    pub shape: Shape,
     /// Where.
     pub world_from_body: Isometry3<f64>,
     /// Red, green, blue.
@@ -124,15 +125,15 @@ impl Compositor {
 
     /// The nearest of the bodies that `ray` meets.
     fn body_hit(&self, ray: &Ray, near: &[&Drawn], bodies: &[Drawn]) -> Option<BodyHit> {
-        let hits = near.iter().filter_map(|one| entrance(ray, one).map(|entrance| (entrance, *one)));
-        let (entrance, one) = hits.min_by(|a, b| a.0.t.total_cmp(&b.0.t))?;
-        let point = ray.at(entrance.t);
+        let hits = near.iter().filter_map(|one| entry(ray, one).map(|entry| (entry, *one)));
+        let (entry, one) = hits.min_by(|a, b| a.0.t.total_cmp(&b.0.t))?;
+        let point = ray.at(entry.t);
         let local = one.world_from_body.inverse_transform_point(&point);
-        let normal = one.world_from_body * one.form.normal(&local, &entrance);
+        let normal = one.world_from_body * ray_cast::normal(&one.shape, &local, &entry);
         let others = bodies.iter().filter(|other| !std::ptr::eq(*other, one));
         let light = self.light(&point, &normal) * (1.0 - 0.5 * shade_at(&point, others));
-        let line = one.form.line(&local, &entrance);
-        Some(BodyHit { t: entrance.t, colour: Vector3::from(one.colour.map(f64::from)) * light * line })
+        let line = ray_cast::line_brightness(&one.shape, &local, &entry);
+        Some(BodyHit { t: entry.t, colour: Vector3::from(one.colour.map(f64::from)) * light * line })
     }
 
     fn light(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
@@ -144,7 +145,7 @@ impl Compositor {
 /// Whether `ray` passes so close to a body that it is seen, or the surfaces around it are shaded.
 fn passes(ray: &Ray, one: &Drawn) -> bool {
     let to_body = one.world_from_body.translation.vector - ray.origin.coords;
-    let reach = one.form.reach() + REACH;
+    let reach = ray_cast::bounding_radius(&one.shape) + REACH;
     to_body.norm_squared() - to_body.dot(&ray.direction).powi(2) <= reach * reach
 }
 
@@ -161,13 +162,14 @@ fn shade_at<'b>(point: &Point3<f64>, bodies: impl Iterator<Item = &'b Drawn>) ->
 }
 
 fn distance(point: &Point3<f64>, one: &Drawn) -> f64 {
-    one.form.distance(&one.world_from_body.inverse_transform_point(point))
+    ray_cast::distance(&one.shape, &one.world_from_body.inverse_transform_point(point))
 }
 
 /// Where `ray` enters a body.
-fn entrance(ray: &Ray, one: &Drawn) -> Option<Entrance> {
-    one.form.entrance(&Ray {
+fn entry(ray: &Ray, one: &Drawn) -> Option<Entry> {
+    let in_body = Ray {
         origin: one.world_from_body.inverse_transform_point(&ray.origin),
         direction: one.world_from_body.inverse_transform_vector(&ray.direction),
-    })
+    };
+    ray_cast::entry(&one.shape, &in_body)
 }

@@ -1,5 +1,6 @@
 //! What happened: every body's state in every frame.
 
+use crate::ray_cast;
 use crate::simulation::{SimulatedBody, Simulation, State, Support};
 use ode_visual_hull::{Error, Result};
 use std::fmt::Write;
@@ -32,8 +33,9 @@ pub struct Log {
 impl Log {
     /// An empty log of the bodies of `simulation` and the subject of this name.
     pub fn new(simulation: &Simulation, subject: &str) -> Self {
-        let named =
-            |(i, one): (usize, &SimulatedBody)| (format!("{} {}", one.form.name(), i + 1), one.colour);
+        let named = |(i, one): (usize, &SimulatedBody)| {
+            (format!("{} {}", ray_cast::name(&one.shape), i + 1), one.colour)
+        };
         let bodies = simulation.bodies().iter().enumerate().map(named).collect();
         Self { subject: subject.into(), bodies, entries: Vec::new() }
     }

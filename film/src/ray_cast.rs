@@ -1,134 +1,125 @@
-//! The forms that virtual bodies have, and how they look.
+//! Where viewing rays meet the shapes of virtual bodies, and how these look there.
+//!
+//! Boxes and spheres are drawn. All functions take points and rays in the body's frame.
 
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Ray;
-#[cfg(feature = "ode")]
-use ode_visual_hull::ode::Shape;
+use ode_visual_hull::shape::Shape;
+use ode_visual_hull::{Error, Result};
 
-/// Half the width of the dark lines along a box's edges and around a ball, in metres.
+/// Half the width of the dark lines along a box's edges and around a sphere, in metres.
 const LINE: f64 = 0.003;
 
-/// A body's form, about its own origin, in metres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Form {
-    /// A box.
-    Box {
-        /// Its whole lengths.
-        sides: Vector3<f64>,
-    },
-    /// A ball.
-    Ball {
-        /// Its radius.
-        radius: f64,
-    },
-}
+/// Brightness in the middle of a dark line.
+const LINE_BRIGHTNESS: f64 = 0.45;
 
 /// Where a ray enters a body.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Entrance {
+pub struct Entry {
     /// Metres along the ray.
-    pub(crate) t: f64,
-    /// Of a box, the axis across the face.
+    pub t: f64,
+    /// The axis normal to the face of a box.
     axis: usize,
 }
 
-impl Form {
-    /// A cube.
-    pub fn cube(side: f64) -> Self {
-        Self::Box { sides: Vector3::repeat(side) }
-    }
-
-    /// What it is called.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Box { .. } => "box",
-            Self::Ball { .. } => "ball",
-        }
-    }
-
-    /// As ODE has it.
-    #[cfg(feature = "ode")]
-    pub fn shape(&self) -> Shape {
-        match *self {
-            Self::Box { sides } => Shape::Box { sides },
-            Self::Ball { radius } => Shape::Sphere { radius },
-        }
-    }
-
-    /// Its whole lengths along its axes.
-    pub fn lengths(&self) -> Vector3<f64> {
-        match *self {
-            Self::Box { sides } => sides,
-            Self::Ball { radius } => Vector3::repeat(2.0 * radius),
-        }
-    }
-
-    /// The radius of the ball around it.
-    pub(crate) fn reach(&self) -> f64 {
-        match *self {
-            Self::Box { sides } => (0.5 * sides).norm(),
-            Self::Ball { radius } => radius,
-        }
-    }
-
-    /// How far `point` is from it; 0 inside.
-    pub(crate) fn distance(&self, point: &Point3<f64>) -> f64 {
-        match *self {
-            Self::Box { sides } => (point.coords.abs() - 0.5 * sides).map(|x| x.max(0.0)).norm(),
-            Self::Ball { radius } => (point.coords.norm() - radius).max(0.0),
-        }
-    }
-
-    /// Where `ray`, in the body's frame, enters it.
-    pub(crate) fn entrance(&self, ray: &Ray) -> Option<Entrance> {
-        match *self {
-            Self::Box { sides } => enter_box(ray, &(0.5 * sides)),
-            Self::Ball { radius } => {
-                let along = ray.origin.coords.dot(&ray.direction);
-                let root = (along * along - ray.origin.coords.norm_squared() + radius * radius).sqrt();
-                // A miss is NaN, and no greater than 0.
-                let t = -along - root;
-                (t > 0.0).then_some(Entrance { t, axis: 0 })
-            }
-        }
-    }
-
-    /// The outward normal where a ray enters, `point` in the body's frame.
-    pub(crate) fn normal(&self, point: &Point3<f64>, entrance: &Entrance) -> Vector3<f64> {
-        match self {
-            Self::Box { .. } => {
-                let mut normal = Vector3::zeros();
-                normal[entrance.axis] = point[entrance.axis].signum();
-                normal
-            }
-            Self::Ball { radius } => point.coords / *radius,
-        }
-    }
-
-    /// What is left of the colour where a ray enters: dark lines, with a soft side, show edges and how a ball rolls.
-    pub(crate) fn line(&self, point: &Point3<f64>, entrance: &Entrance) -> f64 {
-        let to_line = match *self {
-            Self::Box { sides } => {
-                let half = 0.5 * sides;
-                let to_edge = |axis: usize| half[axis] - point[axis].abs();
-                (0..3).filter(|&axis| axis != entrance.axis).map(to_edge).fold(f64::INFINITY, f64::min)
-            }
-            Self::Ball { .. } => point.coords.abs().min(),
-        };
-        0.45 + 0.55 * (to_line / LINE - 0.5).clamp(0.0, 1.0)
+/// Checks that a shape can be drawn.
+pub fn check_drawable(shape: &Shape) -> Result<()> {
+    match shape {
+        Shape::Box { .. } | Shape::Sphere { .. } => Ok(()),
+        other => Err(Error::argument(format!(
+            "body to draw: expected a box or a sphere, found {other:?}; draw it as the box around it"
+        ))),
     }
 }
 
-fn enter_box(ray: &Ray, half: &Vector3<f64>) -> Option<Entrance> {
+/// The word for the shape in tables.
+pub fn name(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::Box { .. } => "box",
+        Shape::Sphere { .. } => "ball",
+        _ => "body",
+    }
+}
+
+/// Full lengths along the body's axes.
+pub fn lengths(shape: &Shape) -> Vector3<f64> {
+    match *shape {
+        Shape::Box { sides } => sides,
+        Shape::Sphere { radius } => Vector3::repeat(2.0 * radius),
+        _ => Vector3::zeros(),
+    }
+}
+
+/// The radius of the smallest sphere around the body's origin that holds it.
+pub fn bounding_radius(shape: &Shape) -> f64 {
+    match *shape {
+        Shape::Box { sides } => (0.5 * sides).norm(),
+        Shape::Sphere { radius } => radius,
+        _ => 0.0,
+    }
+}
+
+/// The distance of `point` from the body; 0 inside.
+pub fn distance(shape: &Shape, point: &Point3<f64>) -> f64 {
+    match *shape {
+        Shape::Box { sides } => (point.coords.abs() - 0.5 * sides).map(|x| x.max(0.0)).norm(),
+        Shape::Sphere { radius } => (point.coords.norm() - radius).max(0.0),
+        _ => f64::INFINITY,
+    }
+}
+
+/// Where `ray` enters the body.
+pub fn entry(shape: &Shape, ray: &Ray) -> Option<Entry> {
+    match *shape {
+        Shape::Box { sides } => enter_box(ray, &(0.5 * sides)),
+        Shape::Sphere { radius } => {
+            let along = ray.origin.coords.dot(&ray.direction);
+            let root = (along * along - ray.origin.coords.norm_squared() + radius * radius).sqrt();
+            // A miss is NaN, and no greater than 0.
+            let t = -along - root;
+            (t > 0.0).then_some(Entry { t, axis: 0 })
+        }
+        _ => None,
+    }
+}
+
+/// The outward normal at `point`, where a ray enters.
+pub fn normal(shape: &Shape, point: &Point3<f64>, entry: &Entry) -> Vector3<f64> {
+    match *shape {
+        Shape::Sphere { radius } => point.coords / radius,
+        _ => {
+            let mut normal = Vector3::zeros();
+            normal[entry.axis] = point[entry.axis].signum();
+            normal
+        }
+    }
+}
+
+/// The brightness at `point`, where a ray enters: dark lines with soft sides show edges, and how a sphere rolls.
+pub fn line_brightness(shape: &Shape, point: &Point3<f64>, entry: &Entry) -> f64 {
+    let to_line = match *shape {
+        Shape::Box { sides } => {
+            let half = 0.5 * sides;
+            let to_edge = |axis: usize| half[axis] - point[axis].abs();
+            (0..3).filter(|&axis| axis != entry.axis).map(to_edge).fold(f64::INFINITY, f64::min)
+        }
+        _ => point.coords.abs().min(),
+    };
+    LINE_BRIGHTNESS + (1.0 - LINE_BRIGHTNESS) * (to_line / LINE - 0.5).clamp(0.0, 1.0)
+}
+
+/// The slab test: the ray is inside the box between its last entry and its first exit of the three pairs of planes.
+fn enter_box(ray: &Ray, half: &Vector3<f64>) -> Option<Entry> {
     let Ray { origin, direction } = ray;
-    let (mut enter, mut leave) = (Entrance { t: 0.0, axis: 0 }, f64::INFINITY);
+    let (mut enter, mut leave) = (Entry { t: 0.0, axis: 0 }, f64::INFINITY);
+
     for axis in 0..3 {
         let (a, b) = (-half[axis] - origin[axis], half[axis] - origin[axis]);
         let (near, far) = if direction[axis].is_sign_negative() { (b, a) } else { (a, b) };
         // A direction of zero gives infinities of the right signs, or NaN on the face itself, which is a miss.
         let (near, far) = (near / direction[axis], far / direction[axis]);
         if near > enter.t {
-            enter = Entrance { t: near, axis };
+            enter = Entry { t: near, axis };
         }
         leave = leave.min(far);
     }
@@ -139,28 +130,30 @@ fn enter_box(ray: &Ray, half: &Vector3<f64>) -> Option<Entrance> {
 mod tests {
     use super::*;
 
-    /// Of the ray along +x at height `z` that starts 1 m before the body.
-    fn enters(form: Form, z: f64) -> Option<f64> {
+    /// Where the ray along +x at height `z` that starts 1 m before the body enters it.
+    fn enters(shape: &Shape, z: f64) -> Option<f64> {
         let ray = Ray { origin: Point3::new(-1.0, 0.0, z), direction: Vector3::x() };
-        form.entrance(&ray).map(|entrance| entrance.t)
+        entry(shape, &ray).map(|entry| entry.t)
     }
 
     #[test]
-    fn a_ray_enters_a_ball_at_its_surface_and_a_box_at_its_face() {
-        let ball = Form::Ball { radius: 0.1 };
-        assert_eq!(enters(ball, 0.0), Some(0.9));
+    fn a_ray_enters_a_sphere_at_its_surface_and_a_box_at_its_face() {
+        let ball = Shape::Sphere { radius: 0.1 };
+        assert_eq!(enters(&ball, 0.0), Some(0.9));
         let half_chord = (0.1_f64 * 0.1 - 0.06 * 0.06).sqrt();
-        assert!((enters(ball, 0.06).unwrap() - (1.0 - half_chord)).abs() < 1e-12);
-        assert_eq!((enters(ball, 0.11), enters(ball, 0.1).is_some_and(f64::is_nan)), (None, false));
-        assert_eq!((enters(Form::cube(0.2), 0.06), enters(Form::cube(0.2), 0.11)), (Some(0.9), None));
+        assert!((enters(&ball, 0.06).unwrap() - (1.0 - half_chord)).abs() < 1e-12);
+        assert_eq!((enters(&ball, 0.11), enters(&ball, 0.1).is_some_and(f64::is_nan)), (None, false));
+
+        let cube = Shape::cube(0.2);
+        assert_eq!((enters(&cube, 0.06), enters(&cube, 0.11)), (Some(0.9), None));
     }
 
     #[test]
     fn a_ray_that_starts_beyond_or_inside_enters_nothing() {
-        for form in [Form::Ball { radius: 0.1 }, Form::cube(0.2)] {
+        for shape in [Shape::Sphere { radius: 0.1 }, Shape::cube(0.2)] {
             for x in [0.0, 0.5] {
                 let ray = Ray { origin: Point3::new(x, 0.0, 0.0), direction: Vector3::x() };
-                assert!(form.entrance(&ray).is_none(), "{form:?} from {x}");
+                assert!(entry(&shape, &ray).is_none(), "{shape:?} from {x}");
             }
         }
     }
@@ -168,11 +161,18 @@ mod tests {
     #[test]
     fn distances_and_normals_are_those_of_the_surface() {
         let point = Point3::new(0.3, 0.0, 0.0);
-        for form in [Form::Ball { radius: 0.1 }, Form::cube(0.2)] {
-            assert!((form.distance(&point) - 0.2).abs() < 1e-12, "{form:?}");
+        for shape in [Shape::Sphere { radius: 0.1 }, Shape::cube(0.2)] {
+            assert!((distance(&shape, &point) - 0.2).abs() < 1e-12, "{shape:?}");
             let ray = Ray { origin: point, direction: -Vector3::x() };
-            let entrance = form.entrance(&ray).unwrap();
-            assert_eq!(form.normal(&ray.at(entrance.t), &entrance).map(f64::round), Vector3::x(), "{form:?}");
+            let entry = entry(&shape, &ray).unwrap();
+            assert_eq!(normal(&shape, &ray.at(entry.t), &entry).map(f64::round), Vector3::x(), "{shape:?}");
         }
+    }
+
+    #[test]
+    fn only_boxes_and_spheres_are_drawn() {
+        assert!(check_drawable(&Shape::cube(0.1)).is_ok());
+        let message = check_drawable(&Shape::Ray { length: 1.0 }).unwrap_err().to_string();
+        assert!(message.contains("expected a box or a sphere, found Ray"), "{message}");
     }
 }

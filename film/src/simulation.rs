@@ -1,7 +1,7 @@
 //! The virtual side: bodies in an ODE world with the hull and a floor.
 
 use crate::compositor::Drawn;
-use crate::form::Form;
+use crate::ray_cast::check_drawable;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, World};
@@ -26,8 +26,8 @@ const MIN_FEATURE: f64 = 0.015;
 /// A virtual body.
 #[derive(Debug, Clone)]
 pub struct SimulatedBody {
-    /// Its form.
-    pub form: Form,
+    /// A box or a sphere.
+    pub shape: Shape,
     /// Red, green, blue.
     pub colour: [u8; 3],
     body: BodyId,
@@ -104,17 +104,17 @@ impl Simulation {
     /// Puts a body at rest into the world.
     ///
     /// # Errors
-    /// A form or a pose that is not finite, or without a volume.
-    pub fn add(&mut self, form: Form, pose: &Isometry3<f64>, colour: [u8; 3]) -> Result<()> {
-        let shape = form.shape();
+    /// A shape other than a box or a sphere, a size that is not positive, or a pose that is not finite.
+    pub fn add(&mut self, shape: &Shape, pose: &Isometry3<f64>, colour: [u8; 3]) -> Result<()> {
+        check_drawable(shape)?;
         let body = self.world.add_body();
-        let geom = self.world.add_geom(self.world.root_space(), &shape)?;
+        let geom = self.world.add_geom(self.world.root_space(), shape)?;
         self.world.geom_mut(geom).set_body(Some(body))?;
         let mut body_mut = self.world.body_mut(body);
-        body_mut.set_mass(&Mass::of(&shape, Amount::Density(DENSITY))?)?;
+        body_mut.set_mass(&Mass::of(shape, Amount::Density(DENSITY))?)?;
         body_mut.set_pose(pose)?;
         self.bodies.push(SimulatedBody {
-            form,
+            shape: shape.clone(),
             colour,
             body,
             touched: Touched::default(),
@@ -233,7 +233,7 @@ impl Simulation {
     /// The bodies as they are drawn.
     pub fn drawn(&self) -> Vec<Drawn> {
         let drawn = |(one, state): (&SimulatedBody, State)| Drawn {
-            form: one.form,
+            shape: one.shape.clone(),
             world_from_body: state.pose,
             colour: one.colour,
         };

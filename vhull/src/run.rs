@@ -12,8 +12,9 @@ use clap::ValueEnum;
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::set_random_seed;
+use ode_visual_hull::shape::Shape;
 use ode_visual_hull::{Error, Result};
-use ode_visual_hull_film::{Capture, FilmOptions, Form, Simulation, run_film, view_of};
+use ode_visual_hull_film::{FilmOptions, Simulation, Story, run_film, view_of};
 use playback::Playback;
 use std::io::Write;
 use std::ops::Range;
@@ -109,13 +110,13 @@ pub fn run(options: &Options) -> Result<Outcome> {
     set_random_seed(options.seed);
     let data = Arc::new(HullData::new());
     let mut playback = Playback::open(options, &data)?;
-    let view = view_of(&playback, options.view.as_deref(), &data)?;
+    let view = view_of(&playback, options.view.as_deref())?;
     let mut simulation = Simulation::new(&data, playback.pixel_size())?;
     let place = match options.stack {
         Some(count) => stack(options, count.into(), &mut playback, &data, &mut simulation)?,
         None => drop(options, &playback, &data, &mut simulation)?,
     };
-    let shooting = FilmOptions {
+    let film = FilmOptions {
         out: &options.out,
         name: "run",
         frames: playback.frames(),
@@ -127,8 +128,8 @@ pub fn run(options: &Options) -> Result<Outcome> {
              it has others"
         );
     }
-    let bar = progress::bar(shooting.frames, "frames");
-    let text = run_film(&shooting, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
+    let bar = progress::bar(film.frames, "frames");
+    let text = run_film(&film, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
     bar.finish_and_clear();
     let (count, seconds) = playback.pace();
     let text = format!("{place}\n{count} recorded frames play in {seconds:.2} s\n{}", text?);
@@ -155,8 +156,8 @@ fn drop(
     }
     for (i, pose) in poses.iter().enumerate() {
         let ball = kind == Kind::Spheres || kind == Kind::Mix && i % 2 == 1;
-        let form = if ball { Form::Ball { radius: 0.5 * side } } else { Form::cube(side) };
-        simulation.add(form, pose, COLOURS[i % COLOURS.len()])?;
+        let shape = if ball { Shape::Sphere { radius: 0.5 * side } } else { Shape::cube(side) };
+        simulation.add(&shape, pose, COLOURS[i % COLOURS.len()])?;
     }
     let fewer = if poses.len() < count {
         format!(", there is room for no more of the {count}")
@@ -197,7 +198,7 @@ fn stack(
         // Boxes that are turned a little against one another look like boxes.
         let turn = Vector3::z() * [0.05, -0.12, 0.20, -0.06, 0.30][i % 5];
         let pose = Isometry3::new(foot.coords + Vector3::z() * height, turn);
-        simulation.add(Form::cube(side), &pose, COLOURS[i % COLOURS.len()])?;
+        simulation.add(&Shape::cube(side), &pose, COLOURS[i % COLOURS.len()])?;
     }
     playback.show(&foot, side, side * count as f64);
     Ok(format!("{count} boxes stand at ({:.2}, {:.2}, {:.2}) m, {found}", foot.x, foot.y, foot.z))

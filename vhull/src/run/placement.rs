@@ -4,7 +4,8 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use ode_visual_hull::Result;
 use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::{Hull, HullData};
-use ode_visual_hull_film::{Form, Simulation, Support};
+use ode_visual_hull::shape::Shape;
+use ode_visual_hull_film::{Simulation, Support};
 use std::sync::Arc;
 
 /// Grid of the heights, in metres.
@@ -67,7 +68,7 @@ fn is_apart(pose: &Isometry3<f64>, others: &[Isometry3<f64>], side: f64) -> bool
 /// Whether a box dropped at `pose` comes to rest on the subject close by.
 fn is_steady(data: &Arc<HullData>, pose: &Isometry3<f64>, side: f64, pixel_size: f64) -> Result<bool> {
     let mut trial = Simulation::new(data, pixel_size)?;
-    trial.add(Form::cube(side), pose, [0; 3])?;
+    trial.add(&Shape::cube(side), pose, [0; 3])?;
     trial.advance(TRIAL)?;
     let state = trial.states()[0];
     let strayed = state.pose.translation.vector - pose.translation.vector;

@@ -14,7 +14,7 @@ use ode_visual_hull::pipeline::publish_masks;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::synthetic::Hit;
 use ode_visual_hull::{Error, Result};
-use ode_visual_hull_film::{Capture, FRAME_RATE, Window};
+use ode_visual_hull_film::{FRAME_RATE, Frames, Story, Window};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -128,33 +128,9 @@ fn check_hull(dir: &Path, frame: u32, hull: &Hull) -> Result<()> {
     Err(Error::file(dir, problem))
 }
 
-impl Capture for Playback {
-    fn subject(&self) -> &str {
-        "subject"
-    }
-
+impl Frames for Playback {
     fn cameras(&self) -> &[Camera] {
         self.recording.rig().cameras()
-    }
-
-    /// The nearest.
-    fn best_view(&self, _: &HullData) -> usize {
-        let middle = self.first().aabb().centre();
-        let distance = |&view: &usize| (self.cameras()[view].centre() - middle).norm();
-        (0..self.cameras().len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
-    }
-
-    fn frames(&self) -> usize {
-        self.timeline.film_frames()
-    }
-
-    fn still_until(&self) -> f64 {
-        self.hold
-    }
-
-    fn moments(&self) -> [f64; 3] {
-        let end = self.frames() as f64 / FRAME_RATE;
-        [0.2, self.hold - 0.1, 0.5 * (self.hold + end)]
     }
 
     fn publish(&mut self, time: f64, data: &HullData) -> Result<()> {
@@ -182,13 +158,6 @@ impl Capture for Playback {
         picture
     }
 
-    /// Around where the subject comes and where bodies fall.
-    fn window(&self, view: usize, _: &HullData) -> Window {
-        let mut around = self.shown;
-        around.min.z = 0.0;
-        Window::around(&self.cameras()[view], &around.corners())
-    }
-
     /// The hull stands for the subject.
     fn hit(&self, ray: &Ray, view: usize, hull: &Hull) -> Option<Hit> {
         // Most rays miss: those beside the camera's own silhouette, and those beside the box around the hull.
@@ -206,6 +175,39 @@ impl Capture for Playback {
 
     fn real_top(&self) -> Option<f64> {
         None
+    }
+}
+
+impl Story for Playback {
+    fn subject(&self) -> &str {
+        "subject"
+    }
+
+    fn frames(&self) -> usize {
+        self.timeline.film_frames()
+    }
+
+    fn still_until(&self) -> f64 {
+        self.hold
+    }
+
+    fn moments(&self) -> [f64; 3] {
+        let end = self.frames() as f64 / FRAME_RATE;
+        [0.2, self.hold - 0.1, 0.5 * (self.hold + end)]
+    }
+
+    /// The nearest.
+    fn best_view(&self) -> usize {
+        let middle = self.first().aabb().centre();
+        let distance = |&view: &usize| (self.cameras()[view].centre() - middle).norm();
+        (0..self.cameras().len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    }
+
+    /// Around where the subject comes and where bodies fall.
+    fn window(&self, view: usize) -> Window {
+        let mut around = self.shown;
+        around.min.z = 0.0;
+        Window::around(&self.cameras()[view], &around.corners())
     }
 
     fn light(&self) -> Point3<f64> {

@@ -1,4 +1,4 @@
-//! Options that several verbs share, and the forms in which people write numbers.
+//! Options that several verbs share, and parsers of their values.
 
 use clap::ValueEnum;
 use nalgebra::Point3;
@@ -12,19 +12,19 @@ use std::path::Path;
 /// The calibration of a recording, in its folder.
 pub const RIG: &str = "rig.toml";
 
-/// What a calibration does not tell.
+/// What a calibration file may lack.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct HintOptions {
     /// Metres per unit of length of the calibration, instead of its format's own.
     #[arg(long, value_name = "METRES", value_parser = parse_length)]
     pub unit: Option<f64>,
-    /// Size of the images, where the calibration does not tell.
+    /// Size of the images, where the calibration does not state it.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     pub size: Option<(u32, u32)>,
 }
 
 impl HintOptions {
-    /// The calibration at `path`, or of the recording there, with what the options tell.
+    /// Loads the calibration at `path`, or that of the recording there, completed by these options.
     pub fn load(self, path: &Path) -> Result<Calibration> {
         let own = path.join(RIG);
         Calibration::load(
@@ -35,7 +35,7 @@ impl HintOptions {
     }
 }
 
-/// The recording in folder `dir`.
+/// Opens the recording in folder `dir`.
 pub fn open_recording(dir: &Path) -> Result<Recording> {
     Recording::open(dir).map_err(|e| match e {
         Error::File { path, problem } if path == dir.join(RIG) && !path.exists() => {
@@ -46,7 +46,7 @@ pub fn open_recording(dir: &Path) -> Result<Recording> {
     })
 }
 
-/// Prints what is to be known of a calibration.
+/// Prints the notes that the reader of a calibration left.
 pub fn print_notes(calibration: &Calibration) {
     for note in &calibration.notes {
         println!("note: {note}");
@@ -56,7 +56,7 @@ pub fn print_notes(calibration: &Calibration) {
     }
 }
 
-/// `error`, and the option that helps where a calibration does not tell what it has to; `with` leads to it.
+/// `error`, with the option that helps where a calibration lacks something; `with` introduces the option.
 pub fn hinted(error: Error, with: &str) -> Error {
     match error {
         Error::MissingHint { what, error } => Error::argument(format!("{error}: {with} {}", option(what))),
@@ -72,7 +72,7 @@ fn option(what: MissingHint) -> &'static str {
     }
 }
 
-/// Where the subject may be, and what a camera says of what it does not see.
+/// The work volume, and how points count that a camera does not see.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct VolumeOptions {
     /// Work volume, in metres [default: around the spot that the cameras look at, as far as they stand from it].
@@ -83,18 +83,18 @@ pub struct VolumeOptions {
         allow_hyphen_values = true
     )]
     pub bounds: Option<Aabb>,
-    /// What a camera says of points beyond its image.
+    /// How points count that lie outside a camera's image.
     #[arg(long, value_enum, default_value_t = UnseenPolicy::Outside)]
     pub unseen: UnseenPolicy,
 }
 
 impl VolumeOptions {
-    /// The work volume: as given, else as the cameras stand.
+    /// The work volume of the options, else the one that follows from the cameras.
     pub fn of(&self, rig: &Rig) -> Result<Aabb> {
         self.bounds.map_or_else(|| rig.work_volume(), Ok)
     }
 
-    /// Gives the cameras and the work volume to `data`.
+    /// Adds the cameras to `data` and sets the work volume.
     pub fn prepare(&self, data: &HullData, rig: &Rig) -> Result<()> {
         data.add_views(rig.cameras())?;
         data.set_unseen(self.unseen.into())?;
@@ -105,9 +105,9 @@ impl VolumeOptions {
 /// [`Unseen`] by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum UnseenPolicy {
-    /// They are outside the hull.
+    /// As outside the hull.
     Outside,
-    /// Nothing; two cameras must see a point of the hull.
+    /// Not at all: the camera abstains. Two cameras must see a point of the hull.
     Abstain,
 }
 
@@ -120,13 +120,13 @@ impl From<UnseenPolicy> for Unseen {
     }
 }
 
-/// A work volume from six numbers between commas.
+/// Parses a work volume, six numbers with commas between them.
 pub fn parse_bounds(text: &str) -> std::result::Result<Aabb, String> {
     let [x0, x1, y0, y1, z0, z1] = numbers(text, "x0,x1,y0,y1,z0,z1")?;
     Aabb::new(Point3::new(x0, y0, z0), Point3::new(x1, y1, z1)).map_err(|error| error.to_string())
 }
 
-/// An image's width and height.
+/// Parses an image's width and height.
 pub fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
     let numbers = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     numbers
@@ -134,23 +134,23 @@ pub fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
         .ok_or_else(|| format!("expected two whole numbers above zero as in 640x480, found {text}"))
 }
 
-/// A length in metres above zero.
+/// Parses a length in metres above zero.
 pub fn parse_length(text: &str) -> std::result::Result<f64, String> {
     parse_positive(text).map_err(|_| format!("expected a number of metres above zero, found {text}"))
 }
 
-/// A number above zero, of anything.
+/// Parses a number above zero.
 pub fn parse_positive(text: &str) -> std::result::Result<f64, String> {
     let number = text.parse().ok().filter(|&number: &f64| number.is_finite() && number > 0.0);
     number.ok_or_else(|| format!("expected a number above zero, found {text}"))
 }
 
-/// Images a second, above zero.
+/// Parses a rate in images a second, above zero.
 pub fn parse_rate(text: &str) -> std::result::Result<f64, String> {
     parse_positive(text).map_err(|_| format!("expected a positive number of images a second, found {text}"))
 }
 
-/// Frames from A to before B, as `A..B`; what is left out is the first, or all that come.
+/// Parses frames from A up to but not B, as `A..B`. Without A the range starts at frame 0, without B it has no end.
 pub fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
     let number = |part: &str, open: u32| if part.is_empty() { Some(open) } else { part.parse().ok() };
     let range = text.split_once("..").and_then(|(a, b)| Some(number(a, 0)?..number(b, u32::MAX)?));
@@ -159,13 +159,13 @@ pub fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
         .ok_or_else(|| format!("expected A..B with A below B, as in 20..60, 20.. or ..60, found {text}"))
 }
 
-/// A range of frames as [`parse_frames`] takes it.
+/// Writes a range of frames as [`parse_frames`] reads it.
 pub fn shown_frames(range: &Range<u32>) -> String {
     let end = if range.end == u32::MAX { String::new() } else { range.end.to_string() };
     format!("{}..{end}", range.start)
 }
 
-/// `N` finite numbers between commas, in the order `named`.
+/// Parses `N` finite numbers with commas between them; `named` names them in messages.
 pub fn numbers<const N: usize>(text: &str, named: &str) -> std::result::Result<[f64; N], String> {
     let parse = |part: &str| part.trim().parse().ok().filter(|x: &f64| x.is_finite());
     let numbers: Option<Vec<f64>> = text.split(',').map(parse).collect();

@@ -1,36 +1,36 @@
-//! What a camera saw while its masks were taken, for pictures to be drawn over it.
+//! The images of a camera at the times of its masks, as backgrounds to draw on.
 
 use image::{DynamicImage, RgbImage};
 use ode_visual_hull::Result;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::source::{Frame, ReadAhead, WhenFull};
 
-/// So many images are read ahead.
+/// Number of images that are read ahead.
 const DEPTH: usize = 3;
 
-/// The images of one camera, from its folder or its video; its masks where it has no image.
+/// The images of one camera, from its folder or its video. Where it has no image, its mask stands in.
 #[derive(Debug)]
 pub struct BackgroundImages {
     camera: usize,
     images: Option<Images>,
-    /// An image farther than this from the time asked for is none, in seconds.
+    /// Largest difference between the time of an image and the requested one, in seconds.
     within: f64,
 }
 
-/// Images in the order of time.
+/// A stream of images in the order of time.
 #[derive(Debug)]
 struct Images {
     stream: ReadAhead,
     now: Frame,
-    /// The one after, where it has been read.
+    /// The image after `now`, where it has been read.
     next: Option<Frame>,
 }
 
-/// A frame that has masks: its number, and when it was taken, in seconds.
+/// The number of a frame that has masks, and its time in seconds.
 pub type FrameTime = (u32, f64);
 
 impl BackgroundImages {
-    /// What the camera at position `camera` saw from `first` on.
+    /// Opens the images of the camera with index `camera`, from those of frame `first` on.
     pub fn open(
         recording: &Recording,
         camera: usize,
@@ -44,14 +44,14 @@ impl BackgroundImages {
             false => None,
             true => match from(frame)? {
                 Some(images) if images.now.time <= time => Some(images),
-                // Not every mask has an image of its number: one before may be nearer.
+                // Not every mask has an image of its number: an earlier image may be nearer in time.
                 _ => from(0)?,
             },
         };
         Ok(Self { camera, images, within })
     }
 
-    /// The image taken nearest to the moment, else the mask. Moments follow one another.
+    /// The image nearest in time to a frame, else the frame's mask. Frames have to be requested in the order of time.
     pub fn at(&mut self, recording: &Recording, (frame, time): FrameTime) -> Result<RgbImage> {
         if let Some(images) = &mut self.images {
             let nearest = images.nearest(time)?;
@@ -73,7 +73,7 @@ impl Images {
     }
 
     fn nearest(&mut self, time: f64) -> Result<&Frame> {
-        // No farther than needed: a video that ends in a fault is good before.
+        // Reads no farther than needed: a video that is damaged at its end is fine before.
         while self.now.time < time {
             match self.next.take() {
                 Some(next) if next.time <= time => self.now = next,

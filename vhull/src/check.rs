@@ -1,4 +1,4 @@
-//! `vhull check`: what a rig sees, whether its calibration and masks fit together, and what to mend.
+//! `vhull check`: what a rig sees, whether its calibration and masks fit together, and what to fix.
 
 mod pictures;
 mod placement;
@@ -13,33 +13,33 @@ use ode_visual_hull::rig::Rig;
 use ode_visual_hull::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Report on a rig, and on a recording's silhouettes: what is seen, what fits, what is to be mended.
+/// Report on a rig, and on a recording's silhouettes: what is seen, what fits, and what has to be fixed.
 ///
-/// Of the rig: where each camera stands and looks, whether they look at one place, how much of the work volume they
-/// see, how high the hull stands above a table. Of a recording with masks: whether one view's silhouettes are shifted
-/// against the others', and which view cuts away what the others see.
+/// The report on the rig says where each camera stands and looks, whether all look at one place, how much of the work
+/// volume they see, and how high the hull rises above a table. The report on a recording with masks says whether the
+/// silhouettes of a view are shifted against the others', and which view cuts away what the others see.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Calibration file or folder of any known format, or the folder of a recording.
     rig: PathBuf,
-    /// Folder of a recording with masks [default: RIG where that is one].
+    /// Folder of a recording with masks [default: RIG, if it is one].
     recording: Option<PathBuf>,
     #[command(flatten)]
     hints: HintOptions,
     #[command(flatten)]
     volume: VolumeOptions,
-    /// A table of which the hull's height is told: the middle of its top and the edge length of a cube under it,
-    /// in metres; may be given again.
+    /// Report the hull's height above this table: the centre of its top and the edge length of a cube under it, in
+    /// metres; may be given several times.
     #[arg(long, value_name = "X,Y,Z,SIZE", value_parser = parse_table, allow_hyphen_values = true)]
     table: Vec<Table>,
-    /// How far a view's silhouettes may be shifted, in pixels; masks of real people leave 3 to 5 px open, exact ones none.
+    /// How far a view's silhouettes may be shifted, in pixels; masks of real people reach 3 to 5 px, exact ones 0.
     #[arg(long, value_name = "PIXELS", default_value = "5", value_parser = parse_positive)]
     tolerance: f64,
-    /// Look at so many frames at most, evenly spread.
+    /// Number of frames to check at most, evenly spread.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
-    /// Write each view's image with its silhouette and the hull's over it into this folder, which is made if need be.
+    /// Write each view's image, overlaid with its silhouette and the hull's, to this folder, which is made if it is missing.
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
     /// The frame of the pictures, and of all else if --frames is 1 [default: the middle one].
@@ -54,9 +54,9 @@ Examples:
   vhull check my_recording --pictures overlays
   vhull check other_rig.toml my_recording --tolerance 2
 
-Ends with code 3 where something is to be mended.";
+Ends with code 3 if it finds a problem.";
 
-/// The middle of its top and the edge length of a cube under it, in metres.
+/// A table: the centre of its top and the edge length of a cube under it, in metres.
 #[derive(Debug, Clone, Copy)]
 struct Table {
     top: Point3<f64>,
@@ -71,16 +71,16 @@ fn parse_table(text: &str) -> std::result::Result<Table, String> {
     Ok(Table { top: Point3::new(x, y, z), side })
 }
 
-/// What has been found so far.
+/// The problems found so far.
 #[derive(Debug, Default)]
 struct Report {
-    /// What to mend, a sentence each.
-    faults: Vec<String>,
+    /// A sentence for each, with what to do.
+    problems: Vec<String>,
 }
 
 impl Report {
     fn add_problem(&mut self, sentence: impl Into<String>) {
-        self.faults.push(sentence.into());
+        self.problems.push(sentence.into());
     }
 }
 
@@ -110,7 +110,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     Ok(verdict(&report))
 }
 
-/// The rig, and the folder of the recording if there is one.
+/// The rig, and the folder of the recording, if there is one.
 fn load(options: &Options) -> Result<(Rig, Option<PathBuf>)> {
     let folder = match &options.recording {
         Some(folder) => Some(folder.clone()),
@@ -123,7 +123,7 @@ fn load(options: &Options) -> Result<(Rig, Option<PathBuf>)> {
     Ok((calibration.rig, folder))
 }
 
-/// Whether the folder beside a rig file holds more than that.
+/// Whether a rig file has folders beside it, which a recording has.
 fn has_pictures(folder: &Path) -> Result<bool> {
     let fail = |e: std::io::Error| Error::file(folder, format!("expected a readable folder, found: {e}"));
     let mut entries = std::fs::read_dir(folder).map_err(fail)?;
@@ -132,11 +132,12 @@ fn has_pictures(folder: &Path) -> Result<bool> {
 
 fn verdict(report: &Report) -> Outcome {
     println!();
-    if report.faults.is_empty() {
-        println!("verdict: content");
+    let problems = &report.problems;
+    if problems.is_empty() {
+        println!("verdict: ok");
         return Outcome::Done;
     }
-    println!("verdict: to be mended");
-    report.faults.iter().for_each(|fault| println!("- {fault}"));
+    println!("verdict: {} problem{}", problems.len(), if problems.len() == 1 { "" } else { "s" });
+    problems.iter().for_each(|problem| println!("- {problem}"));
     Outcome::ProblemsFound
 }

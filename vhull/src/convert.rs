@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// Write a calibration of any known format as a rig file.
 ///
-/// Written is TOML alone, which anipose, Pose2Sim and caliscope read too.
+/// The rig file is TOML, which anipose, Pose2Sim and caliscope read too.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
@@ -19,14 +19,14 @@ pub struct Options {
     out: PathBuf,
     #[command(flatten)]
     hints: HintOptions,
-    /// The images have been scaled by this since they were calibrated.
+    /// Factor by which the images have been scaled since the calibration.
     #[arg(long, value_name = "FACTOR", value_parser = parse_positive)]
     scale: Option<f64>,
-    /// What this camera sees appears so many pixels farther right and down than the calibration says (pixels of the
-    /// scaled images): its principal point is moved. May be given for each camera.
+    /// Move a camera's principal point by so many pixels right and down, in pixels of the scaled images. May be given for
+    /// each camera.
     #[arg(long, value_name = "CAMERA=DU,DV", value_parser = parse_shift, allow_hyphen_values = true)]
     shift: Vec<ImageShift>,
-    /// Replace the rig file if there is one.
+    /// Overwrite the rig file if it exists.
     #[arg(long)]
     force: bool,
 }
@@ -34,7 +34,7 @@ pub struct Options {
 const EXAMPLES: &str = "\
 Examples:
   vhull convert calibration.yml rig.toml
-  vhull convert sparse/0 rig.toml --unit 0.25                     a unit of the calibration is 25 cm
+  vhull convert sparse/0 rig.toml --unit 0.25                     one unit of the calibration is 25 cm
   vhull convert cameras.json half.toml --scale 0.5 --shift left=-1.5,0.8";
 
 /// How far a camera's image is moved, in pixels.

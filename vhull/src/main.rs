@@ -1,4 +1,4 @@
-//! `vhull`: from cameras to a visual hull. A verb, a file.
+//! `vhull`: from cameras to a visual hull. Each verb is a module.
 
 mod arguments;
 mod background_images;
@@ -38,9 +38,9 @@ enum Verb {
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  an error, told on standard error
-  2  a command line that means nothing
-  3  `check` found something to mend";
+  1  an error, printed to standard error
+  2  an invalid command line
+  3  `check` found problems";
 
 /// How a verb that succeeded ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +62,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::ProblemsFound) => ExitCode::from(3),
         Err(error) => {
-            // The rig file of a recording, which is read without options.
+            // A verb without options for hints has read the rig file of a recording.
             let error = arguments::hinted(error, "write the rig file anew, vhull convert ..");
             eprintln!("vhull: {error}");
             ExitCode::FAILURE

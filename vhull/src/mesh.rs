@@ -1,4 +1,4 @@
-//! `vhull mesh`: hulls as closed triangle meshes, for programs that want one.
+//! `vhull mesh`: hulls as closed triangle meshes.
 
 mod field;
 mod surface;
@@ -23,16 +23,16 @@ use surface::Surface;
 pub struct Options {
     /// Folder of a recording with masks.
     recording: PathBuf,
-    /// The frame to take [default: the first].
+    /// Frame to write [default: the first].
     #[arg(long, value_name = "N", conflicts_with = "frames")]
     frame: Option<u32>,
-    /// The frames to take, the last one not.
+    /// Frames to write, from A up to but not B.
     #[arg(long, value_name = "A..B", value_parser = parse_frames)]
     frames: Option<std::ops::Range<u32>>,
-    /// Edge of the cells.
+    /// Edge length of the cells.
     #[arg(long, value_name = "METRES", default_value = "0.01", value_parser = parse_length)]
     resolution: f64,
-    /// File to write: its name ends in .ply (binary) or .obj; its folder is made if need be.
+    /// File to write: its name ends in .ply (binary) or .obj; its folder is made if it is missing.
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
@@ -63,7 +63,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
         if surface.triangles.is_empty() {
             let problem = format!(
                 "expected a subject in frame {frame}, found a hull without points at {} m; take a finer \
-                 --resolution, or let vhull check tell why",
+                 --resolution, or see why with vhull check",
                 options.resolution
             );
             return Err(Error::file(&options.recording, problem));
@@ -90,7 +90,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// A person's in cubic metres, a doll's in cubic centimetres.
+/// In cubic metres for a person, in cubic centimetres for a doll.
 fn shown_volume(volume: f64) -> String {
     if volume.abs() < 0.01 { format!("{:.1} cm3", 1e6 * volume) } else { format!("{volume:.4} m3") }
 }
@@ -106,7 +106,7 @@ fn format_of(path: &Path) -> Result<Format> {
 fn frames(options: &Options, recorded: &RecordedHulls) -> Result<Vec<u32>> {
     let all = recorded.recording.frames();
     let Some(range) = &options.frames else {
-        // A frame that is not there is refused when its masks are asked for.
+        // A frame that does not exist is refused when its masks are read.
         return Ok(vec![options.frame.unwrap_or(all[0])]);
     };
     let frames: Vec<u32> = all.iter().copied().filter(|frame| range.contains(frame)).collect();
@@ -120,7 +120,7 @@ fn frames(options: &Options, recorded: &RecordedHulls) -> Result<Vec<u32>> {
     Ok(frames)
 }
 
-/// `hull.ply` of frame 7 is `hull_000007.ply`.
+/// The file of a frame of a sequence: `hull.ply` of frame 7 is `hull_000007.ply`.
 fn numbered(path: &Path, frame: u32) -> PathBuf {
     let mut name = OsString::from(path.file_stem().unwrap_or_default());
     name.push(format!("_{frame:06}."));

@@ -1,16 +1,16 @@
-//! Where results go.
+//! Folders for results.
 
 use ode_visual_hull::{Error, Result};
 use std::path::Path;
 
-/// Makes a folder for results if need be.
+/// Makes a folder for results if it does not exist.
 pub fn make_folder(dir: &Path) -> Result<()> {
     std::fs::create_dir_all(dir).map_err(|e| {
         Error::file(dir, format!("expected to make this folder, found: {e}; choose one that you may write"))
     })
 }
 
-/// Makes the folder of a file that is to be written.
+/// Makes the folder of a file that will be written.
 pub fn make_folder_of(file: &Path) -> Result<()> {
     file.parent().filter(|dir| !dir.as_os_str().is_empty()).map_or(Ok(()), make_folder)
 }

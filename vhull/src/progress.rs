@@ -1,8 +1,8 @@
-//! A bar on standard error for what takes a while; none where that is no terminal.
+//! Progress bars on standard error, shown only on a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A bar of `count` steps of `what`.
+/// A bar of `count` steps, labelled `what`.
 pub fn bar(count: usize, what: &str) -> ProgressBar {
     let bar = ProgressBar::new(count as u64);
     let template = "{msg:12} {bar:32} {pos}/{len}  {elapsed} (about {eta} left)";

@@ -1,4 +1,4 @@
-//! A recording on its way into a hull: its cameras, their masks frame by frame.
+//! The hulls of a recording, frame by frame.
 
 use crate::arguments::VolumeOptions;
 use ode_visual_hull::hull::{Hull, HullData};
@@ -8,14 +8,14 @@ use ode_visual_hull::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A recording with masks, and the data object that takes them.
+/// A recording with masks, and the data object that makes hulls of them.
 pub struct RecordedHulls {
     pub recording: Recording,
     data: HullData,
 }
 
 impl RecordedHulls {
-    /// Gets ready to take the masks of the recording from `dir`.
+    /// Prepares to make hulls of a recording, whose folder is `dir`.
     pub fn new(recording: Recording, dir: &Path, volume: &VolumeOptions) -> Result<Self> {
         if recording.frames().is_empty() {
             let problem = format!(
@@ -31,11 +31,11 @@ impl RecordedHulls {
 
     /// The hull of a frame.
     pub fn hull(&self, frame: u32) -> Result<Arc<Hull>> {
-        // Frames may be asked in any order, so none has a time of its own.
+        // Frames may be requested in any order, so all get the same time.
         publish_masks(&self.data, &self.recording.masks(frame)?, 0.0)
     }
 
-    /// Refuses a frame of `--frame` that has no masks.
+    /// Checks that the frame given by `--frame` has masks.
     pub fn check_has(&self, frame: u32) -> Result<()> {
         let frames = self.recording.frames();
         if frames.contains(&frame) {

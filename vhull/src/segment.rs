@@ -1,4 +1,4 @@
-//! `vhull segment`: the images of a recording become masks.
+//! `vhull segment`: makes masks of a recording's images.
 
 mod empty_room;
 mod masks;
@@ -23,11 +23,11 @@ use tally::Tally;
 /// Find the subject in the images or videos of a recording, and write masks.
 ///
 /// RECORDING holds rig.toml and, for each camera, images in CAMERA/image/000000.png or a video CAMERA/video.mp4 (or
-/// .avi, .mov, ..; also videos/CAMERA.mp4). What the empty room looks like comes from CAMERA/background.png or a
-/// video CAMERA/background.avi, unless told otherwise. Videos need ffmpeg.
+/// .avi, .mov, ..; also videos/CAMERA.mp4). The empty background is read from CAMERA/background.png or a video
+/// CAMERA/background.avi, unless --empty or --background is given. Videos need ffmpeg.
 ///
-/// Images of one time belong together: by their numbers, or by frames.csv (columns: frame and the cameras' names;
-/// seconds) where the recording has one. Masks go to CAMERA/mask/000000.png, numbered as the first camera's images.
+/// Images of one time are matched by their numbers, or by frames.csv (columns: frame and the cameras' names; seconds)
+/// where the recording has one. Masks are written to CAMERA/mask/000000.png, numbered as the first camera's images.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
@@ -36,36 +36,38 @@ pub struct Options {
     /// Folder to write the masks to, as a recording of its own with their times [default: the recording].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// How to tell the subject from the room.
+    /// How the subject is told from the background.
     #[arg(long, value_enum, default_value_t = Method::CleanPlate)]
     method: Method,
     /// The colour of the cloth or walls where the light is bright, for chroma-key [default: 0,170,60, a green].
     #[arg(long, value_name = "R,G,B", value_parser = parse_colour)]
     key: Option<[u8; 3]>,
-    /// The first N images of each camera show the empty room.
+    /// The first N images of each camera show the empty background.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "background")]
     empty: Option<u32>,
-    /// Images of the empty room: a folder with CAMERA.png or CAMERA.avi, or the name of a file in each camera's
+    /// Images of the empty background: a folder with CAMERA.png or CAMERA.avi, or the name of a file in each camera's
     /// folder; pictures or videos.
     #[arg(long, value_name = "DIR|FILE")]
     background: Option<PathBuf>,
-    /// The picture of the empty room is older than the recording, or somebody stands in it: where nearly all of the
-    /// recording's own images agree, they show the room. For subjects that move about; clean-plate alone.
+    /// Refine the picture of the empty background by the recording itself, for a picture that is older or shows a person:
+    /// where nearly all of the recording's images agree, they show the background. For subjects that move about, and
+    /// --method clean-plate only.
     #[arg(long)]
     refine: bool,
-    /// Frames to segment, from A to before B; either may be left out [default: all].
+    /// Frames to segment, from A up to but not B; either may be left out [default: all].
     #[arg(long, value_name = "A..B", value_parser = parse_frames, default_value = "..", hide_default_value = true)]
     frames: Range<u32>,
     /// Images a second [default: as frames.csv or the videos say, else 30].
     #[arg(long, value_name = "RATE", value_parser = parse_rate)]
     rate: Option<f64>,
-    /// Images of one time lie within so many seconds [default: half the time from one to the next].
+    /// Largest difference of the times of images that belong together, in seconds [default: half the time from one to
+    /// the next].
     #[arg(long, value_name = "SECONDS")]
     bound: Option<f64>,
-    /// Keep the masks that are there, and go on with the frames that have none.
+    /// Keep existing masks, and continue with the frames that have none.
     #[arg(long, conflicts_with = "force")]
     resume: bool,
-    /// Write over the masks that are there.
+    /// Overwrite existing masks.
     #[arg(long)]
     force: bool,
     /// Write the masks as run lengths, one file CAMERA/mask.rle a camera, in less than half the bytes of pictures.
@@ -73,7 +75,7 @@ pub struct Options {
     rle: bool,
 }
 
-/// The colour of green cloth, more or less.
+/// The typical colour of green cloth.
 const GREEN: [u8; 3] = [0, 170, 60];
 
 const EXAMPLES: &str = "\
@@ -81,7 +83,7 @@ Examples:
   vhull segment my_recording
   vhull segment my_recording --empty 50 --frames 50..
   vhull segment my_recording --background background.avi --out segmented
-  vhull segment my_recording --mend
+  vhull segment my_recording --refine
   vhull segment my_recording --method chroma-key --key 40,150,70
   vhull segment my_recording --resume
   vhull segment my_recording --rle --out small";
@@ -89,11 +91,11 @@ Examples:
 /// How to tell the subject from the room.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Method {
-    /// By the difference from the empty room.
+    /// By the difference from the empty background.
     CleanPlate,
-    /// The same; the room's colours and noise are learnt, and follow the light.
+    /// By the difference from the background, whose colours and noise are learnt and follow the light.
     RunningGaussian,
-    /// By the colour of cloth or walls behind the subject, --key; no empty room is needed.
+    /// By the colour of cloth or walls behind the subject, --key; no images of the empty background are needed.
     ChromaKey,
 }
 
@@ -102,7 +104,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let recording = open_recording(&options.recording)?;
     if !recording.has_images() {
         let problem =
-            "expected images or a video of every camera, found masks alone; there is nothing to segment";
+            "expected images or a video of every camera, found only masks; there is nothing to segment";
         return Err(Error::file(&options.recording, problem));
     }
     let streaming = StreamOptions { first: 0, rate: options.rate, bound: options.bound };
@@ -144,29 +146,29 @@ pub fn run(options: &Options) -> Result<Outcome> {
     tally.print_summary(&options.recording, masks.dir(), &sets)
 }
 
-/// Refuses options that do not go with the method.
+/// Refuses options that do not apply to the method.
 fn check(options: &Options) -> Result<()> {
     if options.key.is_some() && options.method != Method::ChromaKey {
         return Err(Error::argument("--key: expected --method chroma-key, found another; leave one out"));
     }
     if (options.empty.is_some() || options.background.is_some()) && options.method == Method::ChromaKey {
-        let problem = "--empty, --background: expected a --method that asks for the empty room, found chroma-key; \
+        let problem = "--empty, --background: expected a --method that uses the empty background, found chroma-key; \
                        leave one out";
         return Err(Error::argument(problem));
     }
     if options.refine && options.method != Method::CleanPlate {
-        return Err(Error::argument("--mend: expected --method clean-plate, found another; leave one out"));
+        return Err(Error::argument("--refine: expected --method clean-plate, found another; leave one out"));
     }
     Ok(())
 }
 
-/// How many of `frames` there are, where `left` are known to come from the first on; 0 where nothing is known.
+/// Number of frames to segment, of which the sources say that `left` follow; 0 where it is not known.
 fn count(frames: &Range<u32>, left: Option<u32>) -> usize {
-    let asked = (frames.end < u32::MAX).then(|| frames.end - frames.start);
-    left.into_iter().chain(asked).min().unwrap_or(0) as usize
+    let wanted = (frames.end < u32::MAX).then(|| frames.end - frames.start);
+    left.into_iter().chain(wanted).min().unwrap_or(0) as usize
 }
 
-/// What finds the subject in the images of each camera.
+/// The segmenter of each camera.
 fn segmenters(
     options: &Options,
     recording: &Recording,
@@ -178,25 +180,25 @@ fn segmenters(
     }
     let empty = EmptyRoom::find(options, recording, streaming)?.images;
     if options.method == Method::RunningGaussian {
-        return empty.iter().map(|images| learnt(images)).collect();
+        return empty.iter().map(|images| learn(images)).collect();
     }
     let plates = empty.iter().map(|images| CleanPlate::from_empty(images, Thresholds::default()));
     if !options.refine {
         return plates.map(|plate| Ok(Box::new(plate?) as _)).collect();
     }
-    let frames = empty_room::throughout(recording, streaming)?;
+    let frames = empty_room::over_all(recording, streaming)?;
     plates.zip(&frames).map(|(plate, frames)| Ok(Box::new(plate?.refined_with(frames)?) as _)).collect()
 }
 
-fn learnt(empty: &[RgbImage]) -> Result<Box<dyn Segmenter>> {
-    let mut room = RunningGaussian::new(Learning::default())?;
-    empty.iter().try_for_each(|image| room.learn(image))?;
-    Ok(Box::new(room))
+fn learn(empty: &[RgbImage]) -> Result<Box<dyn Segmenter>> {
+    let mut background = RunningGaussian::new(Learning::default())?;
+    empty.iter().try_for_each(|image| background.learn(image))?;
+    Ok(Box::new(background))
 }
 
 fn parse_colour(text: &str) -> std::result::Result<[u8; 3], String> {
     let bytes: Option<Vec<u8>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     bytes.and_then(|bytes| bytes.try_into().ok()).ok_or_else(|| {
-        format!("expected red, green and blue from 0 to 255 between commas, as in 0,170,60, found {text}")
+        format!("expected red, green and blue from 0 to 255 with commas between them, as in 0,170,60, found {text}")
     })
 }

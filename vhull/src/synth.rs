@@ -1,4 +1,4 @@
-//! `vhull synth`: a recording of a studio that does not exist, so that every verb can be tried without a camera.
+//! `vhull synth`: a synthetic recording, so that every verb can be tried without a camera.
 
 use crate::Outcome;
 use crate::arguments::parse_size;
@@ -22,15 +22,15 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder to write, made if need be.
+    /// Folder to write; it is made if it is missing.
     dir: PathBuf,
-    /// How many cameras.
+    /// Number of cameras.
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=64))]
     cameras: u32,
-    /// What stands before them.
-    #[arg(long, value_enum, default_value_t = Who::Person)]
-    subject: Who,
-    /// How many frames.
+    /// The subject in front of the cameras.
+    #[arg(long, value_enum, default_value_t = SubjectKind::Person)]
+    subject: SubjectKind,
+    /// Number of frames.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
     /// Size of the images.
@@ -42,7 +42,7 @@ pub struct Options {
     /// Seed of the noise: the same seed gives the same recording.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Leave out the masks, for vhull segment to make.
+    /// Write no masks; vhull segment makes them.
     #[arg(long)]
     no_masks: bool,
 }
@@ -55,7 +55,7 @@ Examples:
 
 /// A subject by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Who {
+enum SubjectKind {
     /// A person of 1.75 m who walks on the spot and waves.
     Person,
     /// A box of 0.5 x 0.5 x 0.7 m that turns.
@@ -69,11 +69,11 @@ enum Who {
 /// Frames a second.
 const RATE: f64 = 30.0;
 
-/// How far from the subject the cameras stand, and at which heights in turn, in metres.
+/// Distance of the cameras from the subject, and their heights in turn, in metres.
 const RADIUS: f64 = 3.2;
 const HEIGHTS: [f64; 3] = [0.5, 1.6, 2.4];
 
-/// What the cameras look at, and how wide they see, in radians along the shorter side.
+/// The point that the cameras look at, and their angle of view along the shorter side, in radians.
 const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.9);
 const FIELD_OF_VIEW: f64 = 0.8;
 
@@ -126,17 +126,21 @@ fn cameras(options: &Options) -> Result<Vec<Camera>> {
     layout::staggered(options.cameras as usize, RADIUS, &HEIGHTS, TARGET, options.size, across)
 }
 
-fn subject(who: Who, t: f64) -> Result<Subject> {
+fn subject(kind: SubjectKind, t: f64) -> Result<Subject> {
     let placed = |solid, height: f64, turn: UnitQuaternion<f64>, colour| {
         let pose = Isometry3::from_parts(Vector3::new(0.0, 0.0, height).into(), turn);
         Subject::new(vec![Placed::new(solid, pose, Texture::cloth(colour))])
     };
     let about_z = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.3 + t);
     let upright = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.5 * std::f64::consts::PI);
-    Ok(match who {
-        Who::Person => Subject::person_at(t),
-        Who::Box => placed(Solid::cuboid(Vector3::new(0.5, 0.5, 0.7))?, 0.35, about_z, [206, 120, 62]),
-        Who::Ball => placed(Solid::sphere(0.4)?, 0.4 + 0.6 * (4.0 * t).sin().abs(), about_z, [200, 60, 60]),
-        Who::Ring => placed(Solid::torus(0.5, 0.1)?, 0.8, about_z * upright, [70, 90, 200]),
+    Ok(match kind {
+        SubjectKind::Person => Subject::person_at(t),
+        SubjectKind::Box => {
+            placed(Solid::cuboid(Vector3::new(0.5, 0.5, 0.7))?, 0.35, about_z, [206, 120, 62])
+        }
+        SubjectKind::Ball => {
+            placed(Solid::sphere(0.4)?, 0.4 + 0.6 * (4.0 * t).sin().abs(), about_z, [200, 60, 60])
+        }
+        SubjectKind::Ring => placed(Solid::torus(0.5, 0.1)?, 0.8, about_z * upright, [70, 90, 200]),
     })
 }

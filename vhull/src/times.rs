@@ -1,4 +1,4 @@
-//! When the frames of a recording were taken, written beside them.
+//! The file `frames.csv` with the times of a recording's frames.
 
 use ode_visual_hull::source::frames_csv;
 use ode_visual_hull::{Error, Result};
@@ -7,10 +7,10 @@ use std::io::{ErrorKind, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// The first line of what is written here. A table with other columns is somebody else's.
+/// The first line of tables that this program writes. A table with other columns is left as it is.
 const COLUMNS: &str = "frame,time";
 
-/// A table that grows by a line with each frame.
+/// A table that grows by a line for each frame.
 #[derive(Debug)]
 pub struct Times {
     path: PathBuf,
@@ -18,11 +18,12 @@ pub struct Times {
 }
 
 impl Times {
-    /// That of the recording in `dir`, without what it says of the frames `anew`; `None` where somebody else's is there.
+    /// The table of the recording in `dir`, without the lines of the frames `rewritten`; `None` where a table with other
+    /// columns is there.
     ///
     /// # Errors
-    /// A table that can be neither read nor written.
-    pub fn open(dir: &Path, anew: Option<&Range<u32>>) -> Result<Option<Self>> {
+    /// A table that cannot be read or written.
+    pub fn open(dir: &Path, rewritten: Option<&Range<u32>>) -> Result<Option<Self>> {
         let path = dir.join(frames_csv::NAME);
         let text = match std::fs::read_to_string(&path) {
             Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Some(Self { path, is_new: true })),
@@ -34,9 +35,10 @@ impl Times {
             return Ok(None);
         }
         let frame = |line: &str| line.split(',').next().and_then(|frame| frame.parse::<u32>().ok());
-        let stays =
-            |line: &&str| !frame(line).is_some_and(|frame| anew.is_some_and(|anew| anew.contains(&frame)));
-        let kept: String = text.lines().filter(stays).map(|line| format!("{line}\n")).collect();
+        let is_kept = |line: &&str| {
+            !frame(line).is_some_and(|frame| rewritten.is_some_and(|rewritten| rewritten.contains(&frame)))
+        };
+        let kept: String = text.lines().filter(is_kept).map(|line| format!("{line}\n")).collect();
         if kept != text {
             std::fs::write(&path, kept).map_err(|e| not_written(&path, &e))?;
         }

@@ -230,7 +230,7 @@ fn images_without_masks_are_to_be_segmented_first() {
 fn a_missing_camera_folder_an_unknown_view_and_an_empty_hull_are_named() {
     let recording = record("wrong", table, 1);
     let camera = rig().cameras()[2].name().to_owned();
-    let (code, text) = failure(&recording, &["--view", "nobody"]);
+    let (code, text) = failure(&recording, &["--view", "backstage"]);
     assert_eq!(code, Some(1));
     assert!(text.contains("--view: expected 0 to 5") && text.contains(&camera), "{text}");
     let (code, text) = failure(&recording, &["--bounds", "0.35,0.5,0.35,0.5,0,0.3"]);

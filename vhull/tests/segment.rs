@@ -168,7 +168,7 @@ fn masks_in_a_folder_of_their_own_keep_their_times_where_the_recording_tells_the
     let segment = |more: &[&str]| succeeds(&vhull(&dir, &[&["--out", out.to_str().unwrap()], more].concat()));
     let times = || Recording::open(&out).unwrap().frame_times(&StreamOptions::default()).unwrap();
     segment(&["--frames", "..1"]);
-    assert_eq!(times(), None, "nobody tells");
+    assert_eq!(times(), None, "no times are known");
     std::fs::write(dir.join("frames.csv"), "frame,left,right\n0,5,5\n1,5.5,5.5\n2,6.25,6.25\n3,8,8\n")
         .unwrap();
     segment(&["--frames", "..1", "--force"]);
@@ -178,7 +178,7 @@ fn masks_in_a_folder_of_their_own_keep_their_times_where_the_recording_tells_the
     assert_eq!(times(), Some(vec![0.0, 0.5, 1.0, 1.5]), "a rate goes before the table");
     std::fs::write(out.join("frames.csv"), "frame,left,right\n0,0,0\n1,1,1\n2,2,2\n3,3,3\n").unwrap();
     segment(&["--force"]);
-    assert_eq!(times(), Some(vec![0.0, 1.0, 2.0, 3.0]), "somebody's own table stays");
+    assert_eq!(times(), Some(vec![0.0, 1.0, 2.0, 3.0]), "a table with other columns stays");
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn the_empty_room_may_be_a_video_a_folder_or_the_first_images() {
 }
 
 #[test]
-fn a_corrupt_image_in_the_middle_keeps_the_frames_before_and_can_be_mended() {
+fn a_corrupt_image_in_the_middle_keeps_the_frames_before_and_can_be_fixed() {
     let folder = Folder::new("corrupt");
     let dir = record(&folder, 5);
     let bad = dir.join("right/image/000003.png");
@@ -335,16 +335,16 @@ fn a_room_that_is_learnt_gives_the_same_masks() {
 }
 
 #[test]
-fn what_stands_in_an_old_picture_of_the_room_is_mended_away() {
-    let folder = Folder::new("mended");
+fn what_stands_in_an_old_picture_of_the_background_is_removed_by_refining() {
+    let folder = Folder::new("refined");
     let dir = record(&folder, 30);
     let mut old = room();
     for (x, y) in (230..300).flat_map(|x| (10..70).map(move |y| (x, y))) {
         old.put_pixel(x, y, Rgb([20, 30, 220]));
     }
     Recording::open(&dir).unwrap().write_backgrounds(&[old.clone(), old]).unwrap();
-    succeeds(&vhull(&dir, &["--mend", "--frames", "10..12"]));
+    succeeds(&vhull(&dir, &["--refine", "--frames", "10..12"]));
     assert_masks(&dir, &[10, 11]);
-    says(&vhull(&dir, &["--mend", "--method", "chroma-key", "--force"]), 1, &["--mend", "clean-plate"]);
+    says(&vhull(&dir, &["--refine", "--method", "chroma-key", "--force"]), 1, &["--refine", "clean-plate"]);
     says(&vhull(&dir, &["--method", "chroma-key", "--key", "1,2"]), 2, &["red, green and blue", "1,2"]);
 }

@@ -1,4 +1,4 @@
-//! Each view's image with its silhouette and the hull's over it.
+//! The image of each view, overlaid with its silhouette and the hull's.
 
 use crate::background_images::BackgroundImages;
 use crate::frame_times::FrameTimes;
@@ -12,15 +12,15 @@ use ode_visual_hull::silhouette::SUBJECT;
 use ode_visual_hull::{Error, Result};
 use std::path::Path;
 
-/// What the hull fills, what of the silhouette it does not, and the silhouette's edge.
+/// Colours of pixels that the hull fills, of silhouette pixels that it does not fill, and of the silhouette's edge.
 const FILLED: [f64; 3] = [60.0, 200.0, 90.0];
 const CUT: [f64; 3] = [235.0, 50.0, 40.0];
 const EDGE: [f64; 3] = [255.0, 230.0, 60.0];
 
-/// How strongly these cover the image.
-const STRENGTH: f64 = 0.55;
+/// Opacity of the overlay.
+const OPACITY: f64 = 0.55;
 
-/// Writes a picture for each view of a frame, the middle one unless told.
+/// Writes a picture of each view at a frame, by default the one in the middle.
 pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result<()> {
     let recording = &recorded.recording;
     let frames = recording.frames();
@@ -28,13 +28,14 @@ pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result
     let hull = recorded.hull(frame)?;
     make_folder(out)?;
     let masks = recording.masks(frame)?;
-    let clock = FrameTimes::of(recording, None)?;
-    let time = frames.binary_search(&frame).map_or(0.0, |k| clock.times[k]);
+    let frame_times = FrameTimes::of(recording, None)?;
+    let time = frames.binary_search(&frame).map_or(0.0, |k| frame_times.times[k]);
     let bar = progress::bar(masks.len(), "pictures");
     for (k, (camera, mask)) in recording.rig().cameras().iter().zip(&masks).enumerate() {
         let moment = (frame, time);
-        let mut backdrop = BackgroundImages::open(recording, k, moment, &clock.streaming, clock.bound())?;
-        let mut picture = backdrop.at(recording, moment)?;
+        let mut background =
+            BackgroundImages::open(recording, k, moment, &frame_times.streaming, frame_times.bound())?;
+        let mut picture = background.at(recording, moment)?;
         draw_overlay(&mut picture, camera, mask, &hull);
         let path = out.join(format!("{}_{frame:06}.png", camera.name()));
         picture
@@ -44,7 +45,7 @@ pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result
     }
     bar.finish_and_clear();
     println!("  pictures of frame {frame} in {}:", out.display());
-    println!("  green the hull, red what of the silhouette it lacks, yellow the silhouette's edge");
+    println!("  green: the hull; red: silhouette outside the hull; yellow: the silhouette's edge");
     Ok(())
 }
 
@@ -63,7 +64,7 @@ fn draw_overlay(picture: &mut RgbImage, camera: &Camera, mask: &GrayImage, hull:
         } else {
             CUT
         };
-        let mixed = |c: usize| f64::from(pixel.0[c]) * (1.0 - STRENGTH) + colour[c] * STRENGTH;
+        let mixed = |c: usize| f64::from(pixel.0[c]) * (1.0 - OPACITY) + colour[c] * OPACITY;
         *pixel = Rgb([mixed(0) as u8, mixed(1) as u8, mixed(2) as u8]);
     }
 }

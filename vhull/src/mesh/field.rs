@@ -1,19 +1,19 @@
-//! A hull as numbers on a grid: about how far inside or outside each point lies.
+//! The hull as approximate signed distances on a grid.
 //!
-//! A point's distance from a silhouette's edge in the image, in pixels, times what a pixel covers at the point, tells how
-//! far a view lets it lie inside; of all views the least counts. Between grid points that changes evenly, so a surface
-//! through its zeros has no steps.
+//! A view's signed distance of a point is that of its image from the silhouette's edge, in pixels, times the size of a
+//! pixel at the point. The hull's is the largest of all views. It changes smoothly between grid points, so that a
+//! surface through its zeros has no steps.
 
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::hull::{Hull, Unseen, View};
 use ode_visual_hull::silhouette::SignedDistance;
 use ode_visual_hull::{Error, Result};
 
-/// Cells around the hull's box, so that the surface closes.
+/// Cells added around the hull's box, so that the surface closes.
 const MARGIN: f64 = 2.0;
 
-/// The most grid points: a gigabyte.
-const MOST: f64 = 2.5e8;
+/// Limit of grid points: they take a gigabyte.
+const MAX_POINTS: f64 = 2.5e8;
 
 /// Distances on a grid, in metres, negative inside, x fastest.
 pub struct SignedField {
@@ -23,15 +23,16 @@ pub struct SignedField {
     pub distances: Vec<f32>,
 }
 
-/// A view and how far each of its pixels lies from the silhouette's edge.
-struct Map<'h> {
+/// A view and the signed distances of its pixels from the silhouette's edge.
+struct DistanceMap<'h> {
     view: &'h View,
-    metres_per_pixel_at_one: f64,
+    /// Size of a pixel at a depth of 1 m, in metres.
+    pixel_size_at_one: f64,
     distances: SignedDistance,
 }
 
 impl SignedField {
-    /// The grid around `hull` with cells of `cell` metres; without any points for a hull that is empty.
+    /// The grid around `hull` with cells of `cell` metres, without points for an empty hull.
     ///
     /// # Errors
     /// More than 250 million grid points.
@@ -41,14 +42,15 @@ impl SignedField {
         }
         let aabb = hull.aabb().grown(MARGIN * cell);
         let counts = ((aabb.max - aabb.min) / cell).map(|n| n.ceil() + 1.0);
-        if counts.product() > MOST {
+        if counts.product() > MAX_POINTS {
             return Err(Error::argument(format!(
-                "--resolution: expected at most {MOST:e} grid points in the hull's box, found {:.1e}; take larger \
+                "--resolution: expected at most {MAX_POINTS:e} grid points in the hull's box, found {:.1e}; take larger \
                  cells than {cell} m, or smaller --bounds",
                 counts.product()
             )));
         }
-        let maps: Vec<Map> = hull.views().iter().filter(|view| view.is_enabled()).map(Map::new).collect();
+        let maps: Vec<DistanceMap> =
+            hull.views().iter().filter(|view| view.is_enabled()).map(DistanceMap::new).collect();
         let counts: [u32; 3] = counts.map(|n| n as u32).into();
         let [nx, ny, nz] = counts;
         let mut distances = Vec::with_capacity((nx * ny * nz) as usize);
@@ -64,8 +66,8 @@ impl SignedField {
     }
 }
 
-/// About how far `p` lies outside the hull, negative inside; never more than a few cells.
-fn distance(hull: &Hull, maps: &[Map], p: &Point3<f64>, cell: f64) -> f64 {
+/// Approximate signed distance of `p` from the hull, negative inside, clamped to two cells.
+fn distance(hull: &Hull, maps: &[DistanceMap], p: &Point3<f64>, cell: f64) -> f64 {
     let (low, high) = (hull.bounds().min - p, p - hull.bounds().max);
     let mut farthest = low.max().max(high.max());
     let mut seeing = 0;
@@ -86,18 +88,19 @@ fn distance(hull: &Hull, maps: &[Map], p: &Point3<f64>, cell: f64) -> f64 {
     if is_bounded { farthest.max(-2.0 * cell) } else { 2.0 * cell }
 }
 
-impl<'h> Map<'h> {
+impl<'h> DistanceMap<'h> {
     fn new(view: &'h View) -> Self {
         let k = view.camera().intrinsics();
-        let metres_per_pixel_at_one = 1.0 / k[(0, 0)].max(k[(1, 1)]);
+        let pixel_size_at_one = 1.0 / k[(0, 0)].max(k[(1, 1)]);
         let silhouette = view.silhouette();
-        Self { view, metres_per_pixel_at_one, distances: silhouette.signed_distance(&silhouette.image()) }
+        Self { view, pixel_size_at_one, distances: silhouette.signed_distance(&silhouette.image()) }
     }
 
-    /// About how far `p` lies outside the cone of the silhouette, in metres; `None` where the view does not see it.
+    /// Approximate signed distance of `p` from the cone of the silhouette, in metres; `None` where the view does not see
+    /// it.
     fn distance(&self, p: &Point3<f64>) -> Option<f64> {
         self.view.pixel(p)?;
-        let at = self.view.project(p)?;
-        Some(self.distances.sample(at.u, at.v) * at.depth * self.metres_per_pixel_at_one)
+        let pixel = self.view.project(p)?;
+        Some(self.distances.sample(pixel.u, pixel.v) * pixel.depth * self.pixel_size_at_one)
     }
 }

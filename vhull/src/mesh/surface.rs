@@ -1,4 +1,4 @@
-//! The closed surface through a field's zeros, and the files that hold it.
+//! The closed surface through the zeros of a signed field, and its PLY and OBJ files.
 
 use super::field::SignedField;
 use fast_surface_nets::ndshape::RuntimeShape;
@@ -9,14 +9,14 @@ use std::fmt::Write;
 /// A triangle mesh, in metres, in the world.
 pub struct Surface {
     pub points: Vec<Vector3<f32>>,
-    /// Outwards, of unit length, one for each point.
+    /// Outward unit normals, one for each point.
     pub normals: Vec<Vector3<f32>>,
     /// Counter-clockwise as seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Surface {
-    /// Without any triangle where nothing is inside.
+    /// The surface by naive surface nets; without triangles where no point is inside.
     pub fn of(field: &SignedField) -> Self {
         let mut buffer = SurfaceNetsBuffer::default();
         if field.distances.iter().any(|distance| *distance < 0.0) {
@@ -33,7 +33,7 @@ impl Surface {
         Self { points, normals, triangles }
     }
 
-    /// In cubic metres: the signed volumes of all triangles with the origin.
+    /// The volume in cubic metres: the sum of the signed volumes of the tetrahedra of each triangle and the origin.
     pub fn volume(&self) -> f64 {
         let signed = |&[a, b, c]: &[u32; 3]| {
             let [a, b, c] = [a, b, c].map(|k| self.points[k as usize].cast::<f64>());

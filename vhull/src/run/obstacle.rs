@@ -1,24 +1,24 @@
-//! Where on the floor a stack stands in the way of a moving subject.
+//! Finds a place on the floor where a stack stands in the way of a moving subject.
 
 use nalgebra::Point3;
 use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::{Aabb, Hull};
 use std::sync::Arc;
 
-/// Grid of the places that are looked at, in metres.
+/// Grid of the candidate places, in metres.
 const CELL: f64 = 0.04;
 
-/// The subject keeps so far away in the first frame, in metres.
-const CLEAR: f64 = 0.04;
+/// Distance of the stack from the subject in the first frame, in metres.
+const CLEARANCE: f64 = 0.04;
 
-/// The part of the stack's upper two thirds into which the subject comes at a time: the least that knocks it over for
-/// sure, and the best. More of it makes the boxes fly.
-const LEAST: f64 = 0.05;
-const BEST: f64 = 0.15;
+/// Share of the stack's upper two thirds that the subject fills at a time: the least that surely knocks it over, and the
+/// best. More makes the boxes fly.
+const MIN_OVERLAP: f64 = 0.05;
+const BEST_OVERLAP: f64 = 0.15;
 
-/// The foot of a stack of this `side` and `height` where the subject is not in the first of `hulls`, and comes later:
-/// high up, so that the stack falls, and in the first two thirds, so that there is time to see it. `None` where it
-/// comes nowhere.
+/// The foot of a stack of this `side` and `height` where the subject is not in the first of `hulls` but comes later: into
+/// the upper part, so that the stack falls, and in the first two thirds of the hulls, so that the film shows it. `None`
+/// if the subject comes to no such place.
 pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<f64>> {
     let (first, later) = hulls.split_first()?;
     let later = &later[..(2 * later.len()).div_ceil(3)];
@@ -32,14 +32,15 @@ pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<
     let struck = |foot: Point3<f64>| {
         let upper = column(&foot, 0.5 * side, height / 3.0, height);
         let most = later.iter().map(|hull| part_inside(hull, &upper)).fold(0.0, f64::max);
-        let is_clear = || part_inside(first, &column(&foot, 0.5 * side + CLEAR, 0.0, height + CLEAR)) == 0.0;
-        (most >= LEAST && is_clear()).then_some(((most - BEST).abs(), foot))
+        let is_clear =
+            || part_inside(first, &column(&foot, 0.5 * side + CLEARANCE, 0.0, height + CLEARANCE)) == 0.0;
+        (most >= MIN_OVERLAP && is_clear()).then_some(((most - BEST_OVERLAP).abs(), foot))
     };
     let best = places.map(foot).filter_map(struck).min_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, foot)| foot)
 }
 
-/// What is at `(x, y)`: the top of `hull`, else the floor.
+/// The highest point of `hull` at `(x, y)`, else the floor.
 pub fn ground(hull: &Hull, x: f64, y: f64) -> Point3<f64> {
     let top = hull.aabb().max.z + 0.01;
     let ray = Ray { origin: Point3::new(x, y, top), direction: -nalgebra::Vector3::z() };
@@ -47,7 +48,7 @@ pub fn ground(hull: &Hull, x: f64, y: f64) -> Point3<f64> {
     Point3::new(x, y, entry.map_or(0.0, |entry| (top - entry.t).max(0.0)))
 }
 
-/// Points all over a column about the vertical through `foot`, between two heights.
+/// Points of a column around the vertical through `foot`, between two heights.
 fn column(foot: &Point3<f64>, half: f64, bottom: f64, top: f64) -> Vec<Point3<f64>> {
     const ACROSS: [f64; 3] = [-1.0, 0.0, 1.0];
     let layers = ((top - bottom) / CELL).ceil().max(1.0);

@@ -1,4 +1,5 @@
-//! Where on a subject bodies could come to rest: the level places of the hull, seen from above, each tried out.
+//! Finds places where boxes come to rest on a subject: level places of the hull seen from above, each tried in a
+//! simulation.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use ode_visual_hull::Result;
@@ -11,36 +12,40 @@ use std::sync::Arc;
 /// Grid of the heights, in metres.
 const CELL: f64 = 0.015;
 
-/// Of the cells below a box, this part at least must be the subject's.
-const MOSTLY: f64 = 0.7;
+/// Least share of the cells below a box that must be the subject's.
+const MIN_COVERED: f64 = 0.7;
 
-/// A surface this rough, in metres, carries a box no better than one of slope 1.
-const LEVEL: f64 = 0.04;
+/// Roughness, in metres, that counts as much as a slope of 1.
+const ROUGHNESS_OF_SLOPE: f64 = 0.04;
 
-/// Lower places, feet and floor, are left alone, in metres.
-const LOWEST: f64 = 0.3;
+/// Least height of a place, in metres: lower ones are feet and floor.
+const MIN_HEIGHT: f64 = 0.3;
 
-/// How many places are tried at most, in seconds how long, and from how high above the place, in metres.
-const TRIALS: usize = 150;
-const TRIAL: f64 = 1.5;
+/// Limit of the places that are tried.
+const MAX_TRIALS: usize = 150;
+
+/// Duration of a trial in seconds.
+const TRIAL_SECONDS: f64 = 1.5;
+
+/// Height above the place from which a box is dropped, in metres.
 pub const DROP: f64 = 0.06;
 
 /// A place for a box.
 #[derive(Debug, Clone, Copy)]
 struct Placement {
-    /// The middle of the place, at the height that a box of that size touches first.
+    /// The centre of the place, at the height that a box touches first.
     top: Point3<f64>,
     /// 1 for an even, level place, less for others.
     flatness: f64,
 }
 
-/// Where to drop `n` boxes with edges of `side` metres, apart from each other: first where one alone came to rest on
-/// the subject, then the other places, the most level ones first.
+/// Poses from which to drop `n` boxes with edges of `side` metres, apart from each other: first those from which a single
+/// box came to rest on the subject, then others, the most level places first.
 pub fn poses(data: &Arc<HullData>, n: usize, side: f64, pixel_size: f64) -> Result<Vec<Isometry3<f64>>> {
     let Some((_, hull)) = data.latest() else { return Ok(Vec::new()) };
-    let mut landings = Heights::of(&hull).landings(side);
-    landings.sort_by(|a, b| b.score().total_cmp(&a.score()));
-    let places = apart(landings.iter().map(|landing| landing.top), 0.3 * side, TRIALS);
+    let mut placements = Heights::of(&hull).placements(side);
+    placements.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    let places = apart(placements.iter().map(|placement| placement.top), 0.3 * side, MAX_TRIALS);
     let mut chosen: Vec<Isometry3<f64>> = Vec::new();
     let mut unsteady = Vec::new();
     for (i, top) in places.iter().enumerate() {
@@ -59,17 +64,17 @@ pub fn poses(data: &Arc<HullData>, n: usize, side: f64, pixel_size: f64) -> Resu
     Ok(chosen)
 }
 
-/// Whether a box at `pose` has room beside the `others`.
+/// Whether a box at `pose` is clear of the `others`.
 fn is_apart(pose: &Isometry3<f64>, others: &[Isometry3<f64>], side: f64) -> bool {
     let offset = |other: &Isometry3<f64>| (other.translation.vector - pose.translation.vector).xy().amax();
     others.iter().all(|other| offset(other) >= 1.1 * side)
 }
 
-/// Whether a box dropped at `pose` comes to rest on the subject close by.
+/// Whether a box dropped from `pose` comes to rest on the subject near by.
 fn is_steady(data: &Arc<HullData>, pose: &Isometry3<f64>, side: f64, pixel_size: f64) -> Result<bool> {
     let mut trial = Simulation::new(data, pixel_size)?;
     trial.add(&Shape::cube(side), pose, [0; 3])?;
-    trial.advance(TRIAL)?;
+    trial.advance(TRIAL_SECONDS)?;
     let state = trial.states()[0];
     let strayed = state.pose.translation.vector - pose.translation.vector;
     Ok(trial.supports()[0] == Support::Subject
@@ -89,13 +94,13 @@ fn apart(points: impl Iterator<Item = Point3<f64>>, distance: f64, n: usize) -> 
 }
 
 impl Placement {
-    /// Heads before laps where both are as level.
+    /// Of two equally level places the higher one is better.
     fn score(&self) -> f64 {
         self.flatness + 0.1 * self.top.z
     }
 }
 
-/// Heights of the hull over a grid; minus infinity beside it.
+/// Heights of the hull over a grid, minus infinity beside the hull.
 struct Heights {
     origin: Point3<f64>,
     columns: usize,
@@ -119,14 +124,15 @@ impl Heights {
         Self { origin: aabb.min, columns, rows, values: (0..columns * rows).map(value).collect() }
     }
 
-    fn landings(&self, side: f64) -> Vec<Placement> {
+    /// All places for a box of edge length `side`.
+    fn placements(&self, side: f64) -> Vec<Placement> {
         let n = (side / CELL).round().max(1.0) as usize;
         let places = (0..(self.rows + 1).saturating_sub(n))
             .flat_map(|y| (0..(self.columns + 1).saturating_sub(n)).map(move |x| (x, y)));
         places.filter_map(|(x, y)| self.placement_at(x, y, n)).collect()
     }
 
-    /// A box whose base covers `n` by `n` cells from (x, y) on.
+    /// The place for a box whose base covers `n` by `n` cells from cell (x, y) on.
     fn placement_at(&self, x: usize, y: usize, n: usize) -> Option<Placement> {
         let half = 0.5 * (n as f64 - 1.0);
         let cells: Vec<Vector3<f64>> = (0..n * n)
@@ -139,17 +145,17 @@ impl Heights {
             .collect();
         let top = cells.iter().map(|cell| cell.z).fold(f64::NEG_INFINITY, f64::max);
         let covered = cells.len() as f64 / (n * n) as f64;
-        if top < LOWEST || covered < MOSTLY {
+        if top < MIN_HEIGHT || covered < MIN_COVERED {
             return None;
         }
         let (slope, roughness) = plane(&cells)?;
         let offset = Vector3::new(x as f64 + 0.5 * n as f64, y as f64 + 0.5 * n as f64, 0.0) * CELL;
         let corner = Point3::new(self.origin.x, self.origin.y, top);
-        Some(Placement { top: corner + offset, flatness: covered - slope - roughness / LEVEL })
+        Some(Placement { top: corner + offset, flatness: covered - slope - roughness / ROUGHNESS_OF_SLOPE })
     }
 }
 
-/// The slope of the plane nearest to `points`, and the RMS of their heights above it.
+/// The slope of the least-squares plane of `points`, and the RMS of their heights above it.
 fn plane(points: &[Vector3<f64>]) -> Option<(f64, f64)> {
     let (mut matrix, mut vector) = (Matrix3::zeros(), Vector3::zeros());
     for point in points {

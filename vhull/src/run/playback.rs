@@ -1,4 +1,4 @@
-//! A real recording, played at its own pace after its first frame has stood still for a while.
+//! A recording as a capture: its first frame is held for a while, then it plays at its own pace.
 
 use super::Options;
 use super::timeline::Timeline;
@@ -18,13 +18,13 @@ use ode_visual_hull_film::{FRAME_RATE, Frames, Story, Window};
 use std::path::Path;
 use std::sync::Arc;
 
-/// How much around the subject is drawn, in metres.
+/// Margin around the subject that is drawn, in metres.
 const MARGIN: f64 = 0.4;
 
-/// How many frames are looked at beforehand, to know where the subject will be.
-const SURVEYED: usize = 24;
+/// Number of frames whose hulls are made beforehand, to know where the subject will be.
+const SAMPLED_FRAMES: usize = 24;
 
-/// A recording that plays.
+/// A recording that is played.
 pub struct Playback {
     recording: Recording,
     frame_times: FrameTimes,
@@ -32,13 +32,13 @@ pub struct Playback {
     frames: Vec<FrameTime>,
     timeline: Timeline,
     hold: f64,
-    /// The hulls of some frames, the first one's first.
+    /// The hulls of some frames, starting with the first frame.
     sampled_hulls: Vec<Arc<Hull>>,
-    /// What the film shows.
+    /// The part of the world that the film shows.
     shown: Aabb,
-    /// The position of the recorded frame whose masks are in force.
+    /// Index in `frames` of the frame whose masks are published.
     published: Option<usize>,
-    /// What a view saw, from the first picture on that was asked for.
+    /// The view that is drawn and its images, opened with the first picture.
     background: Option<(usize, BackgroundImages)>,
 }
 
@@ -47,23 +47,23 @@ impl Playback {
     pub fn open(options: &Options, data: &HullData) -> Result<Self> {
         let dir = &options.recording;
         let recording = open_recording(dir)?;
-        let clock = FrameTimes::of(&recording, options.rate)?;
+        let frame_times = FrameTimes::of(&recording, options.rate)?;
         options.volume.prepare(data, recording.rig())?;
         let recorded = RecordedHulls::new(recording, dir, &options.volume)?;
-        let frames = frames_of(&recorded.recording, &clock, options)?;
-        let surveyed = evenly_spaced(frames.len(), SURVEYED);
-        let survey = surveyed.map(|k| recorded.hull(frames[k].0)).collect::<Result<Vec<_>>>()?;
-        check_hull(dir, frames[0].0, &survey[0])?;
+        let frames = frames_of(&recorded.recording, &frame_times, options)?;
+        let sampled = evenly_spaced(frames.len(), SAMPLED_FRAMES);
+        let sampled_hulls = sampled.map(|k| recorded.hull(frames[k].0)).collect::<Result<Vec<_>>>()?;
+        check_hull(dir, frames[0].0, &sampled_hulls[0])?;
         let times: Vec<f64> = frames.iter().map(|&(_, time)| time).collect();
-        let shown = survey.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
+        let shown = sampled_hulls.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
         let mut playback = Self {
             recording: recorded.recording,
-            frame_times: clock,
+            frame_times,
             frames,
             timeline: Timeline::new(&times, options.hold, options.linger),
             hold: options.hold,
-            shown: shown.reduce(|a, b| a.union(&b)).unwrap_or(*survey[0].aabb()).grown(MARGIN),
-            sampled_hulls: survey,
+            shown: shown.reduce(|a, b| a.union(&b)).unwrap_or(*sampled_hulls[0].aabb()).grown(MARGIN),
+            sampled_hulls,
             published: None,
             background: None,
         };
@@ -71,17 +71,17 @@ impl Playback {
         Ok(playback)
     }
 
-    /// How many recorded frames are played, in how many seconds.
+    /// Number of recorded frames that are played, and their duration in seconds.
     pub fn pace(&self) -> (usize, f64) {
         (self.frames.len(), self.timeline.duration())
     }
 
-    /// Whether nothing but the number of an image tells when it was taken.
+    /// Whether the recording states no times, so that a rate is assumed.
     pub fn is_rate_assumed(&self) -> bool {
         self.frame_times.is_assumed
     }
 
-    /// Metres that a pixel covers at the subject.
+    /// Size of a pixel at the subject, in metres.
     pub fn pixel_size(&self) -> f64 {
         self.first().pixel_size(&self.first().aabb().centre())
     }
@@ -91,24 +91,24 @@ impl Playback {
         &self.sampled_hulls[0]
     }
 
-    /// The hulls of frames all over the recording, the first one's first.
+    /// The hulls of frames spread over the recording, starting with the first one.
     pub fn sampled_hulls(&self) -> &[Arc<Hull>] {
         &self.sampled_hulls
     }
 
-    /// Shows a stack too.
-    pub fn show(&mut self, foot: &Point3<f64>, side: f64, height: f64) {
-        let head = foot + Vector3::z() * height;
-        self.shown = self.shown.union(&Aabb::of_points([foot, &head]).grown(side));
+    /// Lets the film show a stack too.
+    pub fn show_stack(&mut self, foot: &Point3<f64>, side: f64, height: f64) {
+        let top = foot + Vector3::z() * height;
+        self.shown = self.shown.union(&Aabb::of_points([foot, &top]).grown(side));
     }
 }
 
 /// The recorded frames to play; at least one.
-fn frames_of(recording: &Recording, clock: &FrameTimes, options: &Options) -> Result<Vec<FrameTime>> {
+fn frames_of(recording: &Recording, frame_times: &FrameTimes, options: &Options) -> Result<Vec<FrameTime>> {
     let all = recording.frames();
     let (first, last) = (all[0], all[all.len() - 1]);
     let wanted = options.frames.clone().unwrap_or(0..u32::MAX);
-    let moments = all.iter().copied().zip(clock.times.iter().copied());
+    let moments = all.iter().copied().zip(frame_times.times.iter().copied());
     let frames: Vec<FrameTime> = moments.filter(|(frame, _)| wanted.contains(frame)).collect();
     if frames.is_empty() {
         return Err(Error::argument(format!(
@@ -146,28 +146,28 @@ impl Frames for Playback {
     /// The nearest recorded image, else the mask.
     fn picture(&mut self, view: usize) -> Result<RgbImage> {
         let moment = self.frames[self.published.unwrap_or(0)];
-        let Self { recording, frame_times: clock, .. } = self;
-        let undrawn = |e| Error::argument(format!("{e}; mend it, or do without a film: --no-gif"));
-        let mut backdrop = match self.background.take() {
-            Some((of, backdrop)) if of == view => backdrop,
-            _ => BackgroundImages::open(recording, view, moment, &clock.streaming, f64::INFINITY)
-                .map_err(undrawn)?,
+        let Self { recording, frame_times, .. } = self;
+        let without_film = |e| Error::argument(format!("{e}; fix it, or run without a film: --no-gif"));
+        let mut images = match self.background.take() {
+            Some((of, images)) if of == view => images,
+            _ => BackgroundImages::open(recording, view, moment, &frame_times.streaming, f64::INFINITY)
+                .map_err(without_film)?,
         };
-        let picture = backdrop.at(recording, moment).map_err(undrawn);
-        self.background = Some((view, backdrop));
+        let picture = images.at(recording, moment).map_err(without_film);
+        self.background = Some((view, images));
         picture
     }
 
     /// The hull stands for the subject.
     fn hit(&self, ray: &Ray, view: usize, hull: &Hull) -> Option<Hit> {
-        // Most rays miss: those beside the camera's own silhouette, and those beside the box around the hull.
+        // Most rays miss: those beside the camera's own silhouette, and those beside the hull's box.
         let view = hull.views().get(view)?;
         let (i, j) = view.pixel(&ray.at(1.0))?;
         if !view.silhouette().is_subject(i, j) {
             return None;
         }
         let (near, _, _) = hull.aabb().span(&ray.origin, &ray.direction)?;
-        // A hair before the box: a ray that starts inside the hull has no entry.
+        // Starts just before the box, since a ray that starts inside the hull has no entry.
         let start = (near - 0.01).max(0.0);
         let (entry, _) = hull.ray_cast(&Ray { origin: ray.at(start), ..*ray })?;
         entry.map(|entry| Hit { t: start + entry.t, normal: entry.normal })
@@ -196,14 +196,14 @@ impl Story for Playback {
         [0.2, self.hold - 0.1, 0.5 * (self.hold + end)]
     }
 
-    /// The nearest.
+    /// The nearest camera.
     fn best_view(&self) -> usize {
         let middle = self.first().aabb().centre();
         let distance = |&view: &usize| (self.cameras()[view].centre() - middle).norm();
         (0..self.cameras().len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     }
 
-    /// Around where the subject comes and where bodies fall.
+    /// Around the places where the subject comes and where bodies fall.
     fn window(&self, view: usize) -> Window {
         let mut around = self.shown;
         around.min.z = 0.0;

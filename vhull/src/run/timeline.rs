@@ -1,11 +1,11 @@
-//! Which recorded frame is in force at which time of the film.
+//! Which recorded frame is current at which time of the film.
 
 use ode_visual_hull_film::{FRAME_RATE, STEPS_PER_SECOND};
 
-/// Recorded frames, by position, at times that have nothing to do with the film's own frames.
+/// The times of recorded frames, by index, on the clock of the film.
 #[derive(Debug)]
 pub struct Timeline {
-    /// When each frame comes into force, in seconds of the film.
+    /// When each frame becomes current, in seconds of the film.
     starts: Vec<f64>,
     /// From the first frame's start to the last one's end, in seconds.
     duration: f64,
@@ -13,8 +13,8 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// The first frame stands for `hold` seconds; then frames follow one another as their `times` do, of which there
-    /// is one at least; the last stays in force as long as the others do on average, and stands for `linger` seconds.
+    /// The first frame is held for `hold` seconds. Then frames follow at their `times`, of which there has to be at least
+    /// one. The last frame is current for as long as the others on average, and then for `linger` seconds more.
     pub fn new(times: &[f64], hold: f64, linger: f64) -> Self {
         let starts: Vec<f64> = times.iter().map(|time| hold + time - times[0]).collect();
         let last = starts[starts.len() - 1];
@@ -23,13 +23,13 @@ impl Timeline {
         Self { starts, duration: last - hold + step, linger }
     }
 
-    /// The frame in force: that which has come last, or comes within half a step of the simulation.
+    /// The current frame: the last one that has started, or starts within half a step of the simulation.
     pub fn at(&self, time: f64) -> usize {
         let soon = time + 0.5 / STEPS_PER_SECOND;
         self.starts.partition_point(|&start| start <= soon).max(1) - 1
     }
 
-    /// When a frame comes into force; the first one is there from the beginning.
+    /// When a frame becomes current; the first one is from the beginning.
     pub fn start(&self, frame: usize) -> f64 {
         if frame == 0 { 0.0 } else { self.starts[frame] }
     }
@@ -49,7 +49,7 @@ impl Timeline {
 mod tests {
     use super::*;
 
-    /// The recorded frames in force at the steps of the simulation, each with the number of steps.
+    /// The current frames over the steps of the simulation, each with its number of steps.
     fn played(timeline: &Timeline) -> Vec<(usize, u32)> {
         let mut played: Vec<(usize, u32)> = Vec::new();
         let steps = timeline.film_frames() as f64 / FRAME_RATE * STEPS_PER_SECOND;
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn every_frame_is_in_force_for_its_own_time_whatever_the_films_rate() {
+    fn every_frame_is_current_for_its_own_time_whatever_the_films_rate() {
         for (rate, steps) in [(30.0, 8), (60.0, 4), (24.0, 10), (120.0, 2)] {
             let timeline = Timeline::new(&times(rate, 24), 0.0, 0.0);
             let expected: Vec<_> = (0..24).map(|frame| (frame, steps)).collect();

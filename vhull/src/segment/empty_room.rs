@@ -1,4 +1,4 @@
-//! Images of the empty room, of each camera.
+//! Images of the empty background, of each camera.
 
 use super::Options;
 use image::RgbImage;
@@ -7,17 +7,17 @@ use ode_visual_hull::source::{ReadOptions, Source, Video};
 use ode_visual_hull::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// So many images are taken of a longer clip, evenly spread: enough for a mean and its noise.
+/// Number of images taken of a longer clip, evenly spread: enough for a mean and its noise.
 const IMAGES: u32 = 24;
 
 /// Images without the subject.
 pub struct EmptyRoom {
-    /// Per camera at least one, all of the camera's size.
+    /// At least one for each camera, of the camera's size.
     pub images: Vec<Vec<RgbImage>>,
 }
 
 impl EmptyRoom {
-    /// The images that the options name, else those that lie in the recording.
+    /// The images that the options name, else those in the recording's folder.
     pub fn find(options: &Options, recording: &Recording, streaming: &StreamOptions) -> Result<Self> {
         let images = of_each_camera(recording, |camera| {
             if let Some(count) = options.empty {
@@ -37,7 +37,7 @@ impl EmptyRoom {
 }
 
 /// Images of each camera, evenly spread over the recording.
-pub fn throughout(recording: &Recording, streaming: &StreamOptions) -> Result<Vec<Vec<RgbImage>>> {
+pub fn over_all(recording: &Recording, streaming: &StreamOptions) -> Result<Vec<Vec<RgbImage>>> {
     of_each_camera(recording, |camera| {
         let mut source = recording.source(camera, streaming)?;
         let count = source.frames_left().unwrap_or(u32::MAX);
@@ -45,7 +45,7 @@ pub fn throughout(recording: &Recording, streaming: &StreamOptions) -> Result<Ve
     })
 }
 
-/// What `images` gives for each camera; videos are decoded side by side.
+/// Calls `images` for each camera, each on a thread of its own.
 fn of_each_camera(
     recording: &Recording,
     images: impl Fn(usize) -> Result<Vec<RgbImage>> + Sync,
@@ -64,7 +64,7 @@ fn of_each_camera(
     })
 }
 
-/// The picture or video of a camera's empty room.
+/// The picture or video of a camera's empty background.
 fn background(options: &Options, camera: &str) -> Result<PathBuf> {
     let in_recording = options.recording.join(camera);
     let (folder, stems) = match &options.background {
@@ -81,7 +81,7 @@ fn background(options: &Options, camera: &str) -> Result<PathBuf> {
         let place = folder.join(stem);
         let beside = place.parent().and_then(|parent| std::fs::read_dir(parent).ok());
         let mut found: Vec<_> = beside.into_iter().flatten().flatten().map(|entry| entry.path()).collect();
-        // A picture goes before a video: names in order, png and jpg being nobody's idea of a video.
+        // Pictures come before videos, each in the order of their names.
         found.retain(|path| path.is_file() && path.with_extension("") == place);
         found.sort_by_key(|path| (!is_picture(path), path.clone()));
         if let Some(path) = found.into_iter().next() {
@@ -91,8 +91,9 @@ fn background(options: &Options, camera: &str) -> Result<PathBuf> {
     Err(Error::file(folder.join(&stems[0]), ABSENT))
 }
 
-const ABSENT: &str = "expected a picture or a video of the empty room, found none; put one there (background.png), \
-                      name it with --background, or say with --empty how many of the first images show it";
+const ABSENT: &str = "expected a picture or a video of the empty background, found none; put one there \
+                      (background.png), name it with --background, or give with --empty how many of the first images \
+                      show it";
 
 fn is_picture(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
@@ -109,7 +110,7 @@ fn read(path: &Path, size: (u32, u32)) -> Result<Vec<RgbImage>> {
         .and_then(image::ImageReader::with_guessed_format)
         .map_err(image::ImageError::IoError)
         .and_then(image::ImageReader::decode)
-        .map_err(|e| Error::file(path, format!("expected a picture of the empty room, found: {e}")))?
+        .map_err(|e| Error::file(path, format!("expected a picture of the empty background, found: {e}")))?
         .into_rgb8();
     if image.dimensions() == size {
         return Ok(vec![image]);
@@ -121,7 +122,7 @@ fn read(path: &Path, size: (u32, u32)) -> Result<Vec<RgbImage>> {
     Err(Error::file(path, problem))
 }
 
-/// At most [`IMAGES`] of the first `count` images, evenly spread; of a clip whose length is not known the first ones.
+/// At most [`IMAGES`] of the first `count` images, evenly spread. Where `count` is not known, the first images.
 fn evenly_spaced(source: &mut dyn Source, count: u32) -> Result<Vec<RgbImage>> {
     let step = if count == u32::MAX { 1 } else { count.div_ceil(IMAGES).max(1) };
     let mut images = Vec::new();

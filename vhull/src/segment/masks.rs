@@ -1,4 +1,4 @@
-//! Where the masks go.
+//! Writes the masks of a recording.
 
 use super::Options;
 use crate::times::Times;
@@ -9,40 +9,40 @@ use ode_visual_hull::{Error, Result};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// A recording that takes masks. Where there is none it begins with the first masks.
+/// A recording that masks are written to. Where there is none yet it is made with the first masks.
 pub struct Masks {
     dir: PathBuf,
     rig: Rig,
     recording: Option<Recording>,
-    /// Frames that keep the masks they have.
+    /// Frames whose existing masks are kept.
     kept: BTreeSet<u32>,
-    /// Whether they are written as run lengths.
+    /// Whether masks are written as run lengths.
     as_runs: bool,
-    /// Of masks that are written elsewhere, where nothing else tells; only where the recording does.
+    /// The times of the frames, for masks in a folder of their own, if the recording states times.
     times: Option<Times>,
 }
 
 impl Masks {
-    /// Gets ready to write where the options say.
+    /// Prepares to write to the folder that the options name.
     ///
     /// # Errors
-    /// Masks of frames that are asked for, unless the options say what to do with them.
+    /// Some of the frames have masks already, and the options do not say what to do with them.
     pub fn open(options: &Options, images: &Recording, streaming: &StreamOptions) -> Result<Self> {
         let rig = images.rig();
         let dir = options.out.as_ref().unwrap_or(&options.recording).clone();
         let recording = dir.exists().then(|| Recording::resume(&dir, rig)).transpose()?;
         let frames = recording.as_ref().map_or(&[][..], Recording::frames);
-        let asked = options.frames.clone();
-        let there: BTreeSet<u32> = frames.iter().copied().filter(|frame| asked.contains(frame)).collect();
-        if !there.is_empty() && !options.resume && !options.force {
+        let wanted = options.frames.clone();
+        let existing: BTreeSet<u32> = frames.iter().copied().filter(|frame| wanted.contains(frame)).collect();
+        if !existing.is_empty() && !options.resume && !options.force {
             let problem = format!(
-                "expected no masks yet, found those of {} frames; --resume keeps them and does the others, --force \
-                 writes over them, --out DIR writes elsewhere",
-                there.len()
+                "expected no masks yet, found those of {} frames; --resume keeps them and makes the others, --force \
+                 overwrites them, --out DIR writes elsewhere",
+                existing.len()
             );
             return Err(Error::file(dir, problem));
         }
-        let kept = if options.resume { there } else { BTreeSet::new() };
+        let kept = if options.resume { existing } else { BTreeSet::new() };
         let times = match &options.out {
             Some(out) if !matches!(images.frame_times(streaming), Ok(None)) => {
                 Times::open(out, options.force.then_some(&options.frames))?
@@ -52,11 +52,12 @@ impl Masks {
         Ok(Self { dir, rig: rig.clone(), recording, kept, as_runs: options.rle, times })
     }
 
+    /// The folder of the recording.
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// Whether frame `number` keeps the masks it has.
+    /// Whether the existing masks of frame `number` are kept.
     pub fn has(&self, number: u32) -> bool {
         self.kept.contains(&number)
     }

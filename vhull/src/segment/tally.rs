@@ -1,4 +1,4 @@
-//! What has become of the frames.
+//! Counts and notes on the frames of a run.
 
 use crate::Outcome;
 use ode_visual_hull::rig::Rig;
@@ -6,23 +6,25 @@ use ode_visual_hull::source::{ImageSet, Synchroniser};
 use ode_visual_hull::{Error, Result};
 use std::path::Path;
 
-/// What has become of the frames so far.
+/// What was done with the frames so far.
 #[derive(Debug, Default)]
 pub struct Tally {
+    /// Frames whose masks were written.
     pub written: u32,
-    /// Had masks before.
+    /// Frames that had masks before.
     pub kept: u32,
     /// The frame that is being segmented or written.
     pub frame_at_work: Option<u32>,
     last: Option<u32>,
-    /// Frames of which not every camera has an image, with the cameras that have none.
+    /// Frames without an image of every camera, with the names of the cameras that have none.
     incomplete: Vec<(u32, String)>,
-    /// Frames whose images bear different numbers.
+    /// Frames whose images have different numbers.
     renumbered: u32,
     widest_spread: f64,
 }
 
 impl Tally {
+    /// Counts a frame whose masks were written.
     pub fn written(&mut self, set: &ImageSet) {
         self.written += 1;
         self.last = self.frame_at_work.take();
@@ -31,12 +33,13 @@ impl Tally {
         self.renumbered += u32::from(differs);
     }
 
+    /// Counts a frame without an image of every camera.
     pub fn left_out(&mut self, set: &ImageSet, rig: &Rig) {
         let names: Vec<_> = set.missing().map(|camera| rig.cameras()[camera].name()).collect();
         self.incomplete.push((set.number(), names.join(", ")));
     }
 
-    /// What to say where `e` put an end to it.
+    /// The error of a run that `e` ended, with what is done and how to continue.
     pub fn broken_off(&self, e: &Error, out: &Path) -> Error {
         let at = match (self.frame_at_work, self.last) {
             (Some(frame), _) => format!("frame {frame}"),
@@ -45,12 +48,12 @@ impl Tally {
         };
         let done = self.written + self.kept;
         Error::argument(format!(
-            "{at}: {e}\n{done} frames are done and kept in {}; mend this, then go on with --resume",
+            "{at}: {e}\n{done} frames are done and kept in {}; fix this, then continue with --resume",
             out.display()
         ))
     }
 
-    /// Says how it ended.
+    /// Prints notes and totals at the end.
     pub fn print_summary(&self, recording: &Path, out: &Path, sets: &Synchroniser) -> Result<Outcome> {
         for note in sets.streams().flat_map(|stream| stream.notes()) {
             eprintln!("note: {note}");
@@ -64,14 +67,14 @@ impl Tally {
         if let [(first, missing), ..] = self.incomplete.as_slice() {
             let count = self.incomplete.len();
             eprintln!(
-                "note: {count} frames left out, of which not every camera has an image; the first is frame {first}, \
-                 without {missing}"
+                "note: {count} frames left out that lack the image of a camera; the first is frame {first}, without \
+                 {missing}"
             );
         }
         if self.written + self.kept == 0 {
             let problem = format!(
-                "expected frames of which every camera has an image within {} s, found none; give --frames that there \
-                 are, or a greater --bound",
+                "expected frames with an image of every camera within {} s, found none; give --frames that exist, or a \
+                 greater --bound",
                 sets.bound()
             );
             return Err(Error::file(recording, problem));

@@ -31,7 +31,7 @@ fn verdict(out: &str) -> &str {
 fn a_synthetic_recording_is_fine() {
     let folder = studio("check_fine", "person");
     let run = vhull(&folder, &["check", "studio", "--pictures", "overlays", "--frame", "1"]);
-    assert_eq!((run.code, verdict(&run.out)), (0, "verdict: content\n"), "{}{}", run.out, run.error);
+    assert_eq!((run.code, verdict(&run.out)), (0, "verdict: ok\n"), "{}{}", run.out, run.error);
     for k in 0..5 {
         let picture = image::open(folder.join(format!("overlays/cam{k}_000001.png"))).unwrap();
         assert_eq!((picture.width(), picture.height()), (200, 240));
@@ -133,14 +133,14 @@ fn the_balancing_persons_published_calibration_is_off_in_two_cameras() {
         "{faults}"
     );
     let run = vhull(&dir, &["check", "rig.toml", "."]);
-    assert_eq!((run.code, verdict(&run.out)), (0, "verdict: content\n"), "{}{}", run.out, run.error);
+    assert_eq!((run.code, verdict(&run.out)), (0, "verdict: ok\n"), "{}{}", run.out, run.error);
 }
 
 #[test]
 fn the_seated_person_is_fine_through_four_distorting_lenses() {
     let Some(dir) = captures::find("seated_person") else { return };
     let run = vhull(&dir, &["check", "."]);
-    assert_eq!((run.code, verdict(&run.out)), (0, "verdict: content\n"), "{}{}", run.out, run.error);
+    assert_eq!((run.code, verdict(&run.out)), (0, "verdict: ok\n"), "{}{}", run.out, run.error);
 }
 
 #[test]

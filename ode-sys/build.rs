@@ -36,12 +36,14 @@ fn build() -> Result<(), Problem> {
     std::fs::write(out.join("bindings.rs"), bindings)
         .map_err(|error| Problem::Bindings(error.to_string()))?;
     println!("cargo::metadata=precision={precision}");
+
     // The layout test compiles a C program for the same target, with the same headers.
     println!("cargo::rustc-env=ODE_SYS_TARGET={}", env::var("TARGET").expect("cargo sets TARGET"));
     println!("cargo::rustc-env=ODE_SYS_HOST={}", env::var("HOST").expect("cargo sets HOST"));
     let include =
         env::join_paths(&ode.include_paths).map_err(|error| Problem::Bindings(error.to_string()))?;
     println!("cargo::rustc-env=ODE_SYS_INCLUDE={}", include.to_string_lossy());
+
     Ok(())
 }
 
@@ -64,6 +66,7 @@ fn bind(include_paths: &[PathBuf]) -> Result<String, Problem> {
     if loaded.is_err() {
         return Err(Problem::NoClang);
     }
+
     bindgen::Builder::default()
         .header_contents("ode_sys.h", "#include <ode/ode.h>\n")
         .clang_args(include_paths.iter().map(|path| format!("-I{}", path.display())))

@@ -74,9 +74,11 @@ fn frames_and_batches_allocate_nothing_in_the_steady_state() {
         contact::collide_many(&hull, &bodies, &Settings::default(), &mut contacts);
         contact::body_responses(&hull, &bodies, &mut responses);
     };
+
     // History fills up, and each buffer meets the largest silhouette.
     (0..150).for_each(&mut run);
     let allocated = allocation_counter::measure(|| (150..210).for_each(&mut run));
+
     assert_eq!(allocated.count_total, 0);
     assert!(colliding > 1000);
 }
@@ -128,5 +130,6 @@ fn a_simulation_on_a_hull_allocates_nothing_in_the_steady_state() {
     };
     (1..100).for_each(&mut step);
     let allocated = allocation_counter::measure(|| (100..150).for_each(&mut step));
+
     assert_eq!(allocated.count_total, 0);
 }

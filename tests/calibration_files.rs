@@ -46,14 +46,18 @@ fn easymocaps_cameras_surround_a_subject_and_keep_their_places_in_our_file() {
     let Some(folder) = captures::find("calibration_samples/easymocap") else { return };
     let calibration = load(&folder, &HD);
     let rig = &calibration.rig;
+
     assert_eq!(rig.cameras().iter().map(Camera::name).collect::<Vec<_>>(), ["2", "3", "4", "5", "6", "7"]);
+
     // Its documentation: the world's z is up, the floor at 0, and the cameras stand around the origin.
     for camera in rig.cameras() {
         let centre = camera.centre();
         assert!((1.0..10.0).contains(&centre.coords.norm()) && centre.z > 0.0, "{}", rig.describe());
         assert!(camera.forward().dot(&-centre.coords.normalize()) > 0.8, "{}", rig.describe());
     }
+
     assert_round_trip(rig);
+
     for file in ["intri.yml", "extri.yml"] {
         assert_eq!(load(&folder.join(file), &HD).rig, *rig);
     }
@@ -106,7 +110,9 @@ fn a_folder_per_camera_has_the_lenses_of_its_refined_rig() {
     };
     let (calibration, refined) = (load(&folder, &SMALL_MM), Rig::load(refined).unwrap());
     let rig = &calibration.rig;
+
     assert_eq!(rig.len(), 4);
+
     for (camera, refined) in rig.cameras().iter().zip(refined.cameras()) {
         assert_eq!((camera.name(), camera.size()), (refined.name(), refined.size()));
         // The file has single precision.
@@ -114,11 +120,13 @@ fn a_folder_per_camera_has_the_lenses_of_its_refined_rig() {
         let (a, b) = (camera.lens().coefficients(), refined.lens().coefficients());
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-8), "{a:?} {b:?}");
     }
+
     assert!(
         calibration.notes.iter().any(|note| note.starts_with("cam2/intrinsics.xml")),
         "{:?}",
         calibration.notes
     );
+
     // The refined rig has another world and another scale, and the poses are some degrees better. How two cameras are
     // turned against each other, and where one sees the other, depends on neither.
     for (i, j) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
@@ -131,5 +139,6 @@ fn a_folder_per_camera_has_the_lenses_of_its_refined_rig() {
         assert!(turn.angle_to(&refined_turn).to_degrees() < 6.0, "{i} {j}");
         assert!(place.angle(&refined_place).to_degrees() < 8.0, "{i} {j}");
     }
+
     assert_round_trip(rig);
 }

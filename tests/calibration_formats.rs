@@ -125,6 +125,7 @@ fn qualisys_export_agrees_with_the_rig_that_was_published_of_it() {
     let Some(rig) = load("qualisys_qca/Calib.qca.txt", None) else { return };
     let Some(published) = captures::find("balancing_person/rig_as_published.toml") else { return };
     let published = Rig::load(published).unwrap();
+
     for (ours, theirs) in rig.cameras().iter().zip(published.cameras()) {
         assert_eq!(ours.size(), (2 * theirs.size().0, 2 * theirs.size().1));
         let (k, pose) = (*ours.intrinsics(), *ours.cam_from_world());

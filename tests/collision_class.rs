@@ -99,6 +99,7 @@ fn every_shape_comes_to_rest_on_the_hull() {
                 + vector![c & 1, c >> 1 & 1, c >> 2 & 1].map(|bit| f64::from(bit) * 0.16 - 0.08)
         })
         .collect();
+
     // Faces of a cube, counter-clockwise from outside.
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles =
@@ -113,6 +114,7 @@ fn every_shape_comes_to_rest_on_the_hull() {
         (Shape::Convex(Arc::new(convex)), 0.08),
         (Shape::TriMesh(Arc::new(TriMesh::new(corners, triangles).unwrap())), 0.08),
     ];
+
     for (shape, half) in shapes {
         let (mut world, _) = with_table(SpaceKind::default());
         // A capsule stands on its cap only as long as nothing tips it: half a second is enough to land.
@@ -136,7 +138,9 @@ fn the_way_out_does_not_depend_on_how_the_geom_is_mounted() {
     world.geom_mut(mounted).set_offset(&offset).unwrap();
     let a = world.collide_geoms(hull, plain, 8).unwrap();
     let b = world.collide_geoms(hull, mounted, 8).unwrap();
+
     assert_eq!(a.len(), b.len());
+
     for (a, b) in a.iter().zip(&b) {
         assert!((a.position - b.position).norm() < 1e-9 && (a.normal - b.normal).norm() < 1e-9);
         assert!((a.depth - b.depth).abs() < 1e-9);
@@ -178,6 +182,7 @@ fn a_frame_published_between_two_collides_takes_effect_with_the_next() {
     let cameras = table_cameras();
     let lifted = masks_of(&cameras, &Subject::new(vec![cuboid(TABLE, at(0.0, 0.0, 0.18))]));
     let gone = masks_of(&cameras, &Subject::new(Vec::new()));
+
     for kind in space_kinds() {
         let data = table();
         let mut world = world(kind);
@@ -228,11 +233,13 @@ fn a_body_asleep_wakes_when_the_hull_at_it_changes_or_vanishes() {
         step(&mut world, 0.005);
         assert!(world.body(body).is_enabled());
     }
+
     // A jump clear of the body: ODE's boxes no longer overlap.
     let data = table();
     let (mut world, body) = asleep_on(&data);
     show(&data, &cameras, &Subject::new(vec![cuboid(vector![0.1, 0.1, 0.1], at(0.0, 0.0, -0.14))]), 1.0);
     step(&mut world, 0.005);
+
     assert!(world.body(body).is_enabled());
 }
 
@@ -260,6 +267,7 @@ fn a_ray_hits_the_hull_as_it_hits_the_box() {
         (point![0.0, 0.1, 0.1], vector![0.1, 0.0, 1.0]),
         (point![1.0, 1.0, 1.0], vector![1.0, 0.0, 0.0]),
     ];
+
     for (origin, direction) in shots {
         world.geom_mut(ray).set_ray(&origin, &direction).unwrap();
         for (first, second) in [(false, true), (true, false)] {
@@ -277,6 +285,7 @@ fn a_ray_hits_the_hull_as_it_hits_the_box() {
             }
         }
     }
+
     // From inside, a ray that culls back faces sees nothing.
     world.geom_mut(ray).set_ray(&point![0.0, 0.1, 0.1], &Vector3::z()).unwrap();
     world.geom_mut(ray).set_ray_flags(RayFlags { backface_cull: true, ..RayFlags::default() }).unwrap();
@@ -391,6 +400,7 @@ fn worlds_on_two_threads_share_one_data_object_while_a_third_publishes() {
         }
         height(&world, body)
     };
+
     std::thread::scope(|scope| {
         let falls = [scope.spawn(fall), scope.spawn(fall)];
         for k in 1..5 {

@@ -41,6 +41,7 @@ fn fall(mode: Mode) -> u64 {
             states.extend(body.angular_velocity().iter().copied());
         }
     }
+
     hash(states.into_iter())
 }
 

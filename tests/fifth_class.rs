@@ -32,6 +32,7 @@ fn a_hull_beside_four_other_classes_is_refused_and_the_process_lives() {
         step(&mut world, 0.005);
         assert!(world.body(body).position().z.is_finite());
     }
+
     // Opened again, ODE has room.
     let (mut world, body) = drop_box_on(&data);
     (0..200).for_each(|_| step(&mut world, 0.005));
@@ -66,22 +67,28 @@ fn the_class_is_registered_once_over_many_worlds() {
 fn the_class_is_found_again_while_only_others_keep_ode_open() {
     let _turn = in_a_process_of_its_own();
     let data = table();
+
     // SAFETY: pairs with the dCloseODE below.
     assert_ne!(unsafe { dInitODE2(0) }, 0);
+
     for _ in 0..6 {
         let (mut world, body) = drop_box_on(&data);
         (0..40).for_each(|_| step(&mut world, 0.005));
         assert!(height(&world, body) > TOP + 0.09, "the hull holds it");
     }
+
     assert_eq!(foreign_class::register(), 15);
+
     // SAFETY: pairs with the dInitODE2 above.
     unsafe { dCloseODE() };
 
     // With the last reference gone the number is anybody's: a class of others takes it, and the hull another.
     let _ode = Ode::init().unwrap();
     assert_eq!(foreign_class::register(), 14);
+
     let (mut world, body) = drop_box_on(&data);
     (0..200).for_each(|_| step(&mut world, 0.005));
+
     assert!((height(&world, body) - TOP - 0.1).abs() < 0.002);
     assert_eq!(foreign_class::register(), 16);
 }

@@ -62,12 +62,14 @@ fn ode_closes_with_its_last_reference_and_opens_again() {
         let there = std::thread::spawn(move || simulate(&again)).join().unwrap();
         assert_eq!(here, there);
     }
+
     // Hulls register their class anew, each time under another number, and find contacts again.
     let data = table();
     for others in [0, 1, 0, 3, 2, 0] {
         let above = rest_on_hull(&data, others) - TOP - 0.1;
         assert!(above.abs() < 0.002, "{others} classes of others: rests {above} m off the top");
     }
+
     set_random_seed(1234);
     assert_eq!(random_seed(), 1234);
 }

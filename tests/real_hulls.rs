@@ -52,10 +52,13 @@ fn the_dinosaur_is_as_large_as_measured_where_views_that_miss_a_part_abstain() {
         let view = data.add_view(camera).unwrap();
         data.set_mask(view, &load_mask(dir.join(format!("mask/mask_{number:04}.png"))).unwrap()).unwrap();
     }
+
     assert_eq!(data.view_count(), 15);
+
     // The box that the dinosaur is known to fill, and a little more: farther off, few views see anything.
     data.set_bounds(DINO.grown(0.008)).unwrap();
     let (volume, aabb) = carve(&data.update(0.0).unwrap(), 0.001);
+
     assert!((volume - 1.28e-4).abs() < 0.05e-4, "{volume}");
     is_near(&aabb, [-0.061, -0.026, -0.058], [0.012, 0.069, 0.016], 0.003);
 }

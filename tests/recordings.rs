@@ -117,6 +117,7 @@ fn undistorted_masks_say_what_the_distorted_ones_say() {
     let recording = Recording::open(dir).unwrap();
     let masks = recording.masks(0).unwrap();
     let (mut compared, mut differ, mut unseen, mut farthest) = (0, 0, 0, 0.0_f64);
+
     for (camera, mask) in recording.rig().cameras().iter().zip(&masks) {
         let undistortion = Undistortion::new(camera).unwrap();
         let pinhole = undistortion.pinhole();
@@ -139,10 +140,12 @@ fn undistorted_masks_say_what_the_distorted_ones_say() {
             }
         }
     }
+
     println!("{differ} of {compared} differ, at most {farthest:.2} px from the edge; {unseen} unseen");
     // The bounds lie above what was measured: see the documentation of `silhouette::Undistortion`.
     assert!(compared > 500_000, "{compared}");
     assert!(f64::from(differ) < 0.02 * f64::from(compared), "{differ} of {compared}");
     assert!(farthest <= 1.0, "{farthest} px");
+
     assert!(f64::from(unseen) < 1e-3 * f64::from(compared), "{unseen} of {compared}");
 }

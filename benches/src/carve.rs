@@ -39,6 +39,7 @@ impl Grid {
         let layer = Points::new(&layer);
         self.inside.clear();
         self.inside.resize(nx * ny * nz, false);
+
         for (k, cells) in self.inside.chunks_exact_mut(nx * ny).enumerate() {
             let up = Isometry3::translation(0.0, 0.0, k as f64 * self.cell);
             frame.inside(&layer, &up, &mut self.workspace).iter().for_each(|cell| cells[cell] = true);

@@ -57,6 +57,7 @@ fn over_literal(
     );
     let response = milliseconds("response");
     session.reported(&format!("body_response_{frame}{lens}_ms"), response, StartTime::Masks, RESPONSES);
+
     session.reported(
         &format!("literal_{frame}{lens}_ms"),
         milliseconds(&literal),
@@ -97,6 +98,7 @@ pub fn from_frame<'a>(
     let literal = LiteralHull::new(&input.rivals, frame.aabb());
     let (mut plain, mut vectors) = (LiteralBodies::new(bodies), Vec::new());
     let (boxes, mut contacts) = (Boxes::new(bodies), Vec::new());
+
     bench
         .with(format!("literal {label}"), move || {
             plain.vectors(&literal, &mut vectors);

@@ -62,6 +62,7 @@ fn main() -> ExitCode {
             measure(&mut session);
         }
     }
+
     let rows = session.into_rows();
     let figures: Vec<_> = rows.iter().map(|row| row.figure.clone()).collect();
     figure_table::print_table(&figures);
@@ -70,10 +71,12 @@ fn main() -> ExitCode {
         // The page tells of one run.
         written = written.and_then(|()| page::write(&root.join("docs/performance.md"), &rows));
     }
+
     if let Err(error) = written {
         eprintln!("expected to write target/figures.json and docs/performance.md, found: {error}");
         return ExitCode::FAILURE;
     }
+
     println!("\n{} figures written to target/figures.json", figures.len());
     if figures.iter().all(Figure::holds) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

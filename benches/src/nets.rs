@@ -47,6 +47,7 @@ impl Mesh {
         self.points.clear();
         self.points.extend(self.buffer.positions.iter().map(world));
         self.triangles.clear();
+
         self.triangles.extend(self.buffer.indices.as_chunks::<3>().0);
     }
 }

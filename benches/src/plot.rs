@@ -41,6 +41,7 @@ impl Plot<'_> {
                 (left..right).log_scale().with_key_points(sizes),
                 (low..high).log_scale().with_key_points(decades(low, high)),
             )?;
+
         chart
             .configure_mesh()
             .light_line_style(WHITE)
@@ -51,6 +52,7 @@ impl Plot<'_> {
             .y_label_formatter(&|y| y.to_string())
             .label_style(("sans-serif", 14))
             .draw()?;
+
         for (line, colour) in self.lines.iter().zip(COLOURS) {
             let style = colour.stroke_width(2);
             chart
@@ -58,6 +60,7 @@ impl Plot<'_> {
                 .label(&line.name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
         }
+
         chart
             .configure_series_labels()
             .position(SeriesLabelPosition::UpperLeft)

@@ -40,6 +40,7 @@ pub fn measure(session: &mut Session) {
     let scene = Scene::new(Who::Barrel, 7, VGA);
     let frame = Rig::new(&scene).publish(&scene.masks);
     let deep = at_depth(&frame, 20..=60, FEW);
+
     responses(session, "deep", &scene, &frame, &deep, "responses of points 20 to 60 pixels inside a barrel");
 }
 

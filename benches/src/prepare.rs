@@ -26,6 +26,7 @@ pub fn measure(session: &mut Session) {
         let ratio = times.ratio("prepare", "read");
         session.reported(&format!("prepare_over_memory_read_{name}"), ratio, StartTime::Masks, what);
     }
+
     measure_packed(session);
 }
 

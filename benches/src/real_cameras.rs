@@ -47,6 +47,7 @@ fn lens_contacts(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scen
         what,
     );
     let what = "default contacts behind such lenses";
+
     session.reported(
         &format!("lens_contacts_{name}_ms"),
         1e3 * times.seconds("lens"),
@@ -67,6 +68,7 @@ fn abstain_contacts(session: &mut Session, name: &str, scene: &Scene, boxes: &Bo
     let figure = format!("abstain_contacts_over_outside_{name}");
     session.bounded(&figure, ratio, Bound::AtMost(1.5), StartTime::Frame, what);
     let what = "default contacts with views that abstain";
+
     session.reported(
         &format!("abstain_contacts_{name}_ms"),
         1e3 * times.seconds("abstain"),
@@ -90,6 +92,7 @@ fn coverage_contacts(session: &mut Session, name: &str, coverage: &Scene, boxes:
             },
         );
     }
+
     let times = session.run(bench);
 
     let what = "default contacts in a new frame, segmented masks with coverage over the same made binary";
@@ -98,6 +101,7 @@ fn coverage_contacts(session: &mut Session, name: &str, coverage: &Scene, boxes:
     session.bounded(&figure, ratio, Bound::AtMost(1.6), StartTime::Frame, what);
     let what = "default contacts in a new frame of segmented masks with coverage";
     let milliseconds = 1e3 * times.seconds("coverage");
+
     session.reported(&format!("coverage_contacts_{name}_ms"), milliseconds, StartTime::Frame, what);
 }
 
@@ -119,6 +123,7 @@ fn lens_prepare(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scene
         what,
     );
     let what = "seven masks prepared behind such lenses";
+
     session.reported(&format!("lens_prepare_{name}_ms"), 1e3 * times.seconds("lens"), StartTime::Masks, what);
 }
 
@@ -136,5 +141,6 @@ fn body_response(session: &mut Session, scene: &Scene, boxes: &Boxes) {
     let ratio = times.ratio("response", "contacts");
     session.bounded("body_response_over_contacts", ratio, Bound::AtMost(1.2), StartTime::Frame, what);
     let what = "the paper's body vectors of 60 boxes, VGA";
+
     session.reported("body_response_vga_ms", 1e3 * times.seconds("response"), StartTime::Frame, what);
 }

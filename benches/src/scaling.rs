@@ -48,6 +48,7 @@ fn resolution(session: &mut Session) {
         bench = from_frame(bench, name, given, &bodies)
             .with(format!("prepare {name}"), move || rig.publish(&given.ours.masks));
     }
+
     let times = session.run(bench);
 
     let what = "default contacts, 60 boxes of 400 samples";
@@ -58,6 +59,7 @@ fn resolution(session: &mut Session) {
     session.reported("query_4k_over_vga_literal", ratio, StartTime::Frame, what);
     let sizes = SIZES.map(|(name, (width, height))| (f64::from(width * height) * 1e-6, name.to_owned()));
     let lines = [CANDIDATES[0], CANDIDATES[1], ("prepare", "preparing the frame")];
+
     draw(session, "resolution", "pixels of a mask", TIME, sizes.to_vec(), &times, &lines);
 }
 
@@ -75,6 +77,7 @@ fn samples(session: &mut Session) {
     let what = "default contacts, 60 boxes";
     session.bounded("samples_4000_over_400", ratio, Bound::AtMost(7.0), StartTime::Frame, what);
     let sizes = bodies.iter().map(|bodies| (bodies.samples.points().len() as f64, label(bodies)));
+
     draw(session, "samples", "samples of a box", QUERY, sizes.collect(), &times, &CANDIDATES);
 }
 
@@ -144,5 +147,6 @@ fn draw(
     let path = folder.join(format!("{name}.svg"));
     let written = std::fs::create_dir_all(&folder).map_err(Into::into);
     let written = written.and_then(|()| Plot { x, y, ticks: sizes, lines }.write(&path));
+
     written.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
 }

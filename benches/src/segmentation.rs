@@ -41,9 +41,11 @@ pub fn measure(session: &mut Session) {
             theirs.push(time);
         }
     }
+
     let what = "a colour image to a silhouette with coverage, cleaned up, in milliseconds";
     session.reported("segment_clean_plate_ms", median(plates), StartTime::Images, what);
     session.reported("segment_running_gaussian_ms", median(ours), StartTime::Images, what);
+
     if !ratios.is_empty() {
         session.reported(
             "segment_mog2_ms",
@@ -133,6 +135,7 @@ impl Peer {
         let (Some(orders), Some(answers)) = (orders, answers) else {
             return Err("expected pipes to Python, found none".into());
         };
+
         Ok(Self { process, orders, answers: BufReader::new(answers) })
     }
 
@@ -163,9 +166,11 @@ fn python(folder: &Path) -> Result<PathBuf, String> {
         }
         Err(error) => Err(format!("{command:?}: {error}")),
     };
+
     if run(Command::new(&python).args(["-c", "import cv2"])).is_err() {
         run(Command::new("python3").args(["-m", "venv"]).arg(folder))?;
         run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "opencv-python-headless"]))?;
     }
+
     Ok(python)
 }

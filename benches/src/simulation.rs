@@ -21,6 +21,7 @@ pub fn measure(session: &mut Session) {
     let (mut world, ids) = world(&scene, &bodies).expect("a world of ODE");
     set_random_seed(1);
     let (mut shares, mut steps) = (Vec::new(), Vec::new());
+
     for _ in 0..session.rounds() {
         put_back(&mut world, &ids, &bodies.poses);
         let (mut collide, mut total) = (0.0, 0.0);
@@ -34,6 +35,7 @@ pub fn measure(session: &mut Session) {
         shares.push(collide / total);
         steps.push(total / STEPS as f64);
     }
+
     let what = "colliding as a part of collide and quick step, 60 boxes about a person in ODE";
     session.reported("collide_share", median(shares), StartTime::Step, what);
     session.reported(
@@ -51,6 +53,7 @@ fn world(scene: &Scene, bodies: &Bodies) -> ode_visual_hull::Result<(World, Vec<
         let view = data.add_view(camera.clone())?;
         data.set_mask(view, mask)?;
     }
+
     data.set_bounds(scene.bounds)?;
     data.update(0.0)?;
     let mut world = World::new(&Ode::init()?)?;
@@ -67,6 +70,7 @@ fn world(scene: &Scene, bodies: &Bodies) -> ode_visual_hull::Result<(World, Vec<
         world.geom_mut(geom).set_body(Some(body))?;
         ids.push(body);
     }
+
     Ok((world, ids))
 }
 

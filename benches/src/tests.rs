@@ -30,8 +30,10 @@ fn apart(a: &Vec3, b: &Vector3<f64>) -> f64 {
 fn boxes_have_400_or_4000_samples_and_a_quarter_touches_the_person() {
     let (_, frame) = person();
     assert_eq!(Bodies::scattered(1, SAMPLES_400).samples.points().len(), 400);
+
     let many = Bodies::scattered(1, SAMPLES_4000).samples.points().len();
     assert!((3900..=4100).contains(&many), "{many}");
+
     for count in [60, 600] {
         let mut vectors = Vec::new();
         let bodies = Bodies::scattered(count, SAMPLES_400);
@@ -147,6 +149,7 @@ fn lenses_abstaining_views_and_coverage_find_nearly_the_same_bodies_in_contact()
     let segmented = Scene::segmented(Who::Person, 7, VGA);
     let expected = touching(Rig::new(&scene), &scene);
     let count = expected.iter().filter(|touches| **touches).count();
+
     for (name, found) in [
         ("lenses", touching(Rig::new(&lens), &lens)),
         ("views that abstain", touching(Rig::abstaining(&scene), &scene)),
@@ -172,6 +175,7 @@ fn each_peer_finds_contacts_for_the_bodies_that_we_find_in_contact() {
     let ours: Vec<_> = contacts.iter().map(|contacts| contacts.points.len()).collect();
     let mut vectors = Vec::new();
     frame.body_vectors(&Boxes::new(&bodies), &mut vectors);
+
     for cell in [0.01, 0.02] {
         let mut grid = Grid::new(cell);
         grid.carve(&frame);

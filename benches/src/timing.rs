@@ -79,6 +79,7 @@ impl<'a> PairedBench<'a> {
             let once = candidate.seconds(self.clock_id);
             candidate.repeats = (LEAST / once).ceil().clamp(1.0, 1e6) as u32;
         }
+
         let mut times = Times {
             names: self.candidates.iter().map(|candidate| candidate.name.clone()).collect(),
             rounds: Vec::new(),
@@ -88,6 +89,7 @@ impl<'a> PairedBench<'a> {
             times.rounds.push(seconds.collect());
             bar.inc(1);
         }
+
         times
     }
 }

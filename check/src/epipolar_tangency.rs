@@ -145,6 +145,7 @@ impl EpipolarTangency {
                 break;
             }
         }
+
         shifts
     }
 }

@@ -109,5 +109,6 @@ fn without_specks_and_others(mask: &GrayImage, is_filled: impl Fn(f64, f64) -> b
             *pixel = 0;
         }
     }
+
     kept
 }

@@ -48,6 +48,7 @@ fn run(options: &Options) -> Result<()> {
         progress.inc(1);
     })?;
     progress.finish_and_clear();
+
     // A reader who has seen enough may close the pipe.
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(())

@@ -180,6 +180,7 @@ pub fn stack(simulation: &mut Simulation) -> Result<()> {
         simulation.add(&Shape::Box { sides }, &pose, colour)?;
         top += sides.z;
     }
+
     Ok(())
 }
 

@@ -115,6 +115,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
             figures.push(Figure::reported(&format!("{}_unseen_share", kind.name), mean(&unseen)));
         }
     }
+
     figures
 }
 
@@ -178,6 +179,7 @@ fn hull(kind: Kind, shape: &str, n: usize) -> Arc<Hull> {
         }
         data.update(0.0)
     };
+
     set_up().expect("valid cameras and masks")
 }
 
@@ -190,6 +192,7 @@ fn cameras(optics: Optics, n: usize) -> Vec<Camera> {
         k[(1, 1)] *= optics.focal_share();
         Camera::new(name, size, k, optics.lens(), cam_from_world).expect("a valid camera")
     };
+
     let turned = |(camera, at): (&Camera, &Point2<f64>)| {
         let ray =
             with_pose(camera, *camera.cam_from_world()).ray(at.x, at.y).expect("a pixel within the lens");

@@ -32,6 +32,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("a box on live masks");
     let live = median(SEEDS.map(on_live_masks));
     let multi = median(still);
+
     vec![
         Figure::bounded("rest_rms_mm_s", multi, AtMost(0.5)),
         Figure::bounded("rest_rms_mm_s_worst_seed", worst, AtMost(10.0)),
@@ -65,6 +66,7 @@ fn box_above(seed: u64, layer: f64, hull: Option<(&Arc<HullData>, Mode)>) -> (Wo
             world.add_geom(root, &Shape::Box { sides: TABLE }).expect("positive sizes");
         }
     }
+
     let turned = at(0.02, -0.03, TOP + 0.101) * nalgebra::UnitQuaternion::from_euler_angles(0.0, 0.0, 0.4);
     let (body, _) = add_body(&mut world, &Shape::Box { sides: BOX }, &turned);
     (world, body)
@@ -107,6 +109,7 @@ fn on_live_masks(seed: u64) -> f64 {
     let hull = world.geoms().next().expect("the hull came first");
     world.hull_mut(hull).set_min_feature(0.015).expect("positive");
     let mut frame = 0;
+
     rms_speed(&mut world, body, |time| {
         let due = (time * LIVE_HZ) as u64;
         if due > frame {
@@ -140,5 +143,6 @@ fn literal(seed: u64) -> f64 {
             speeds.push(1000.0 * velocity.norm());
         }
     }
+
     rms(&speeds)
 }

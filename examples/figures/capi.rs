@@ -56,6 +56,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
         figures.push(Figure::reported(&format!("rust_ns_per_call_{name}"), rust_ns));
         figures.push(Figure::reported(&format!("capi_ns_per_call_{name}_over_rust"), ratio));
     }
+
     figures.push(Figure::bounded("capi_ns_per_call_over_rust", worst, AtMost(1.05)));
     figures
 }
@@ -80,6 +81,7 @@ fn compare(scenes: &[Scene], calls: usize, c: fn(&Scene), rust: fn(&Scene)) -> (
     };
     let rounds: Vec<(f64, f64)> = (0..scenes.len() * ROUNDS).map(round).collect();
     let pick = |of: fn(&(f64, f64)) -> f64| median(rounds.iter().map(of));
+
     (pick(|round| round.0), pick(|round| round.1), pick(|round| round.0 / round.1))
 }
 
@@ -109,8 +111,10 @@ impl Scene {
         world.collide(|_| ()).expect("nothing to fail at");
 
         assert_eq!(dInitVisualHull(), 1);
+
         let c_data = dGeomVisualHullDataCreate();
         let bounds = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
+
         // SAFETY: the arrays have the sizes that the header asks for; the geoms are in no space.
         let (c_hull, c_cube) = unsafe {
             dGeomVisualHullDataSetBounds(c_data, bounds.as_ptr());
@@ -129,6 +133,7 @@ impl Scene {
         let around = Aabb::new(point![-0.3, -0.3, -0.25], point![0.3, 0.3, 0.25]).expect("a box");
         let mut random = Random(seed);
         let points = (0..POINTS).map(|_| random.point(around.min, around.max)).collect();
+
         Self { world, hull, cube, c_data, c_hull, c_cube, points }
     }
 

@@ -33,6 +33,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
         progress(&scene.name);
         by_scene.push((scene.name.clone(), measure_scene(&scene)));
     }
+
     let mut figures = Vec::new();
     for (name, bound) in ASKED {
         let values = by_scene.iter().map(|(_, measured)| measured[name]);
@@ -43,6 +44,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
             bound: None,
         }));
     }
+
     figures
 }
 
@@ -78,6 +80,7 @@ fn measure_scene(scene: &Scene) -> BTreeMap<&'static str, f64> {
         ("contact_normal_error_coverage_everywhere_deg_mean", everywhere(&contact_coverage)),
     ]);
     figures.extend(exit_figures(scene, &probes));
+
     figures
 }
 

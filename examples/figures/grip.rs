@@ -21,6 +21,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let swallowed = exit_speed(&table(), 0.15, vector![0.03, 0.01, 0.0]);
     let pierced = exit_speed(&Subject::new(vec![arm]), 0.2, vector![0.0, 0.02, 0.01]);
     let cut = exit_speed(&Subject::new(vec![plate]), 0.2, vector![0.0, 0.0, 0.02]);
+
     vec![
         Figure::bounded("swallowed_exit_speed_m_s", swallowed.max(pierced).max(cut), AtMost(2.0)),
         Figure::reported("swallowed_exit_speed_m_s_inside", swallowed),
@@ -80,5 +81,6 @@ fn pinch_holds() -> bool {
         }
         world.body(body).position().coords.norm() < 0.02
     };
+
     SEEDS.map(holds).filter(|&held| held).count() == SEEDS.count()
 }

@@ -40,18 +40,21 @@ fn main() -> ExitCode {
         eprintln!("usage: figures [GROUP...], groups: {}; found {unknown}", names.join(", "));
         return ExitCode::from(2);
     }
+
     let mut figures = Vec::new();
     for (name, measure) in GROUPS {
         if asked.is_empty() || asked.iter().any(|asked| asked == name) {
             figures.extend(measure(&|at| eprintln!("{name}: {at}")));
         }
     }
+
     figure_table::print_table(&figures);
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/figures.json");
     if let Err(error) = figure_table::record(&path, &figures) {
         eprintln!("{}: {error}", path.display());
         return ExitCode::FAILURE;
     }
+
     println!("\n{} figures written to {}", figures.len(), path.display());
     if figures.iter().all(Figure::holds) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -32,6 +32,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     figures.extend(coded_sizes(&coded));
     progress("a moving shadow");
     figures.push(Figure::bounded("segment_iou_mean", moving_shadow(), Bound::AtLeast(0.98)));
+
     figures
 }
 
@@ -91,6 +92,7 @@ fn seated(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     };
     let (mut segmenters, clips): (Vec<_>, Vec<_>) = cameras.iter().map(clips).unzip();
     let (mut overlaps, mut volume, mut found) = (Vec::new(), f64::NAN, Vec::new());
+
     for (k, &frame) in frames.iter().enumerate() {
         let images: Vec<_> = clips.iter().map(|clip| clip[k].clone()).collect();
         let masks = segment(&mut segmenters, &images);
@@ -102,6 +104,7 @@ fn seated(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
             volume = carve(&data.update(0.0).expect("masks in all views"), 0.02).0;
         }
     }
+
     coded.push(Coded::of(found.iter()));
     vec![
         Figure::bounded("seated_iou_mean", mean(&overlaps), Bound::AtLeast(0.93)),
@@ -157,6 +160,7 @@ fn balancing(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     };
     let found: Vec<_> = frames.iter().flat_map(|images| segment(&mut mended, images)).collect();
     coded.push(Coded::of(found.iter()));
+
     vec![
         Figure::bounded("balancing_iou_mean", overlap(&mut mended), Bound::AtLeast(0.85)),
         Figure::reported("balancing_plate_with_ghost_iou_mean", overlap(&mut given)),
@@ -175,6 +179,7 @@ fn dino(dir: &Path, _: &mut Vec<Coded>) -> Vec<Figure> {
     data.set_unseen(Unseen::ABSTAIN).expect("a policy");
     data.set_bounds(DINO.grown(0.008)).expect("a volume");
     let (volume, aabb) = carve(&data.update(0.0).expect("masks in all views"), 0.001);
+
     // All cameras look down on it, so that the hull hangs out of its box below, an upside-down tent. Points up to 6.5 mm
     // below it appear bright in every view: no silhouette of the dinosaur leaves them out.
     let (below, above) = ((DINO.min - aabb.min) * 1e3, (aabb.max - DINO.max) * 1e3);
@@ -224,6 +229,7 @@ fn moving_shadow() -> f64 {
             overlaps.push(overlap(&mask, &silhouette(camera, &scene.subject)));
         }
     }
+
     mean(&overlaps)
 }
 

@@ -31,6 +31,7 @@ fn creep(seed: u64, on_hull: bool) -> f64 {
     } else {
         world.add_geom(root, &Shape::Box { sides: TABLE }).expect("positive sizes");
     }
+
     let cube = Shape::Box { sides: vector![SIDE, SIDE, SIDE] };
     let boxes: Vec<BodyId> = (0..5)
         .map(|k| add_body(&mut world, &cube, &at(0.0, 0.0, TOP + SIDE * (f64::from(k) + 0.5) + 0.0005)).0)
@@ -46,5 +47,6 @@ fn creep(seed: u64, on_hull: bool) -> f64 {
             at_five = aside(&world);
         }
     }
+
     1000.0 * (aside(&world) - at_five).norm()
 }

@@ -68,6 +68,7 @@ impl Film {
             encoder.write_frame(&encoded).map_err(|e| fail(&e))?;
             shown = pixels;
         }
+
         let mut file = encoder.into_inner().map_err(|e| fail(&e))?;
         file.flush().map_err(|e| fail(&e))
     }
@@ -92,11 +93,13 @@ impl Film {
             let still = resize(frame, width, height, FilterType::Lanczos3);
             replace(&mut strip, &still, i64::from(width + GAP) * i as i64, 0);
         }
+
         let fail =
             |e: &dyn std::fmt::Display| Error::file(path, format!("expected to write a picture, found: {e}"));
         let mut file = BufWriter::new(File::create(path).map_err(|e| fail(&e))?);
         let encoder = PngEncoder::new_with_quality(&mut file, CompressionType::Best, PngFilter::Adaptive);
         strip.write_with_encoder(encoder).map_err(|e| fail(&e))?;
+
         file.flush().map_err(|e| fail(&e))
     }
 }
@@ -110,10 +113,12 @@ fn changes(pixels: &[u8], shown: &[u8], width: u16) -> Frame<'static> {
         (left, right) = (left.min(i % w), right.max(i % w + 1));
         (top, bottom) = (top.min(i / w), bottom.max(i / w + 1));
     }
+
     if right == 0 {
         // Nothing: a GIF's frame still needs a pixel.
         (left, right, top, bottom) = (0, 1, 0, 1);
     }
+
     let index = |i: usize| if differs(i) { pixels[i] } else { AS_BEFORE };
     let buffer: Vec<u8> =
         (top..bottom).flat_map(|y| (left..right).map(move |x| y * w + x)).map(index).collect();
@@ -149,6 +154,7 @@ impl Palette {
                 samples.extend(std::iter::repeat_n([r, g, b, 255], times).flatten());
             }
         }
+
         let quantiser = NeuQuant::new(7, COLOURS, &samples);
         let mut colours = quantiser.color_map_rgb();
         colours.resize(3 * 256, 0);
@@ -157,6 +163,7 @@ impl Palette {
             let colour = [middle(cell >> 12), middle(cell >> 6 & 63), middle(cell & 63), 255];
             quantiser.index_of(&colour) as u8
         });
+
         Self { nearest: nearest.collect(), colours }
     }
 

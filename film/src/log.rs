@@ -74,6 +74,7 @@ impl Log {
                 text.push('\n');
             }
         }
+
         std::fs::write(path, text)
             .map_err(|e| Error::file(path, format!("expected to write the states, found: {e}")))
     }

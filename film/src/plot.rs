@@ -31,12 +31,14 @@ fn draw(path: &Path, log: &Log, still_until: f64) -> std::result::Result<(), Box
         .x_label_formatter(&|x| format!("{x:.1}"))
         .y_label_formatter(&|y| format!("{y:.1}"))
         .draw()?;
+
     for line in lines(log, still_until, end, top) {
         chart
             .draw_series(LineSeries::new(line.points, line.style))?
             .label(line.name)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], line.style));
     }
+
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperRight)
@@ -68,11 +70,13 @@ fn lines(log: &Log, still_until: f64, end: f64, top: f64) -> Vec<Line> {
         let name = format!("top of the {}", log.subject);
         lines.push(Line { name, style: BLACK.stroke_width(1), points: real });
     }
+
     if still_until < end {
         let name = "the subject moves from here on".into();
         let style = RGBColor(150, 150, 150).stroke_width(1);
         lines.push(Line { name, style, points: vec![(still_until, 0.0), (still_until, 1.08 * top)] });
     }
+
     lines
 }
 

@@ -123,6 +123,7 @@ fn enter_box(ray: &Ray, half: &Vector3<f64>) -> Option<Entry> {
         }
         leave = leave.min(far);
     }
+
     (enter.t > 0.0 && enter.t < leave).then_some(enter)
 }
 

@@ -100,5 +100,6 @@ fn play(
         }
         shown(simulation.summary());
     }
+
     Ok(())
 }

@@ -122,6 +122,7 @@ impl Simulation {
             first_contact: None,
             fastest_after_contact: 0.0,
         });
+
         Ok(())
     }
 
@@ -143,6 +144,7 @@ impl Simulation {
                 }
             }
         }
+
         match self.world.hull(self.hull).take_error() {
             Some(trouble) => Err(trouble),
             None => self.check_finite(),
@@ -227,6 +229,7 @@ impl Simulation {
                 }
             }
         }
+
         supports
     }
 

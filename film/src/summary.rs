@@ -32,10 +32,12 @@ pub(crate) fn write(
         film.write_strip(moments, &strip)?;
         written.extend([(path, "film"), (strip, "three stills")]);
     }
+
     let (states, heights) = (dir.join("states.csv"), dir.join("heights.svg"));
     log.write_csv(&states)?;
     plot::write(&heights, log, still_until)?;
     written.extend([(states, "states"), (heights, "heights")]);
+
     Ok(written)
 }
 
@@ -65,6 +67,7 @@ pub(crate) fn table(log: &Log, simulation: &Simulation, still_until: f64, subjec
         }
         text.push('\n');
     }
+
     text
 }
 

@@ -39,6 +39,7 @@ impl Window {
         if right <= left || bottom <= top {
             return Self::full(camera);
         }
+
         Self { left, top, width: right - left, height: bottom - top }
     }
 }

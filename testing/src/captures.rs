@@ -33,6 +33,7 @@ pub fn carve(hull: &Hull, spacing: f64) -> (f64, Aabb) {
     let bounds = hull.bounds();
     let counts = (bounds.max - bounds.min).map(|extent| (extent / spacing) as usize);
     let (mut count, mut aabb) = (0, Aabb::EMPTY);
+
     for k in 0..counts.z {
         for j in 0..counts.y {
             for i in 0..counts.x {
@@ -44,6 +45,7 @@ pub fn carve(hull: &Hull, spacing: f64) -> (f64, Aabb) {
             }
         }
     }
+
     (count as f64 * spacing.powi(3), aabb)
 }
 

@@ -42,6 +42,7 @@ fn geoms_of_no_size_that_others_made_touch_nothing_and_are_reported() {
     let root = world.root_space();
     let hull = world.add_hull(root, &data).unwrap();
     world.collide(|_| ()).unwrap();
+
     // SAFETY: ODE is open, the geoms are destroyed here and in no space, and the buffer holds the four contacts.
     unsafe {
         let none = std::ptr::null_mut();
@@ -92,6 +93,7 @@ fn a_degenerate_mesh_is_refused() {
     let plate = world.add_geom(root, &Shape::TriMesh(Arc::new(mesh))).unwrap();
     world.geom_mut(plate).set_pose(&at(0.0, 0.0, TOP - 0.004)).unwrap();
     let contacts = world.collide_geoms(hull, plate, 8).unwrap();
+
     assert!(!contacts.is_empty() && contacts.iter().all(|contact| contact.normal.z < -0.99));
 }
 

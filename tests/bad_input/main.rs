@@ -94,13 +94,16 @@ fn a_singular_or_nan_camera_is_refused() {
     let mut skewed = good;
     skewed[(1, 0)] = 1.0;
     let no_rotation = UnitQuaternion::new_unchecked(Quaternion::new(0.0, 0.0, 0.0, 0.0));
+
     assert_says(camera(Matrix3::zeros(), here), &["camera \"left\"", "focal", "found fx = 0", "calibrate"]);
     assert_says(camera(good * f64::NAN, here), &["camera \"left\"", "finite", "NaN", "calibrate"]);
     assert_says(camera(skewed, here), &["camera \"left\"", "upper triangular", "found K"]);
     assert_says(camera(good, at(f64::NAN, 0.0, 0.0)), &["camera \"left\"", "finite pose", "calibrate"]);
     assert_says(camera(good, Isometry3::from_parts([0.0; 3].into(), no_rotation)), &["rotation", "length 0"]);
+
     let mut extreme = good;
     extreme[(0, 0)] = 1e308;
+
     assert_says(camera(extreme, at(10.0, 0.0, 1e10)), &["camera \"left\"", "range of numbers"]);
 
     let p: Matrix3x4<f64> = table_cameras()[0].projection_matrix();
@@ -110,6 +113,7 @@ fn a_singular_or_nan_camera_is_refused() {
         let refused = Camera::from_projection("left", (640, 480), &bad);
         assert_says(refused, &["camera \"left\"", "expected", "found", "calibrate"]);
     }
+
     let eye = point![1.0, 2.0, 3.0];
     for (target, up, fov) in [
         (eye, Vector3::z(), 1.0),
@@ -127,6 +131,7 @@ fn a_rig_file_with_a_bad_camera_is_refused_by_path_and_line() {
     let folder = Folder::new("rig");
     let path = folder.path("rig.toml");
     let good = Rig::new(table_cameras()).unwrap().to_toml();
+
     for (was, now, parts) in [
         ("[640, 480]", "[640]", &["cam0", "`size`", "2 numbers", "width"][..]),
         ("[640, 480]", "[65536, 480]", &["cam0", "`size`", "65535"][..]),
@@ -141,6 +146,7 @@ fn a_rig_file_with_a_bad_camera_is_refused_by_path_and_line() {
         let file = path.display().to_string();
         assert_says(Rig::load(&path), &[&[&file, "line "], parts].concat());
     }
+
     assert_says(Rig::load(folder.path("none.toml")), &["none.toml", "expected a calibration file"]);
 }
 
@@ -153,7 +159,9 @@ fn a_camera_that_looks_away_is_refused_until_it_is_disabled() {
     let data = table();
     let before = data.latest().unwrap().0;
     let view = data.add_view(looks_away("back")).unwrap();
+
     assert_says(data.update(1.0), &["view \"back\"", "expected a mask", "found none", "disable the view"]);
+
     data.set_mask(view, &GrayImage::from_fn(640, 480, |x, _| Luma([if x < 320 { 255 } else { 0 }]))).unwrap();
     assert_says(
         data.update(1.0),
@@ -164,11 +172,14 @@ fn a_camera_that_looks_away_is_refused_until_it_is_disabled() {
 
     data.set_view_enabled(view, false).unwrap();
     data.update(1.0).unwrap();
+
     assert_table_in_force(&data);
+
     // One without a mask can be disabled just so.
     let bare = data.add_view(looks_away("bare")).unwrap();
     data.set_view_enabled(bare, false).unwrap();
     data.update(2.0).unwrap();
+
     assert_table_in_force(&data);
 }
 
@@ -235,6 +246,7 @@ fn missing_or_inverted_bounds_are_refused() {
         data.add_view(camera.clone()).unwrap();
         data.set_mask(view, &GrayImage::new(640, 480)).unwrap();
     }
+
     assert_says(data.update(0.0), &["expected a work volume", "found none", "set the bounds"]);
 
     with_table_kept(|data| {
@@ -269,12 +281,14 @@ fn data_may_be_dropped_before_its_geoms_and_geoms_before_their_data() {
     for _ in 0..200 {
         step(&mut world, 0.005);
     }
+
     assert!((height(&world, body) - TOP - 0.1).abs() < 0.002);
 
     let data = table();
     let (world, _) = drop_box_on(&data);
     drop(world);
     show(&data, &table_cameras(), &Subject::new(Vec::new()), 1.0);
+
     assert_eq!(Arc::strong_count(&data), 1);
 }
 
@@ -287,6 +301,7 @@ fn two_hulls_fail_and_vanish_on_their_own() {
     let other = world.add_hull(root, &bad).unwrap();
     world.geom_mut(other).set_pose(&at(0.0, 0.0, 1e-3)).unwrap();
     let (body, _) = add_body(&mut world, &cube(0.2), &at(0.0, 0.0, TOP + 0.12));
+
     for k in 0..600 {
         match k {
             150 => assert!(bad.update(f64::NAN).is_err()),
@@ -298,6 +313,7 @@ fn two_hulls_fail_and_vanish_on_their_own() {
         step(&mut world, 0.005);
         assert_finite(&world, body);
     }
+
     assert!((height(&world, body) - TOP - 0.1).abs() < 0.002);
     assert!(world.get_hull(other).is_err());
 }
@@ -311,12 +327,14 @@ fn sizes_whose_product_overflows_are_refused_before_any_memory_is_taken() {
         let found = format!("found {} x {}", size.0, size.1);
         assert_says(refused, &["camera \"huge\"", "pixels", &found]);
     }
+
     // As large as can be, but its lens makes it larger.
     let largest = Camera::new("wide", (16_384, 16_384), k, lens, at(0.0, 0.0, 3.0)).unwrap();
     assert_says(
         HullData::new().add_view(largest),
         &["view \"wide\"", "found 16384 x 16384", "scale the images down"],
     );
+
     // The header of an image that says so, with nothing behind it.
     let folder = Folder::new("sizes");
     for (name, header) in [
@@ -340,6 +358,7 @@ fn sizes_whose_product_overflows_are_refused_before_any_memory_is_taken() {
         Shape::Capsule { radius: 1e9, length: 1e9 },
         Shape::Cylinder { radius: 1e9, length: 1e9 },
     ];
+
     for min_feature in [1e-3, 1e-300] {
         let too_many = ["min_feature", "at most 1000000", "raise min_feature"];
         shapes.iter().for_each(|shape| assert_says(shape.sample(min_feature), &too_many));
@@ -371,6 +390,7 @@ fn places_that_are_no_numbers_get_no_answer() {
             assert!(hull.ray_cast(ray).is_none());
         }
     }
+
     assert!(!hull.exit(&ORIGIN, &Vector3::zeros(), EdgeModel::Pixel).is_nan());
 }
 

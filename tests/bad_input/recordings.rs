@@ -27,6 +27,7 @@ fn faults_of_a_recording_name_the_file_and_the_view() {
         (&|| small.save(mask("cam3", 1)).unwrap(), &["640 x 480", "found 64 x 48", "calibrate"]),
         (&|| ones.save(mask("cam3", 1)).unwrap(), &["greatest value of 1", "multiply by 255"]),
     ];
+
     for (fault, parts) in faults {
         fault();
         let recording = Recording::open(&dir).unwrap();
@@ -49,10 +50,17 @@ fn faults_of_a_recording_name_the_file_and_the_view() {
 
     std::fs::remove_file(mask("cam3", 1)).unwrap();
     let recording = Recording::open(&dir).unwrap();
+
     assert_eq!(recording.frames(), [0]);
+<<<<<<< HEAD
     assert_says(recording.masks(1), &["view \"cam3\"", "cam3/mask/000001", "only frame 0"]);
+=======
+    assert_says(recording.masks(1), &["view \"cam3\"", "cam3/mask/000001", "frame 0 alone"]);
+
+>>>>>>> 2819451 (all tools and tests: a blank line between the steps of long functions)
     std::fs::rename(dir.join("cam2"), dir.join("camera2")).unwrap();
     assert_says(Recording::open(&dir), &["view \"cam2\"", "expected the folder", "found none"]);
+
     std::fs::remove_file(dir.join("rig.toml")).unwrap();
     assert_says(Recording::open(&dir), &["rig.toml", "found none", "calibration"]);
     assert_says(Recording::open(folder.path("none")), &["none", "folder of a recording", "check the path"]);

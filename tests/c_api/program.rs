@@ -34,6 +34,7 @@ impl Program {
         let path = scratch().join(format!("{name}_{language:?}_{linkage:?}_{}", thread_name()));
         let mut compile = compiler(language);
         compile.args(sources).arg("-o").arg(&path);
+
         // What follows are libraries, not sources.
         compile.args(["-x", "none"]);
         let libraries = libraries();
@@ -47,6 +48,7 @@ impl Program {
                 compile.arg(libraries.join("libode_visual_hull.a"));
             }
         }
+
         compile.args(pkg_config(&["--libs", "ode"])).args(native_libraries());
         succeed(&mut compile);
         Self { path }

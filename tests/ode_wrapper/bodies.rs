@@ -73,6 +73,7 @@ fn a_bouncing_ball_gives_back_its_restitution() {
     let (body, _) = add(&mut world, &Shape::Sphere { radius: 0.1 }, 1.0, [0.0, 0.0, 1.1]);
     let surface = Surface { bounce: Some(0.5), bounce_velocity: 0.1, ..Surface::default() };
     let (mut down, mut up) = (0.0_f64, 0.0_f64);
+
     for _ in 0..600 {
         world.default_collide(&surface, 4).unwrap();
         world.step(0.001).unwrap();
@@ -82,6 +83,7 @@ fn a_bouncing_ball_gives_back_its_restitution() {
             up = up.max(speed);
         }
     }
+
     // Gravity adds one step's worth to either speed.
     assert!((up / -down - 0.5).abs() < 0.01, "{down} {up}");
 }
@@ -97,14 +99,18 @@ fn forces_and_torques_accelerate_by_mass_and_inertia() {
     body_mut.add_force_at(&Vector3::new(0.0, 12.0, 0.0), &Point3::new(1.0, 0.0, 0.0)).unwrap();
     body_mut.add_force(&Vector3::new(0.0, 6.0, 0.0)).unwrap();
     body_mut.add_torque(&Vector3::new(0.0, 0.0, 8.0)).unwrap();
+
     assert_eq!(world.body(body).force(), Vector3::new(0.0, 18.0, 0.0));
     assert_eq!(world.body(body).torque(), Vector3::new(0.0, 0.0, 20.0));
+
     world.step(DT).unwrap();
     let body = world.body(body);
+
     assert!((body.linear_velocity() - Vector3::new(0.0, 0.03, 0.0)).norm() < 1e-12);
     // Inertia about z: 6 (1 + 4) / 12.
     assert!((body.angular_velocity() - Vector3::new(0.0, 0.0, 20.0 / 2.5 * DT)).norm() < 1e-12);
     assert_eq!(body.force(), Vector3::zeros());
+
     let at_corner = body.velocity_at(&(body.position() + Vector3::x()));
     assert!((at_corner - Vector3::new(0.0, 0.03 + 0.08, 0.0)).norm() < 1e-12);
 }
@@ -169,8 +175,10 @@ fn numbers_that_are_none_never_reach_ode() {
         assert!(world.set_gravity(&vector).is_err());
         assert!(world.step(bad).is_err() && world.quick_step(bad).is_err());
     }
+
     let broken = UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, 0.0, 0.0, 0.0));
     assert!(world.body_mut(body).set_pose(&Isometry3::from_parts(Translation3::identity(), broken)).is_err());
+
     for bad in [0.0, -0.01, 1e-300] {
         assert!(world.step(bad).is_err() && world.quick_step(bad).is_err());
     }
@@ -185,14 +193,17 @@ fn a_body_that_leaves_the_world_is_stopped_and_the_rest_goes_on() {
     let (slow, _) = add(&mut world, &Shape::Sphere { radius: 0.1 }, 1.0, [0.0; 3]);
     world.body_mut(fast).set_linear_velocity(&Vector3::new(1e9, 0.0, 0.0)).unwrap();
     let message = world.quick_step(DT).unwrap_err().to_string();
+
     assert!(message.contains("left the world"), "{message}");
     assert_eq!(world.stopped_bodies(), [fast]);
+
     let stopped = world.body(fast);
     assert_eq!(stopped.position(), Point3::new(REACH - 1.0, 0.0, 0.0));
     assert!(!stopped.is_enabled() && stopped.linear_velocity() == Vector3::zeros());
 
     world.default_collide(&Surface::default(), 4).unwrap();
     world.quick_step(DT).unwrap();
+
     assert!(world.stopped_bodies().is_empty());
     // Two steps of free fall.
     assert!((world.body(slow).position().z + 3.0 * GRAVITY * DT * DT).abs() < 1e-12);
@@ -207,12 +218,15 @@ fn an_explosion_ends_in_an_error_and_not_in_an_abort() {
         world.body_mut(body).set_angular_velocity(&Vector3::new(1e29, -1e29, 1e28)).unwrap();
         world.body_mut(body).add_force(&Vector3::new(1e29, 0.0, 0.0)).unwrap();
     }
+
     world.default_collide(&Surface::default(), 4).unwrap();
     assert!(world.step(DT).is_err());
+
     for _ in 0..5 {
         world.default_collide(&Surface::default(), 4).unwrap();
         let _ = world.step(DT);
     }
+
     for body in bodies {
         assert!(world.body(body).pose().translation.vector.iter().all(|x| x.abs() <= REACH));
     }

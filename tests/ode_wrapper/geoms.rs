@@ -67,6 +67,7 @@ fn every_pair_of_shapes_collides_without_an_abort() {
         Isometry3::new(Vector3::new(0.4, 0.0, 0.1), Vector3::new(0.3, 0.5, 0.7)),
         Isometry3::translation(5.0, 0.0, 0.0),
     ];
+
     for first in all_shapes() {
         for second in all_shapes() {
             let mut world = world();
@@ -101,10 +102,12 @@ fn the_normal_points_into_the_first_geom() {
     let high = world.add_geom(root, &Shape::cuboid(1.0, 1.0, 1.0)).unwrap();
     world.geom_mut(high).set_pose(&Isometry3::translation(0.0, 0.0, 1.4)).unwrap();
     let contact = world.collide_geoms(low, high, 4).unwrap()[0];
+
     assert!(
         (contact.normal + Vector3::z()).norm() < 1e-12 && (contact.depth - 0.1).abs() < 1e-12,
         "{contact:?}"
     );
+
     let contact = world.collide_geoms(high, low, 4).unwrap()[0];
     assert!(
         (contact.normal - Vector3::z()).norm() < 1e-12 && (contact.depth - 0.1).abs() < 1e-12,
@@ -122,6 +125,7 @@ fn a_pose_and_an_offset_come_back_as_they_were_set() {
         (a.translation.vector - b.translation.vector).norm() < 1e-12
             && a.rotation.angle_to(&b.rotation) < 1e-7
     };
+
     for shape in all_shapes().into_iter().filter(Shape::is_placeable) {
         let mut world = world();
         let geom = world.add_geom(world.root_space(), &shape).unwrap();
@@ -196,11 +200,13 @@ fn a_ray_cannot_be_what_it_is_not() {
     let ball = world.add_geom(root, &Shape::Sphere { radius: 1.0 }).unwrap();
     let ray = world.add_geom(root, &Shape::Ray { length: 1.0 }).unwrap();
     let origin = Point3::origin();
+
     assert!(world.geom_mut(ball).set_ray(&origin, &Vector3::x()).is_err());
     assert!(world.geom_mut(ball).set_ray_flags(RayFlags::default()).is_err());
     assert!(world.geom_mut(ray).set_ray(&origin, &Vector3::zeros()).is_err());
     assert!(world.geom_mut(ray).set_ray(&origin, &Vector3::repeat(f64::NAN)).is_err());
     assert!(world.geom_mut(ray).set_ray(&Point3::new(f64::NAN, 0.0, 0.0), &Vector3::x()).is_err());
+
     let body = world.add_body();
     world.geom_mut(ray).set_body(Some(body)).unwrap();
     assert!(world.geom_mut(ray).set_ray(&origin, &Vector3::x()).is_err());
@@ -223,6 +229,7 @@ fn sizes_that_are_none_are_refused() {
             assert!(world.add_geom(root, &shape).is_err(), "{shape:?}");
         }
     }
+
     assert!(world.add_geom(root, &Shape::Plane { normal: Vector3::zeros(), offset: 0.0 }).is_err());
     assert!(world.add_geom(root, &Shape::Plane { normal: Vector3::z(), offset: f64::NAN }).is_err());
     assert_eq!(world.geoms().count(), 0);
@@ -231,6 +238,7 @@ fn sizes_that_are_none_are_refused() {
     assert!(world.geom_mut(ball).set_shape(&Shape::Sphere { radius: -1.0 }).is_err());
     assert!(world.geom_mut(ball).set_shape(&Shape::cuboid(1.0, 1.0, 1.0)).is_err());
     assert!(world.geom_mut(ball).set_pose(&Isometry3::translation(f64::NAN, 0.0, 0.0)).is_err());
+
     world.geom_mut(ball).set_shape(&Shape::Sphere { radius: 2.0 }).unwrap();
     assert_eq!(world.geom(ball).aabb().max, Point3::new(2.0, 2.0, 2.0));
 }

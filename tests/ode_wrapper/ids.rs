@@ -18,7 +18,9 @@ fn panic_of<T>(act: impl FnOnce() -> T) -> String {
 fn a_removed_body_is_refused_also_when_its_slot_is_used_again() {
     let mut world = world();
     let old = world.add_body();
+
     assert!(world.remove_body(old) && !world.remove_body(old));
+
     for _ in 0..2 {
         assert!(!world.contains_body(old) && world.get_body(old).is_none());
         assert!(panic_of(|| world.body(old).position()).contains("was removed"));
@@ -39,7 +41,9 @@ fn removed_geoms_spaces_and_joints_are_refused_also_when_their_slots_are_used_ag
     let space = world.add_space(world.root_space(), SpaceKind::Simple).unwrap();
     let geom = world.add_geom(space, &BALL).unwrap();
     let joint = world.add_joint([Some(body), None], &JointKind::Fixed).unwrap();
+
     assert!(world.remove_geom(geom) && world.remove_joint(joint));
+
     world.remove_space(space).unwrap();
     for _ in 0..2 {
         assert!(world.get_geom(geom).is_none() && !world.contains_geom(geom) && !world.remove_geom(geom));
@@ -84,6 +88,7 @@ fn ids_of_another_world_are_refused() {
     assert!(panic_of(|| there.body(body).position()).contains("another"));
     assert!(panic_of(|| there.geom(geom).pose()).contains("another"));
     assert!(panic_of(|| there.joint(joint).bodies()).contains("another"));
+
     assert!(here.contains_body(body) && here.contains_geom(geom) && here.contains_joint(joint));
 }
 

@@ -60,16 +60,20 @@ fn a_hinge_measures_its_angle_and_stops_where_told() {
     let body = ball(&mut world, [1.0, 0.0, 0.0]);
     let kind = JointKind::Hinge { anchor: Point3::origin(), axis: Vector3::new(0.0, 3.0, 0.0) };
     let joint = world.add_joint([Some(body), None], &kind).unwrap();
+
     assert_eq!((world.joint(joint).axis(), world.joint(joint).angle()), (Some(Vector3::y()), Some(0.0)));
+
     // About y, down is positive.
     world.joint_mut(joint).set_param(JointParam::HighStop, 0.5).unwrap();
     world.joint_mut(joint).set_param(JointParam::LowStop, -0.5).unwrap();
     steps(&mut world, 2000);
     let angle = world.joint(joint).angle().unwrap();
+
     assert!((angle - 0.5).abs() < 0.01, "{angle}");
     assert!(world.joint(joint).angle_rate().unwrap().abs() < 1e-3);
     assert!((world.body(body).position() - Point3::new(angle.cos(), 0.0, -angle.sin())).norm() < 1e-2);
     assert_eq!(world.joint(joint).param(JointParam::HighStop), Some(0.5));
+
     assert_eq!(world.joint(joint).position(), None);
 }
 
@@ -96,11 +100,14 @@ fn a_slider_lets_go_along_its_axis_only() {
     let axis = Vector3::new(1.0, 0.0, -1.0);
     let joint = world.add_joint([Some(body), None], &JointKind::Slider { axis }).unwrap();
     steps(&mut world, 1000);
+
     // Half of gravity acts along a slope of 45 degrees, times sqrt 2 / 2.
     let expected = GRAVITY * 0.5_f64.sqrt() / 2.0;
     let position = world.joint(joint).position().unwrap();
+
     assert!((position.abs() - expected).abs() < 0.01, "{position}");
     assert!((world.joint(joint).position_rate().unwrap().abs() - 2.0 * expected).abs() < 0.01);
+
     let off = world.body(body).position().coords - axis.normalize() * expected;
     assert!(off.norm() < 0.01, "{off}");
     assert_eq!(world.joint(joint).angle(), None);
@@ -121,6 +128,7 @@ fn fixed_bodies_move_as_one() {
     let before = between(&world);
     steps(&mut world, 1000);
     let after = between(&world);
+
     assert!((after.translation.vector - before.translation.vector).norm() < 1e-3);
     assert!(after.rotation.angle_to(&before.rotation) < 1e-3);
     assert!(world.body(a).position().z < -4.0, "and they fall");
@@ -138,10 +146,13 @@ fn a_contact_joint_carries_a_body_until_it_is_removed() {
     };
     let kind = JointKind::Contact { contact, surface: Surface::default() };
     let joint = world.add_joint([Some(body), None], &kind).unwrap();
+
     assert_eq!(world.joint(joint).joint_type(), JointType::Contact);
+
     steps(&mut world, 100);
     assert!(world.body(body).position().z.abs() < 1e-6, "{}", world.body(body).position());
     assert!(world.remove_joint(joint));
+
     steps(&mut world, 100);
     assert!(world.body(body).position().z < -0.04);
 }
@@ -176,19 +187,24 @@ fn a_group_is_emptied_at_once_and_its_ids_go_stale() {
     let bodies = [0.0, 1.0, 2.0].map(|x| ball(&mut world, [x, 0.0, 0.0]));
     let group = world.add_joint_group();
     let joints = bodies.map(|body| world.add_joint_in(group, [Some(body), None], &JointKind::Fixed).unwrap());
+
     assert!(world.remove_joint(joints[0]));
+
     steps(&mut world, 100);
     assert!(world.body(bodies[0]).position().z < -0.04);
     assert!(world.body(bodies[1]).position().z.abs() < 1e-6);
 
     world.empty_joint_group(group).unwrap();
     assert!(joints.iter().all(|&joint| !world.contains_joint(joint)));
+
     steps(&mut world, 100);
     assert!(world.body(bodies[1]).position().z < -0.04);
+
     let again = world.add_joint_in(group, [Some(bodies[2]), None], &JointKind::Fixed).unwrap();
     assert!(world.remove_joint_group(group) && !world.contains_joint_group(group));
     assert!(!world.contains_joint(again) && !world.remove_joint_group(group));
     assert!(world.empty_joint_group(group).is_err());
+
     assert!(world.add_joint_in(group, [Some(bodies[2]), None], &JointKind::Fixed).is_err());
 }
 
@@ -205,6 +221,7 @@ fn the_joints_of_a_removed_body_stay_and_hold_nothing() {
     ];
     let joints = kinds.map(|kind| world.add_joint([Some(a), Some(b)], &kind).unwrap());
     world.remove_body(a);
+
     for joint in joints {
         let view = world.joint(joint);
         assert_eq!((view.bodies(), view.is_attached()), ([None, None], false));
@@ -214,6 +231,7 @@ fn the_joints_of_a_removed_body_stay_and_hold_nothing() {
         assert!(world.joint_mut(joint).set_anchor(&anchor).is_err());
         assert!(world.joint_mut(joint).set_axis(&Vector3::x()).is_err());
     }
+
     steps(&mut world, 100);
     assert!(world.body(b).position().z < -0.04);
 
@@ -232,6 +250,7 @@ fn what_no_joint_can_be_is_refused() {
     for bodies in [[None, None], [Some(a), Some(a)], [Some(gone), None], [Some(a), Some(gone)]] {
         assert!(world.add_joint(bodies, &ball).is_err(), "{bodies:?}");
     }
+
     for kind in [
         JointKind::Ball { anchor: nan },
         JointKind::Hinge { anchor: nan, axis: Vector3::x() },
@@ -240,6 +259,7 @@ fn what_no_joint_can_be_is_refused() {
     ] {
         assert!(world.add_joint([Some(a), None], &kind).is_err(), "{kind:?}");
     }
+
     assert_eq!(world.joints().count(), 0);
 
     let hinge = JointKind::Hinge { anchor: origin, axis: Vector3::x() };

@@ -179,6 +179,7 @@ fn a_pair_knows_its_bodies_and_its_contacts() {
             }
         })
         .unwrap();
+
     assert_eq!(seen, 1);
 }
 
@@ -192,11 +193,15 @@ fn contacts_last_until_the_next_collide() {
         world.body(body).linear_velocity().z < -0.05
     };
     world.default_collide(&Surface::default(), 8).unwrap();
+
     assert!(!fall(&mut world) && !fall(&mut world));
+
     world.clear_contacts();
     assert!(fall(&mut world));
+
     world.default_collide(&Surface::default(), 8).unwrap();
     assert!(!fall(&mut world));
+
     world.collide(|_| ()).unwrap();
     assert!(fall(&mut world));
 }
@@ -210,9 +215,12 @@ fn jointed_bodies_do_not_collide_by_default() {
     let joint = world.add_joint([Some(a), Some(b)], &JointKind::Ball { anchor: Point3::origin() }).unwrap();
     let mut connected = Vec::new();
     world.collide(|pair| connected.push(pair.are_connected_excluding_contact())).unwrap();
+
     assert_eq!(connected, [true]);
+
     run(&mut world, 10, 0.01);
     assert!(world.body(b).linear_velocity().norm() < 1e-12);
+
     world.remove_joint(joint);
     run(&mut world, 10, 0.01);
     assert!(world.body(b).linear_velocity().x > 0.1);
@@ -233,12 +241,14 @@ fn what_is_wrong_with_a_contact_becomes_the_error_of_collide() {
             })
         };
     let good = Surface::default();
+
     assert!(collide(&mut world, |_| (), &good).is_ok());
     assert!(collide(&mut world, |contact| contact.depth = f64::NAN, &good).is_err());
     assert!(collide(&mut world, |contact| contact.depth = -0.1, &good).is_err());
     assert!(collide(&mut world, |contact| contact.normal *= 2.0, &good).is_err());
     assert!(collide(&mut world, |contact| contact.normal.x = f64::NAN, &good).is_err());
     assert!(collide(&mut world, |contact| contact.position.x = f64::INFINITY, &good).is_err());
+
     let bad = Surface { mu: f64::NAN, ..good };
     assert!(collide(&mut world, |_| (), &bad).unwrap_err().to_string().contains("mu"));
     assert!(world.default_collide(&bad, 8).is_err());
@@ -262,12 +272,15 @@ fn a_panic_comes_out_of_collide_and_the_world_works_on() {
         })
     }))
     .unwrap_err();
+
     assert_eq!((payload.downcast_ref::<u32>(), visited), (Some(&42), 1));
 
     // Nothing is left locked: all that ODE refuses during a collide works.
     world.geom_mut(geom).set_space(nested).unwrap();
     world.geom_mut(second).set_body(None).unwrap();
+
     assert_eq!(pairs(&mut world, &[ground, geom, second]).len(), 2);
+
     run(&mut world, 50, 0.01);
     assert!((world.body(body).position().z - 0.1).abs() < 1e-3);
 }
@@ -279,6 +292,7 @@ fn a_closure_may_use_another_world() {
         add_ground(world);
         add(world, &Shape::Sphere { radius: 0.1 }, 1.0, [0.0, 0.0, 0.05]);
     }
+
     let mut pairs = 0;
     outer
         .collide(|pair| {

@@ -87,6 +87,7 @@ impl Images {
                 },
             }
         }
+
         let nearest = self.next.as_ref().filter(|next| next.time - time < time - self.now.time);
         Ok(nearest.unwrap_or(&self.now))
     }

@@ -90,6 +90,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     print!("{}", rig.describe());
     println!();
     let comparable = placement::describe_rig(&rig, options, &mut report)?;
+
     if let Some(folder) = folder.as_ref().filter(|_| !comparable) {
         println!("\nthe silhouettes in {} are not compared: the cameras come first", folder.display());
     } else if let Some(folder) = &folder {
@@ -107,6 +108,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
             "--pictures, --frame: expected a recording, found none; give its folder after the calibration",
         ));
     }
+
     Ok(verdict(&report))
 }
 

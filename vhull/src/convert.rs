@@ -52,6 +52,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
             "expected a name that ends in .toml, the one format that is written; rename it",
         ));
     }
+
     if out.exists() && !force {
         return Err(Error::file(out, "expected no file yet, found one; choose another name or give --force"));
     }
@@ -69,6 +70,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     print!("{}", rig.describe());
     print_notes(&calibration);
     println!("written to {}", out.display());
+
     Ok(Outcome::Done)
 }
 

@@ -57,6 +57,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let frames = frames(options, &recorded)?;
     make_folder_of(&options.out)?;
     let bar = progress::bar(frames.len(), "meshes");
+
     for &frame in &frames {
         let hull = recorded.hull(frame)?;
         let surface = Surface::of(&SignedField::of(&hull, options.resolution)?);
@@ -86,6 +87,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
         });
         bar.inc(1);
     }
+
     bar.finish_and_clear();
     Ok(Outcome::Done)
 }
@@ -109,6 +111,7 @@ fn frames(options: &Options, recorded: &RecordedHulls) -> Result<Vec<u32>> {
         // A frame that does not exist is refused when its masks are read.
         return Ok(vec![options.frame.unwrap_or(all[0])]);
     };
+
     let frames: Vec<u32> = all.iter().copied().filter(|frame| range.contains(frame)).collect();
     if frames.is_empty() {
         let (first, last) = (all[0], all[all.len() - 1]);
@@ -117,6 +120,7 @@ fn frames(options: &Options, recorded: &RecordedHulls) -> Result<Vec<u32>> {
             shown_frames(range)
         )));
     }
+
     Ok(frames)
 }
 

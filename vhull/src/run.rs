@@ -123,17 +123,20 @@ pub fn run(options: &Options) -> Result<Outcome> {
         frames: playback.frames(),
         view: (!options.no_gif).then_some(view),
     };
+
     if playback.is_rate_assumed() && playback.pace().0 > 1 {
         eprintln!(
             "note: the recording does not state its images a second; {ASSUMED_RATE} are assumed, give --rate if it has \
              another rate"
         );
     }
+
     let bar = progress::bar(film.frames, "frames");
     let text = run_film(&film, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
     bar.finish_and_clear();
     let (count, seconds) = playback.pace();
     let text = format!("{placed}\n{count} recorded frames play in {seconds:.2} s\n{}", text?);
+
     // The reader may have closed the pipe.
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(Outcome::Done)
@@ -149,17 +152,20 @@ fn drop(
     let (kind, count) = (options.drop.unwrap_or(Kind::Boxes), options.count.unwrap_or(6).into());
     let side = options.side.unwrap_or(0.1);
     let poses = placement::poses(data, count, side, playback.pixel_size())?;
+
     if poses.is_empty() {
         return Err(Error::argument(
             "expected a place above 0.3 m for a body to land, found none; check that the world's z is up and the \
              floor at z = 0 (vhull check), take a smaller --side, or place boxes with --stack and --at",
         ));
     }
+
     for (i, pose) in poses.iter().enumerate() {
         let ball = kind == Kind::Spheres || kind == Kind::Mix && i % 2 == 1;
         let shape = if ball { Shape::Sphere { radius: 0.5 * side } } else { Shape::cube(side) };
         simulation.add(&shape, pose, COLOURS[i % COLOURS.len()])?;
     }
+
     let fewer =
         if poses.len() < count { format!(", of {count}: there is no room for more") } else { String::new() };
     Ok(format!("{} bodies fall on the subject{fewer}", poses.len()))
@@ -191,6 +197,7 @@ fn stack(
             }
         },
     };
+
     for i in 0..count {
         let height = (i as f64 + 0.5) * side + (i as f64 + 1.0) * GAP;
         // Small turns let the boxes of the stack be told apart in the film.
@@ -198,6 +205,7 @@ fn stack(
         let pose = Isometry3::new(foot.coords + Vector3::z() * height, turn);
         simulation.add(&Shape::cube(side), &pose, COLOURS[i % COLOURS.len()])?;
     }
+
     playback.show_stack(&foot, side, side * count as f64);
     Ok(format!("{count} boxes stand at ({:.2}, {:.2}, {:.2}) m, {found}", foot.x, foot.y, foot.z))
 }

@@ -107,6 +107,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
             "expected images or a video of every camera, found only masks; there is nothing to segment";
         return Err(Error::file(&options.recording, problem));
     }
+
     let streaming = StreamOptions { first: 0, rate: options.rate, bound: options.bound };
     let mut masks = Masks::open(options, &recording, &streaming)?;
     let segmenters = segmenters(options, &recording, &streaming)?;
@@ -142,6 +143,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
             Err(e) => return Err(tally.broken_off(&e, masks.dir())),
         }
     }
+
     bar.finish_and_clear();
     tally.print_summary(&options.recording, masks.dir(), &sets)
 }
@@ -178,6 +180,7 @@ fn segmenters(
         let key = Key::new(options.key.unwrap_or(GREEN));
         return recording.rig().cameras().iter().map(|_| Ok(Box::new(ChromaKey::new(key)?) as _)).collect();
     }
+
     let empty = EmptyRoom::find(options, recording, streaming)?.images;
     if options.method == Method::RunningGaussian {
         return empty.iter().map(|images| learn(images)).collect();
@@ -187,6 +190,7 @@ fn segmenters(
         return plates.map(|plate| Ok(Box::new(plate?) as _)).collect();
     }
     let frames = empty_room::over_all(recording, streaming)?;
+
     plates.zip(&frames).map(|(plate, frames)| Ok(Box::new(plate?.refined_with(frames)?) as _)).collect()
 }
 

@@ -92,6 +92,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     recording.write_backgrounds(&plates.iter().map(&mut expose).collect::<Result<Vec<_>>>()?)?;
     let mut times = Times::open(&options.dir, None)?;
     let bar = progress::bar(options.frames as usize, "frames");
+
     for frame in 0..options.frames {
         let scene = Scene { subject: subject(options.subject, f64::from(frame) / RATE)?, room: room.clone() };
         let render =
@@ -107,6 +108,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
         }
         bar.inc(1);
     }
+
     bar.finish_and_clear();
     println!("{} frames of {} cameras in {}", options.frames, rig.len(), options.dir.display());
     Ok(Outcome::Done)

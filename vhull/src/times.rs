@@ -31,6 +31,7 @@ impl Times {
                 Error::file(&path, format!("expected the frames' times, found: {e}; move it away"))
             })?,
         };
+
         if text.lines().next() != Some(COLUMNS) {
             return Ok(None);
         }
@@ -42,6 +43,7 @@ impl Times {
         if kept != text {
             std::fs::write(&path, kept).map_err(|e| not_written(&path, &e))?;
         }
+
         Ok(Some(Self { path, is_new: false }))
     }
 

@@ -159,18 +159,23 @@ fn bodies_are_drawn_into_the_recordings_videos() {
     success(&recording, &["--count", "1", "--hold", "0.2", "--frames", "1.."]);
     let stills = image::open(recording.join("out/run.png")).unwrap().into_rgb8();
     let [red, _, blue] = stills.get_pixel(3, 3).0;
+
     assert!(red < 30 && blue > 200, "{:?}", stills.get_pixel(3, 3));
+
     for camera in rig().cameras() {
         std::fs::write(recording.join(camera.name()).join("video.mkv"), b"no video").unwrap();
     }
     let (code, text) = failure(&recording, &["--count", "1", "--hold", "0"]);
+
     assert!(code == Some(1) && text.contains("video.mkv: expected a video"), "{text}");
+
     // A video that ends before what is played of it.
     for camera in rig().cameras() {
         std::fs::remove_file(recording.join(camera.name()).join("video.mkv")).unwrap();
     }
     film(&recording, "blue", 30, 1);
     let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--frames", "1.."]);
+
     assert!(code == Some(1) && text.contains("expected an image as frame 1"), "{text}");
     assert!(text.contains("--no-gif"), "{text}");
     success(&recording, &["--count", "1", "--hold", "0", "--frames", "1..", "--no-gif"]);
@@ -190,15 +195,20 @@ fn the_subject_moves_by_the_recordings_times_and_the_film_has_its_own() {
         (heights, String::from_utf8(output.stderr).unwrap())
     };
     let (heights, note) = play(&[]);
+
     assert_eq!(heights.len(), 60, "a second of 30, a second of 30 frames");
     assert!(note.contains("--rate"), "{note}");
+
     let (at_60, note) = play(&["--rate", "60"]);
     assert_eq!((at_60.len(), note.as_str()), (45, ""), "a second of 30, half a second of 60 frames");
+
     let lines = (0..30).map(|frame| format!("{frame},{:.6}\n", 3.0 + f64::from(frame) / 60.0));
     std::fs::write(recording.join("frames.csv"), format!("frame,time\n{}", lines.collect::<String>()))
         .unwrap();
+
     assert_eq!(play(&[]).0, at_60);
     assert_eq!(play(&["--rate", "30"]).0, heights, "what is given stands above what is written");
+
     std::fs::remove_file(recording.join("frames.csv")).unwrap();
     film(&recording, "blue", 60, 2);
     assert_eq!(play(&[]).0, at_60);
@@ -231,15 +241,20 @@ fn a_missing_camera_folder_an_unknown_view_and_an_empty_hull_are_named() {
     let recording = record("wrong", table, 1);
     let camera = rig().cameras()[2].name().to_owned();
     let (code, text) = failure(&recording, &["--view", "backstage"]);
+
     assert_eq!(code, Some(1));
     assert!(text.contains("--view: expected 0 to 5") && text.contains(&camera), "{text}");
+
     let (code, text) = failure(&recording, &["--bounds", "0.35,0.5,0.35,0.5,0,0.3"]);
     assert_eq!(code, Some(1));
     assert!(text.contains("empty hull") && text.contains("--bounds"), "{text}");
+
     std::fs::remove_dir_all(recording.join(&camera)).unwrap();
     let (code, text) = failure(&recording, &[]);
+
     assert_eq!(code, Some(1));
     assert!(text.contains(&camera) && text.contains("expected the folder"), "{text}");
+
     let (code, text) = failure(&recording.join("nowhere"), &[]);
     assert_eq!(code, Some(1));
     assert!(text.contains("expected the folder of a recording"), "{text}");

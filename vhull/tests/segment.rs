@@ -143,10 +143,12 @@ fn masks_as_run_lengths_are_those_of_pictures_in_one_file_a_camera() {
     let folder = Folder::new("rle");
     let dir = record(&folder, 4);
     let [pictures, runs] = ["pictures", "runs"].map(|name| folder.path(name));
+
     succeeds(&vhull(&dir, &["--out", pictures.to_str().unwrap()]));
     succeeds(&vhull(&dir, &["--rle", "--frames", "..2", "--out", runs.to_str().unwrap()]));
     succeeds(&vhull(&dir, &["--rle", "--resume", "--out", runs.to_str().unwrap()]));
     assert_eq!(files(&runs.join("left")), ["mask.rle"]);
+
     let masks = |dir| {
         let recording = Recording::open(dir).unwrap();
         recording.frames().iter().map(|&frame| recording.masks(frame).unwrap()).collect::<Vec<_>>()
@@ -168,14 +170,19 @@ fn masks_in_a_folder_of_their_own_keep_their_times_where_the_recording_tells_the
     let segment = |more: &[&str]| succeeds(&vhull(&dir, &[&["--out", out.to_str().unwrap()], more].concat()));
     let times = || Recording::open(&out).unwrap().frame_times(&StreamOptions::default()).unwrap();
     segment(&["--frames", "..1"]);
+
     assert_eq!(times(), None, "no times are known");
+
     std::fs::write(dir.join("frames.csv"), "frame,left,right\n0,5,5\n1,5.5,5.5\n2,6.25,6.25\n3,8,8\n")
         .unwrap();
     segment(&["--frames", "..1", "--force"]);
     segment(&["--frames", "..3", "--resume"]);
+
     assert_eq!(times(), Some(vec![5.0, 5.5, 6.25]));
+
     segment(&["--force", "--rate", "2"]);
     assert_eq!(times(), Some(vec![0.0, 0.5, 1.0, 1.5]), "a rate goes before the table");
+
     std::fs::write(out.join("frames.csv"), "frame,left,right\n0,0,0\n1,1,1\n2,2,2\n3,3,3\n").unwrap();
     segment(&["--force"]);
     assert_eq!(times(), Some(vec![0.0, 1.0, 2.0, 3.0]), "a table with other columns stays");
@@ -188,14 +195,18 @@ fn the_empty_room_may_be_a_video_a_folder_or_the_first_images() {
     for camera in CAMERAS {
         std::fs::remove_file(dir.join(camera).join("background.png")).unwrap();
     }
+
     says(&vhull(&dir, &[]), 1, &["view \"left\"", "left/background", "empty room", "--empty"]);
+
     let rooms = folder.path("rooms");
     std::fs::create_dir(&rooms).unwrap();
     for camera in CAMERAS {
         room().save(rooms.join(format!("{camera}.png"))).unwrap();
     }
+
     succeeds(&vhull(&dir, &["--background", rooms.to_str().unwrap()]));
     assert_masks(&dir, &[0, 1, 2, 3]);
+
     for camera in CAMERAS {
         // The subject comes after two images.
         for number in 0..2 {
@@ -209,6 +220,7 @@ fn the_empty_room_may_be_a_video_a_folder_or_the_first_images() {
         command.args(["-frames:v", "60", "-c:v", "ffv1", "-pix_fmt", "bgr0"]).arg(video);
         assert!(command.status().unwrap().success());
     }
+
     std::fs::create_dir(folder.path("a")).unwrap();
     for (out, arguments) in [("a/1", ["--empty", "2"]), ("a/2", ["--background", "empty.avi"])] {
         let out = folder.path(out);
@@ -216,6 +228,7 @@ fn the_empty_room_may_be_a_video_a_folder_or_the_first_images() {
         succeeds(&vhull(&dir, &[&arguments[..], &["--frames", "2..", "--out", out]].concat()));
         assert_masks(Path::new(out), &[2, 3]);
     }
+
     says(&vhull(&dir, &["--background", "none.avi", "--force"]), 1, &["left/none.avi", "found none"]);
 }
 
@@ -233,10 +246,13 @@ fn a_corrupt_image_in_the_middle_keeps_the_frames_before_and_can_be_fixed() {
         "after frame 2",
         "3 frames are done",
     ];
+
     says(&vhull(&dir, &[]), 1, &parts);
     assert_masks(&dir, &[0, 1, 2]);
+
     std::fs::remove_file(&bad).unwrap();
     let notes = succeeds(&vhull(&dir, &["--resume"]));
+
     assert!(notes.contains("1 frames left out") && notes.contains("frame 3, without right"), "{notes}");
     assert_masks(&dir, &[0, 1, 2, 4]);
 }
@@ -250,6 +266,7 @@ fn a_video_that_ends_early_keeps_its_frames_and_unequal_lengths_are_told() {
         std::fs::remove_file(dir.join(format!("left/image/{frame:06}.png"))).unwrap();
     }
     let notes = succeeds(&vhull(&dir, &[]));
+
     assert!(notes.contains("4 frames left out") && notes.contains("frame 8, without left"), "{notes}");
     assert_masks(&dir, &(0..8).collect::<Vec<_>>());
 
@@ -257,6 +274,7 @@ fn a_video_that_ends_early_keeps_its_frames_and_unequal_lengths_are_told() {
     let bytes = std::fs::read(&video).unwrap();
     std::fs::write(&video, &bytes[..bytes.len() * 2 / 3]).unwrap();
     let output = vhull(&dir, &["--force"]);
+
     says(&output, 1, &["view \"right\"", "video.avi", "expected 12 images", "frames are done", "--resume"]);
 }
 
@@ -264,6 +282,7 @@ fn a_video_that_ends_early_keeps_its_frames_and_unequal_lengths_are_told() {
 fn a_full_disk_is_told_and_leaves_no_half_written_file() {
     let folder = Folder::new("full");
     let dir = record(&folder, 4);
+
     // Blocks anywhere make a large mask.
     let mut random = Random(1);
     let mut noise = RgbImage::from_pixel(64, 48, Rgb([0; 3]));
@@ -274,13 +293,16 @@ fn a_full_disk_is_told_and_leaves_no_half_written_file() {
     for camera in CAMERAS {
         noise.save(dir.join(camera).join("image/000002.png")).unwrap();
     }
+
     // No file may grow beyond 2 KiB, as if the disk were full then.
     let script = "trap '' XFSZ; ulimit -f 4; exec \"$0\" segment \"$1\"";
     let mut command = Command::new("sh");
     let output = command.args(["-c", script, env!("CARGO_BIN_EXE_vhull")]).arg(&dir).output().unwrap();
     let parts = ["frame 2: ", "left/mask/000002.png", "make room", "2 frames are done", "--resume"];
+
     says(&output, 1, &parts);
     assert_masks(&dir, &[0, 1]);
+
     for camera in CAMERAS {
         assert_eq!(files(&dir.join(camera).join("mask")), ["000000.png", "000001.png"]);
     }
@@ -304,6 +326,7 @@ fn without_ffmpeg_videos_are_refused_and_nothing_is_written() {
 fn what_cannot_be_segmented_is_told() {
     let folder = Folder::new("cannot");
     let dir = record(&folder, 2);
+
     says(&vhull(&folder.path("none"), &[]), 1, &["none", "folder of a recording"]);
     says(&vhull(&dir, &["--frames", "7.."]), 1, &["expected frames", "found none", "--bound"]);
     says(&vhull(&dir, &["--frames", "3..2"]), 2, &["3..2", "20..60"]);
@@ -312,8 +335,10 @@ fn what_cannot_be_segmented_is_told() {
     says(&vhull(&dir, &["--key", "1,2,3"]), 1, &["--key", "--method chroma-key"]);
     says(&vhull(&dir, &["--method", "chroma-key", "--empty", "1"]), 1, &["--empty", "chroma-key"]);
     says(&vhull(&dir, &["--empty", "99"]), 1, &["view \"left\"", "--empty", "99 images"]);
+
     RgbImage::new(8, 8).save(dir.join("left/background.png")).unwrap();
     says(&vhull(&dir, &[]), 1, &["view \"left\"", "background.png", "320 x 240", "found 8 x 8"]);
+
     // Masks alone.
     let mask = GrayImage::new(SIZE.0, SIZE.1);
     Recording::resume(&dir, Recording::open(&dir).unwrap().rig())
@@ -323,6 +348,7 @@ fn what_cannot_be_segmented_is_told() {
     for camera in CAMERAS {
         std::fs::remove_dir_all(dir.join(camera).join("image")).unwrap();
     }
+
     says(&vhull(&dir, &[]), 1, &["found masks alone", "nothing to segment"]);
 }
 

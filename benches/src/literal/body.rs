@@ -87,6 +87,7 @@ impl LiteralHull<'_> {
                 Some((p, response.w(), response.view))
             }));
         }
+
         let sum = hits.iter().fold([0.0; 3], |sum, (_, w, _)| add(&sum, w));
         let squared = dot(&sum, &sum);
         let deepest = hits.iter().map(|(_, w, _)| w).max_by(|a, b| dot(a, a).total_cmp(&dot(b, b)));
@@ -94,6 +95,7 @@ impl LiteralHull<'_> {
         let along = if squared > 0.0 { sum } else { *deepest };
         let direction = scaled(&along, 1.0 / dot(&along, &along).sqrt());
         let exits = hits.iter().map(|(p, _, view)| self.exit(p, &direction, *view));
+
         BodyVector { vector: scaled(&direction, exits.fold(0.0, f32::max)), colliding: hits.len() }
     }
 }

@@ -15,6 +15,7 @@ impl LiteralView<'_> {
         let (du, dv) = (x1[0] - u * x1[2], x1[1] - v * x1[2]);
         let mut along_u = Axis::new(u, du, self.rect.x0, self.rect.x1);
         let mut along_v = Axis::new(v, dv, self.rect.y0, self.rect.y1);
+
         // Beyond the silhouette's rectangle all is background.
         let leaves_rect = along_u.last.min(along_v.last);
         let depth_at_limit = x0[2] + limit * x1[2];
@@ -22,6 +23,7 @@ impl LiteralView<'_> {
         let (bytes, stride) = self.bytes_at((0, 0));
         let mut at = v as i32 as isize * stride as isize + u as i32 as isize;
         let (step_u, step_v) = (along_u.step, along_v.step * stride as isize);
+
         loop {
             let s = if along_u.next < along_v.next {
                 at += step_u;

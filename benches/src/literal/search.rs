@@ -34,6 +34,7 @@ impl LiteralHull<'_> {
             (window.centre, window.growth) = view.project(a);
             d_max = d_max.max(window.growth);
         }
+
         windows.iter_mut().for_each(|window| window.growth = d_max / window.growth);
         for k in 0..i32::MAX {
             for (index, (window, view)) in windows.iter_mut().zip(&self.views).enumerate() {
@@ -44,6 +45,7 @@ impl LiteralHull<'_> {
                 window.scanned = half;
             }
         }
+
         None
     }
 }
@@ -102,14 +104,17 @@ impl LiteralView<'_> {
                 best = Some(best.map_or(candidate, |best| best.min(candidate)));
             }
         };
+
         for x in i - radius..=i + radius {
             consider(x, j - radius);
             consider(x, j + radius);
         }
+
         for y in j - radius + 1..j + radius {
             consider(i - radius, y);
             consider(i + radius, y);
         }
+
         best
     }
 }

@@ -52,6 +52,7 @@ impl Boxes {
                 dGeomSetData(geom, index as *mut c_void);
             }
         }
+
         Ok(Self { space, count: bodies.poses.len(), _ode: ode })
     }
 
@@ -59,6 +60,7 @@ impl Boxes {
     pub fn with_mesh(&mut self, mesh: &Mesh, counts: &mut Vec<usize>) {
         counts.clear();
         counts.resize(self.count, 0);
+
         // SAFETY: strides and counts describe the two arrays, which live until the data is destroyed. The geom is in
         // no space and is destroyed before its data. `near` gets what it expects, and destroys nothing.
         unsafe {

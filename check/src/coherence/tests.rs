@@ -48,6 +48,7 @@ fn the_view_that_lost_a_part_is_the_one_that_cuts() {
 
     let fits = coherence(&cameras, &masks);
     assert!(fits[2].filled_share() > 0.9, "it still fits itself: {:?}", fits[2]);
+
     for view in [0, 1, 3] {
         assert!(
             fits[view].filled_share() < 0.9 && fits[view].carved_pixels < fits[2].carved_pixels / 4,

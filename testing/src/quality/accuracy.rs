@@ -40,6 +40,7 @@ pub fn probes(scene: &Scene, count: usize, seed: u64) -> Vec<Probe> {
             probes.push(Probe { p, direction, exit });
         }
     }
+
     probes
 }
 
@@ -75,6 +76,7 @@ pub fn culls_agree(scene: &Scene, count: usize, seed: u64) -> f64 {
             }
         }
     }
+
     share(agreed.into_iter())
 }
 

@@ -72,6 +72,7 @@ impl AnalyticHull {
             let middle = 0.5 * (inside + outside);
             *(if self.contains(&at(middle)) { &mut inside } else { &mut outside }) = middle;
         }
+
         let view = self.contours.iter().position(|contour| !contour.sees(&at(outside)));
         (outside, view.unwrap_or(0))
     }

@@ -137,6 +137,7 @@ impl Contour {
                 }
             }
         }
+
         nearest
     }
 
@@ -176,6 +177,7 @@ impl Contour {
             }
             above = below;
         }
+
         segments
     }
 
@@ -271,10 +273,13 @@ mod tests {
         };
         let off_outline = |at: &Point2<f64>| (contour.nearest(at) - at).norm();
         let corners: Vec<_> = (0..8).map(corner).filter(|corner| off_outline(corner) < 0.3).collect();
+
         assert_eq!(corners.len(), 6);
         assert!(corners.iter().all(|corner| contour.bends_near(corner, 0.5)));
+
         let beside = |bend: &Point2<f64>| corners.iter().any(|corner| (corner - bend).norm() < BEND_REACH);
         assert!(contour.bends.iter().all(beside));
+
         // The convex hull of the corners is the silhouette: on the line between two of them or beside it.
         for a in &corners {
             let next = |b: &&Point2<f64>| off_outline(&nalgebra::center(a, b)) < 1e-6;

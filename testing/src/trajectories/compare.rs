@@ -48,6 +48,7 @@ pub fn rolled(scene: &Scene) -> Option<Rolled> {
     let native = run(scene, Support::Native);
     let hull = run_for(scene, Support::Hull, native.last);
     let (on_hull, on_box) = (&hull[native.last][0].velocity, &native.states[native.last][0].velocity);
+
     Some(Rolled { shape, over_native: on_hull.dot(on_box) / on_box.norm_squared() })
 }
 
@@ -69,6 +70,7 @@ pub fn figures(progress: &dyn Fn(&str)) -> Vec<(String, f64)> {
             kept.into_iter().for_each(|(_, kept)| *kept = farther_from_one(*kept, over_native));
         }
     }
+
     figures.push(("trajectory_worst_px".into(), worst));
     figures.push(("trajectory_edge_first_px".into(), edge_first));
     for (shape, over_native) in rolling {
@@ -76,6 +78,7 @@ pub fn figures(progress: &dyn Fn(&str)) -> Vec<(String, f64)> {
     }
     let [(_, sphere), (_, cylinder)] = rolling;
     figures.push(("rolling_speed_over_native".into(), farther_from_one(sphere, cylinder)));
+
     figures
 }
 

@@ -71,6 +71,7 @@ fn drops() -> Vec<Scene> {
         onto(&BALL, 0.08, euler(0.0, 0.0, 0.0)),
     );
     bouncing.surface = Surface { bounce: Some(0.5), bounce_velocity: 0.1, ..Surface::default() };
+
     vec![
         drop("box_dropped", "a cube dropped from 10 cm on its face", onto(&CUBE, 0.1, euler(0.0, 0.0, 0.3))),
         drop("sphere_dropped", "a sphere dropped from 10 cm", onto(&BALL, 0.08, euler(0.0, 0.0, 0.0))),
@@ -102,6 +103,7 @@ fn edge_first_drops() -> Vec<Scene> {
     // The lowest point of each is 10 cm above the table.
     let onto = |shape: &Shape, lowest: f64, turn| above(&TABLE, shape, 0.02, -0.03, lowest + DROP, turn);
     let (sin, cos) = 0.5f64.sin_cos();
+
     // Cube: tilted by 30 degrees about y, then turned about z.
     let edge = euler(0.0, 30f64.to_radians(), 0.3);
     let edge_low = 0.1 * (30f64.to_radians().cos() + 0.5);
@@ -129,6 +131,7 @@ fn edge_first_drops() -> Vec<Scene> {
             onto(&CAPSULE, 0.075 * FRAC_PI_4.cos() + 0.05, euler(FRAC_PI_4, 0.0, 0.4)),
         ),
     ];
+
     scenes.map(|scene| Scene { edge_first: true, ..scene }).into()
 }
 
@@ -142,6 +145,7 @@ fn slides() -> Vec<Scene> {
     };
     let mut pushed = above(&TABLE, &CUBE, -0.12, 0.03, 0.1, euler(0.0, 0.0, 0.3));
     pushed.velocity = vector![1.0, 0.0, 0.0];
+
     vec![
         ramp("box_slides_ramp", "a cube slides down the ramp, friction 0.2", 0.2, Ends::OffSupport),
         ramp("box_holds_ramp", "a cube stays on the ramp, friction 0.6", 0.6, Ends::AtRest),

@@ -70,6 +70,7 @@ impl Reference {
         let rig = scene.rig;
         let (first, last) = (run.first as f64 * DT, run.last as f64 * DT);
         let l = rig.lengths;
+
         for line in [
             format!("{}: {}", scene.name, scene.about),
             format!("native geoms of ODE 0.16.2 on a box of {} x {} x {} m ({})", l.x, l.y, l.z, rig.name),
@@ -83,6 +84,7 @@ impl Reference {
         ] {
             writeln!(text, "# {line}").unwrap();
         }
+
         writeln!(text, "t,body,x,y,z,qw,qx,qy,qz").unwrap();
         for (k, poses) in &self.rows {
             for (body, pose) in poses.iter().enumerate() {
@@ -95,6 +97,7 @@ impl Reference {
                 text.push('\n');
             }
         }
+
         text
     }
 
@@ -118,6 +121,7 @@ impl Reference {
             }
             rows.last_mut()?.1.push(pose);
         }
+
         Some(Self { pixel: header("pixel_m")?, tolerance_px: header("tolerance_px")?, rows })
     }
 }

@@ -122,6 +122,7 @@ impl Stage {
             world.add_joint([Some(bodies[0]), None], joint).unwrap();
         }
         set_random_seed(SEED);
+
         Self { world, support, bodies, surface: scene.surface, _turn: turn }
     }
 
@@ -150,6 +151,7 @@ impl Stage {
         };
         self.world.collide(collide).unwrap();
         self.world.quick_step(DT).unwrap();
+
         touched
     }
 }
@@ -191,6 +193,7 @@ pub fn run(scene: &Scene, support: Support) -> Run {
     let mut states = vec![stage.states()];
     let (mut first, mut still, mut off) = (None, 0, 0);
     let steps = |seconds: f64| (seconds / DT).round() as usize;
+
     for k in 1..=steps(5.0) {
         let touched = stage.step();
         states.push(stage.states());
@@ -212,6 +215,7 @@ pub fn run(scene: &Scene, support: Support) -> Run {
             return Run { states, first, last, ending };
         }
     }
+
     panic!("{}: expected the bodies to reach the support within 3 s", scene.name)
 }
 

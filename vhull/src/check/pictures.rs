@@ -31,6 +31,7 @@ pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result
     let frame_times = FrameTimes::of(recording, None)?;
     let time = frames.binary_search(&frame).map_or(0.0, |k| frame_times.times[k]);
     let bar = progress::bar(masks.len(), "pictures");
+
     for (k, (camera, mask)) in recording.rig().cameras().iter().zip(&masks).enumerate() {
         let moment = (frame, time);
         let mut background =
@@ -43,6 +44,7 @@ pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result
             .map_err(|e| Error::file(&path, format!("expected to write a png, found: {e}")))?;
         bar.inc(1);
     }
+
     bar.finish_and_clear();
     println!("  pictures of frame {frame} in {}:", out.display());
     println!("  green: the hull; red: silhouette outside the hull; yellow: the silhouette's edge");

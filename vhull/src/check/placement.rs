@@ -35,6 +35,7 @@ fn focus_spot(rig: &Rig, focus: &Point3<f64>, report: &mut Report) -> Result<()>
         let distance = (focus - camera.centre()).norm();
         println!("  {}: {:.2} m at a distance of {distance:.2} m", camera.name(), miss(camera));
     }
+
     let seeing = rig.seeing_focus()?;
     if seeing.len() == rig.len() {
         return Ok(());
@@ -50,6 +51,7 @@ fn focus_spot(rig: &Rig, focus: &Point3<f64>, report: &mut Report) -> Result<()>
         None => "turn the camera, or check its pose".to_owned(),
     };
     report.add_problem(format!("the spot that the cameras look at {how} {}; {advice}", names.join(", ")));
+
     Ok(())
 }
 
@@ -65,6 +67,7 @@ fn volume(rig: &Rig, options: &Options, report: &mut Report) -> Result<bool> {
     println!("work volume {} to {}", metres(&volume.min), metres(&volume.max));
     let shares = rig.coverage(&volume, SAMPLES);
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+
     // Shares that round to 0 % are left out.
     let counted = shares.iter().enumerate().filter(|(_, share)| **share >= 0.005);
     let counted: Vec<_> = counted.map(|(n, &share)| format!("{} by {n}", percent(share))).collect();
@@ -75,6 +78,7 @@ fn volume(rig: &Rig, options: &Options, report: &mut Report) -> Result<bool> {
         named.clone().map(|(c, &share)| format!("{} by {}", percent(share), c.name())).collect();
     println!("  seen by each: {}", each.join(", "));
     let blind: Vec<_> = named.filter(|(_, share)| **share == 0.0).map(|(c, _)| c.name()).collect();
+
     if !blind.is_empty() {
         report.add_problem(format!(
             "nothing of the work volume is seen by {}; give --bounds around the subject, or check the poses",
@@ -85,6 +89,7 @@ fn volume(rig: &Rig, options: &Options, report: &mut Report) -> Result<bool> {
             "no part of the work volume is seen by two cameras; give --bounds around the subject, or check the poses",
         );
     }
+
     Ok(blind.is_empty())
 }
 
@@ -93,6 +98,7 @@ fn tent(rig: &Rig, table: &Table, report: &mut Report) -> Result<()> {
     let Table { top, side } = *table;
     let tent = Tent::above(rig.cameras(), top, side)?;
     let name = format!("above a table of {side} m at {}", metres(&top));
+
     if tent.cameras.len() < 2 {
         report.add_problem(format!(
             "{name}: expected at least two cameras that see its top, found {}; move them, or the table",
@@ -100,12 +106,14 @@ fn tent(rig: &Rig, table: &Table, report: &mut Report) -> Result<()> {
         ));
         return Ok(());
     }
+
     println!(
         "{name} the hull rises {:.0} mm in the middle, {:.0} mm at most, by the {} cameras that see its top",
         1e3 * tent.middle,
         1e3 * tent.highest,
         tent.cameras.len()
     );
+
     let above = |&k: &usize| {
         let camera = &rig.cameras()[k];
         let up = camera.centre() - top;
@@ -113,6 +121,7 @@ fn tent(rig: &Rig, table: &Table, report: &mut Report) -> Result<()> {
     };
     let lowest = tent.cameras.iter().map(above).filter(|(degrees, _)| *degrees >= 0.0);
     let lowest = lowest.min_by(|a, b| a.0.total_cmp(&b.0));
+
     if let Some((degrees, name)) = lowest.filter(|_| tent.highest > HIGH_TENT * side) {
         println!(
             "  the camera that looks along it most is {name}, {degrees:.0} degrees above; one at a height of {:.2} m \
@@ -120,6 +129,7 @@ fn tent(rig: &Rig, table: &Table, report: &mut Report) -> Result<()> {
             top.z
         );
     }
+
     Ok(())
 }
 

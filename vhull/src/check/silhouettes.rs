@@ -35,6 +35,7 @@ pub fn describe_silhouettes(recorded: &RecordedHulls, options: &Options, report:
     let (mut tangency, mut coherence, mut empty) = (EpipolarTangency::new(), Vec::new(), Vec::new());
     let bar = progress::bar(frames.len(), "silhouettes");
     let every = frames.len().div_ceil(COHERENCE_FRAMES);
+
     for (k, &frame) in frames.iter().enumerate() {
         let hull = recorded.hull(frame)?;
         tangency.add(&hull);
@@ -47,6 +48,7 @@ pub fn describe_silhouettes(recorded: &RecordedHulls, options: &Options, report:
         }
         bar.inc(1);
     }
+
     bar.finish_and_clear();
     println!("silhouettes of {} frames, {} to {}", frames.len(), frames[0], frames[frames.len() - 1]);
     let shifts = tangency.shifts();
@@ -57,6 +59,7 @@ pub fn describe_silhouettes(recorded: &RecordedHulls, options: &Options, report:
         report
             .add_problem(format!("frame {frame}: the hull is empty: {}", why_empty(hull, recorded, *frame)?));
     }
+
     Ok(())
 }
 
@@ -67,6 +70,7 @@ fn print_table(rig: &Rig, shifts: &[ViewShift], coherence: &[SilhouetteCoherence
         "  {:width$}  {:>16}  {:>7}  {:>11}  {:>6}  {:>22}",
         "camera", "shifted by, px", "gain", "gap", "filled", "cuts away"
     );
+
     for ((camera, shift), view) in rig.cameras().iter().zip(shifts).zip(coherence) {
         let by = match shift.planes {
             0 => "unknown".into(),
@@ -84,6 +88,7 @@ fn print_table(rig: &Rig, shifts: &[ViewShift], coherence: &[SilhouetteCoherence
             100.0 * view.filled_share(),
         );
     }
+
     println!(
         "  shifted by: right and down, relative to what the others see; gain: by how much undoing it lessens the gaps\n  \
          gap: median at the outermost planes shared with other views, as it is and after all shifts are undone\n  \
@@ -112,6 +117,7 @@ fn add_problems(
     };
     let mut off_views: Vec<usize> = (0..shifts.len()).filter(|&k| is_off(&shifts[k])).collect();
     off_views.sort_by(|&a, &b| shifts[b].shift.norm().total_cmp(&shifts[a].shift.norm()));
+
     if rig.len() < 3 && !off_views.is_empty() {
         let gap = shifts.iter().map(|shift| shift.gap).fold(0.0, f64::max);
         report.add_problem(format!(
@@ -120,6 +126,7 @@ fn add_problems(
         ));
         return;
     }
+
     for &k in &off_views {
         let s = -shifts[k].shift;
         report.add_problem(format!(
@@ -132,6 +139,7 @@ fn add_problems(
             options.tolerance
         ));
     }
+
     if !off_views.is_empty() {
         return;
     }
@@ -163,6 +171,7 @@ fn why_empty(hull: &Hull, recorded: &RecordedHulls, frame: u32) -> Result<String
         ),
         None => "no point is subject in all views".into(),
     };
+
     for convention in PoseConvention::ALL {
         if recorded
             .recording
@@ -174,6 +183,7 @@ fn why_empty(hull: &Hull, recorded: &RecordedHulls, frame: u32) -> Result<String
             return Ok(format!("{reason}; with {} it is not: convert the poses so", convention.describe()));
         }
     }
+
     Ok(format!(
         "{reason}; give --bounds around the subject, or --unseen abstain where no point is in sight of all"
     ))

@@ -42,6 +42,7 @@ impl SignedField {
         }
         let aabb = hull.aabb().grown(MARGIN * cell);
         let counts = ((aabb.max - aabb.min) / cell).map(|n| n.ceil() + 1.0);
+
         if counts.product() > MAX_POINTS {
             return Err(Error::argument(format!(
                 "--resolution: expected at most {MAX_POINTS:e} grid points in the hull's box, found {:.1e}; take larger \
@@ -49,6 +50,7 @@ impl SignedField {
                 counts.product()
             )));
         }
+
         let maps: Vec<DistanceMap> =
             hull.views().iter().filter(|view| view.is_enabled()).map(DistanceMap::new).collect();
         let counts: [u32; 3] = counts.map(|n| n as u32).into();
@@ -62,6 +64,7 @@ impl SignedField {
                 }
             }
         }
+
         Ok(Self { origin: aabb.min, cell, counts, distances })
     }
 }
@@ -84,6 +87,7 @@ fn distance(hull: &Hull, maps: &[DistanceMap], p: &Point3<f64>, cell: f64) -> f6
             return 2.0 * cell;
         }
     }
+
     let is_bounded = hull.unseen().decides_inside(seeing, 0, maps.len());
     if is_bounded { farthest.max(-2.0 * cell) } else { 2.0 * cell }
 }

@@ -23,6 +23,7 @@ impl Surface {
             let shape = RuntimeShape::<u32, 3>::new(field.counts);
             surface_nets(&field.distances, &shape, [0; 3], field.counts.map(|n| n - 1), &mut buffer);
         }
+
         let world = |p: &[f32; 3]| {
             let offset = Vector3::from(*p).cast::<f64>() * field.cell;
             (field.origin.coords + offset).cast::<f32>()
@@ -30,6 +31,7 @@ impl Surface {
         let points: Vec<_> = buffer.positions.iter().map(world).collect();
         let triangles = buffer.indices.as_chunks::<3>().0.to_vec();
         let normals = normals(&points, &triangles);
+
         Self { points, normals, triangles }
     }
 
@@ -52,6 +54,7 @@ impl Surface {
             self.triangles.len()
         )
         .into_bytes();
+
         for (point, normal) in self.points.iter().zip(&self.normals) {
             point.iter().chain(normal.iter()).for_each(|x| bytes.extend(x.to_le_bytes()));
         }
@@ -59,6 +62,7 @@ impl Surface {
             bytes.push(3);
             triangle.iter().for_each(|k| bytes.extend(k.to_le_bytes()));
         }
+
         bytes
     }
 

@@ -37,6 +37,7 @@ pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<
         (most >= MIN_OVERLAP && is_clear()).then_some(((most - BEST_OVERLAP).abs(), foot))
     };
     let best = places.map(foot).filter_map(struck).min_by(|a, b| a.0.total_cmp(&b.0));
+
     best.map(|(_, foot)| foot)
 }
 

@@ -56,11 +56,13 @@ pub fn poses(data: &Arc<HullData>, n: usize, side: f64, pixel_size: f64) -> Resu
             kept.push(pose);
         }
     }
+
     for pose in unsteady {
         if chosen.len() < n && is_apart(&pose, &chosen, side) {
             chosen.push(pose);
         }
     }
+
     Ok(chosen)
 }
 
@@ -151,6 +153,7 @@ impl Heights {
         let (slope, roughness) = plane(&cells)?;
         let offset = Vector3::new(x as f64 + 0.5 * n as f64, y as f64 + 0.5 * n as f64, 0.0) * CELL;
         let corner = Point3::new(self.origin.x, self.origin.y, top);
+
         Some(Placement { top: corner + offset, flatness: covered - slope - roughness / ROUGHNESS_OF_SLOPE })
     }
 }

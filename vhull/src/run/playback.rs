@@ -68,6 +68,7 @@ impl Playback {
             background: None,
         };
         playback.publish(0.0, data)?;
+
         Ok(playback)
     }
 

@@ -75,6 +75,7 @@ mod tests {
             assert_eq!(played(&timeline)[..23], expected[..23], "{rate}");
             assert!((timeline.duration() - 24.0 / rate).abs() < 1e-9);
         }
+
         // A rate that no step fits: never off by more than half a step.
         let timeline = Timeline::new(&times(25.0, 50), 0.0, 0.0);
         assert!(

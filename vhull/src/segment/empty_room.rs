@@ -77,6 +77,7 @@ fn background(options: &Options, camera: &str) -> Result<PathBuf> {
             return if path.is_file() { Ok(path) } else { Err(Error::file(path, ABSENT)) };
         }
     };
+
     for stem in &stems {
         let place = folder.join(stem);
         let beside = place.parent().and_then(|parent| std::fs::read_dir(parent).ok());
@@ -88,6 +89,7 @@ fn background(options: &Options, camera: &str) -> Result<PathBuf> {
             return Ok(path);
         }
     }
+
     Err(Error::file(folder.join(&stems[0]), ABSENT))
 }
 
@@ -106,12 +108,14 @@ fn read(path: &Path, size: (u32, u32)) -> Result<Vec<RgbImage>> {
         let count = video.frames_left().unwrap_or(u32::MAX);
         return evenly_spaced(&mut video, count);
     }
+
     let image = image::ImageReader::open(path)
         .and_then(image::ImageReader::with_guessed_format)
         .map_err(image::ImageError::IoError)
         .and_then(image::ImageReader::decode)
         .map_err(|e| Error::file(path, format!("expected a picture of the empty background, found: {e}")))?
         .into_rgb8();
+
     if image.dimensions() == size {
         return Ok(vec![image]);
     }

@@ -34,6 +34,7 @@ impl Masks {
         let frames = recording.as_ref().map_or(&[][..], Recording::frames);
         let wanted = options.frames.clone();
         let existing: BTreeSet<u32> = frames.iter().copied().filter(|frame| wanted.contains(frame)).collect();
+
         if !existing.is_empty() && !options.resume && !options.force {
             let problem = format!(
                 "expected no masks yet, found those of {} frames; --resume keeps them and makes the others, --force \
@@ -42,6 +43,7 @@ impl Masks {
             );
             return Err(Error::file(dir, problem));
         }
+
         let kept = if options.resume { existing } else { BTreeSet::new() };
         let times = match &options.out {
             Some(out) if !matches!(images.frame_times(streaming), Ok(None)) => {

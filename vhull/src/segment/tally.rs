@@ -64,6 +64,7 @@ impl Tally {
                 self.renumbered
             );
         }
+
         if let [(first, missing), ..] = self.incomplete.as_slice() {
             let count = self.incomplete.len();
             eprintln!(
@@ -71,6 +72,7 @@ impl Tally {
                  {missing}"
             );
         }
+
         if self.written + self.kept == 0 {
             let problem = format!(
                 "expected frames with an image of every camera within {} s, found none; give --frames that exist, or a \
@@ -79,6 +81,7 @@ impl Tally {
             );
             return Err(Error::file(recording, problem));
         }
+
         let spread_ms = 1000.0 * self.widest_spread;
         println!(
             "{} frames segmented, {} had masks before; images of one time within {spread_ms:.1} ms",

@@ -50,6 +50,7 @@ fn overlays_lie_on_images_of_their_own_time_alone() {
         let far = picture.get_pixel(2, 2).0.iter().zip(colour).any(|(a, b)| a.abs_diff(b) > 30);
         assert!(!far, "{:?}", picture.get_pixel(2, 2));
     };
+
     for camera in 0..5 {
         std::fs::remove_file(folder.join(format!("studio/cam{camera}/image/000001.png"))).unwrap();
     }
@@ -63,6 +64,7 @@ fn overlays_lie_on_images_of_their_own_time_alone() {
             .arg(folder.join(format!("studio/cam{camera}/video.mkv")));
         assert!(ffmpeg.status().expect("ffmpeg, which scripts/setup installs").success());
     }
+
     corner([0, 0, 254]);
 }
 
@@ -149,6 +151,7 @@ fn wrong_input_is_told_with_file_and_next_step() {
     std::fs::write(folder.join("notes.txt"), "cameras: three\n").unwrap();
     std::fs::write(folder.join("studio/cam1/mask/000001.png"), "not a png").unwrap();
     std::fs::create_dir(folder.join("nothing")).unwrap();
+
     for (words, parts) in [
         (&["check", "absent.toml"][..], &["absent.toml", "check the path"][..]),
         (&["check", "notes.txt"], &["notes.txt: expected a calibration", "cameras: three"]),
@@ -191,11 +194,13 @@ fn what_check_is_not_given_is_named_with_the_next_step() {
         assert_eq!(run.code, code, "{words:?}: {}{}", run.out, run.error);
         assert!(run.error.contains(part), "{words:?}: {}", run.error);
     }
+
     let mask = folder.join("studio/cam3/mask/000001.png");
     let png = std::fs::read(&mask).unwrap();
     std::fs::write(&mask, &png[..png.len() / 2]).unwrap();
     let run = vhull(&folder, &["check", "studio"]);
     let parts =
         ["view \"cam3\"", "cam3/mask/000001.png", "expected an image", "put a whole one in its place"];
+
     assert!(run.code == 1 && parts.iter().all(|part| run.error.contains(part)), "{}", run.error);
 }

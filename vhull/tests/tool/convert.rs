@@ -25,6 +25,7 @@ fn what_a_calibration_leaves_out_leads_to_the_option_that_tells_it() {
     let millimetres = r#"{"a": {"K": [[500, 0, 320], [0, 500, 240], [0, 0, 1]], "R": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
                           "T": [0, 0, 2500], "size": [640, 480]}}"#;
     std::fs::write(folder.join("far.json"), millimetres).unwrap();
+
     for verb in [&["check"][..], &["convert", "--force"]] {
         let run = |words: &[&str]| {
             let out = if verb.len() == 2 { &["out.toml"][..] } else { &[] };

@@ -15,14 +15,18 @@ fn read_ply(path: &Path) -> Ply {
     let bytes = std::fs::read(path).unwrap();
     let end = bytes.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
     let header = std::str::from_utf8(&bytes[..end]).unwrap();
+
     assert!(header.starts_with("ply\nformat binary_little_endian 1.0\n"), "{header}");
+
     let count = |what: &str| -> usize {
         let line = header.lines().find_map(|line| line.strip_prefix(what)).unwrap();
         line.trim().parse().unwrap()
     };
     let (vertices, faces) = (count("element vertex"), count("element face"));
     let body = &bytes[end..];
+
     assert_eq!(body.len(), 24 * vertices + 13 * faces);
+
     let float = |at: usize| f64::from(f32::from_le_bytes(body[at..at + 4].try_into().unwrap()));
     let vector = |at: usize| Vector3::new(float(at), float(at + 4), float(at + 8));
     let index = |at: usize| u32::from_le_bytes(body[at..at + 4].try_into().unwrap()) as usize;
@@ -31,6 +35,7 @@ fn read_ply(path: &Path) -> Ply {
         assert_eq!(body[at], 3);
         [index(at + 1), index(at + 5), index(at + 9)]
     };
+
     Ply {
         points: (0..vertices).map(|k| vector(24 * k)).collect(),
         normals: (0..vertices).map(|k| vector(24 * k + 12)).collect(),
@@ -61,11 +66,15 @@ impl Ply {
 fn a_balls_hull_is_closed_and_as_large_as_the_ball_or_a_little_larger() {
     let folder = studio("mesh_ball", "ball");
     let run = vhull(&folder, &["mesh", "studio", "--resolution", "0.02", "-o", "ball.ply"]);
+
     assert_eq!((run.code, run.error.as_str()), (0, ""), "{}", run.out);
+
     let mesh = read_ply(&folder.join("ball.ply"));
     mesh.assert_closed();
+
     // The ball has 0.268 m3; five cameras leave a hull that is larger, but no box around it.
     assert!((0.25..0.40).contains(&mesh.volume()), "{}", mesh.volume());
+
     let centre = Vector3::new(0.0, 0.0, 0.4);
     for (point, normal) in mesh.points.iter().zip(&mesh.normals) {
         assert!((normal.norm() - 1.0).abs() < 1e-5);
@@ -80,13 +89,16 @@ fn sequences_are_numbered_and_obj_holds_the_same_as_ply() {
     let folder = studio("mesh_sequence", "box");
     let run =
         vhull(&folder, &["mesh", "studio", "--frames", "1..3", "--resolution", "0.05", "-o", "hull.obj"]);
+
     assert_eq!(run.code, 0, "{}", run.error);
     assert!(!folder.join("hull.obj").exists() && !folder.join("hull_000000.obj").exists());
     assert_eq!(run.out.lines().count(), 2);
+
     let obj = std::fs::read_to_string(folder.join("hull_000002.obj")).unwrap();
     vhull(&folder, &["mesh", "studio", "--frame", "2", "--resolution", "0.05", "-o", "hull.ply"]);
     let ply = read_ply(&folder.join("hull.ply"));
     let lines = |start: &str| obj.lines().filter(|line| line.starts_with(start)).count();
+
     assert_eq!(
         (lines("v "), lines("vn "), lines("f ")),
         (ply.points.len(), ply.points.len(), ply.triangles.len())
@@ -129,6 +141,7 @@ fn meshes_that_cannot_be_are_refused() {
         assert_eq!(run.code, 1, "{words:?}: {}{}", run.out, run.error);
         assert!(run.error.contains(part), "{words:?}: {}", run.error);
     }
+
     assert!(!folder.join("hull.ply").exists());
 }
 

@@ -5,12 +5,16 @@ use ode_visual_hull::recording::{Recording, StreamOptions};
 fn a_recording_has_images_backgrounds_and_masks() {
     let folder = studio("synth_all", "ring");
     let recording = Recording::open(folder.join("studio")).unwrap();
+
     assert_eq!((recording.rig().len(), recording.frames()), (5, &[0, 1, 2][..]));
+
     let times = recording.frame_times(&StreamOptions::default()).unwrap();
     assert_eq!(times, Some(vec![0.0, 0.033333, 0.066667]));
+
     let (images, masks) = (recording.images(2).unwrap(), recording.masks(2).unwrap());
     let plate = recording.background(4).unwrap();
     let (mut inside, mut outside) = ((0.0, 0), (0.0, 0));
+
     for (x, y, mask) in masks[4].enumerate_pixels() {
         let [a, b] = [images[4].get_pixel(x, y), plate.get_pixel(x, y)];
         let difference: f64 = (0..3).map(|c| f64::from(a.0[c].abs_diff(b.0[c]))).sum();
@@ -20,6 +24,7 @@ fn a_recording_has_images_backgrounds_and_masks() {
             _ => {}
         }
     }
+
     let (inside, outside) = (inside.0 / f64::from(inside.1), outside.0 / f64::from(outside.1));
     // Two grey levels of noise in each of two images, three channels.
     assert!(inside > 60.0 && outside < 12.0, "{inside} {outside}");
@@ -44,10 +49,12 @@ fn the_same_seed_gives_the_same_recording_and_masks_are_left_out_on_demand() {
         ];
         assert_eq!(vhull(&folder, &words).code, 0);
     }
+
     let file = |name: &str| std::fs::read(folder.join(name).join("cam1/image/000000.png")).unwrap();
     assert_eq!(file("a"), file("b"));
     assert_ne!(file("a"), file("c"));
     assert!(Recording::open(folder.join("a")).unwrap().frames().is_empty());
+
     let run = vhull(&folder, &["check", "a"]);
     assert!(run.code == 1 && run.error.contains("make them first: vhull segment a"), "{}", run.error);
 }

@@ -117,8 +117,8 @@ fn contacts_of_60_boxes_in_new_frames_with_coverage(bencher: Bencher, size: &(u3
     contacts_in_new_frames(bencher, &Scene::segmented(Who::Person, 7, *size));
 }
 
-/// The contacts of 60 boxes in frames of which no edge normal is known yet. A sample is one frame, made
-/// off the clock just before: of frames made in advance most would have left the caches.
+/// The contacts of 60 boxes in frames in which no edge normal is known yet. Each frame is made off the clock just before
+/// its sample, since most frames made in advance would have left the caches.
 fn contacts_in_new_frames(bencher: Bencher, scene: &Scene) {
     let boxes = Boxes::new(&Bodies::scattered(60, SAMPLES_400));
     let (rig, mut contacts) = (Rig::new(scene), Vec::new());

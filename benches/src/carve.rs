@@ -1,4 +1,4 @@
-//! Voxels of the hull, by the library's own inside test: what every route over a mesh starts with.
+//! Voxels of the hull, by the library's own inside test. Every route over a mesh starts with them.
 
 use crate::ours::Frame;
 use nalgebra::{Isometry3, Point3};

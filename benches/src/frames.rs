@@ -1,4 +1,4 @@
-//! Whole frames beside the literal program: masks in; out come its body vectors, and our default contacts.
+//! Whole frames, from masks to the literal program's body vectors and to our default contacts.
 
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
@@ -10,11 +10,11 @@ use ode_visual_hull_testing::figure::Bound;
 const CONTACTS: &str = "masks in, default contacts out, boxes of 400 samples";
 const RESPONSES: &str = "masks in, the paper's body vectors out, boxes of 400 samples";
 
-/// What the cameras look through, as the figures' names end.
+/// The suffixes of the figures' names, and what the cameras look through.
 pub const OPTICS: [(&str, Optics); 2] = [("", Optics::Pinholes), ("_lens", Optics::Lenses)];
 
 pub fn measure(session: &mut Session) {
-    // What is asked of the contacts, first by pinholes, then through lenses.
+    // The bounds of the contacts, for pinholes and for lenses.
     let frames = [("vga", VGA, 60, [Some(3.5), Some(2.5)]), ("1080p", FULL_HD, 600, [None, None])];
     for (name, size, count, bounds) in frames {
         let bodies = Bodies::scattered(count, SAMPLES_400);
@@ -25,7 +25,7 @@ pub fn measure(session: &mut Session) {
     }
 }
 
-/// One comparison, its figures named after the frame and the `lens`.
+/// Runs one comparison. Its figures are named after the frame and the `lens`.
 fn over_literal(
     session: &mut Session,
     [frame, lens]: [&str; 2],
@@ -66,7 +66,7 @@ fn over_literal(
     );
 }
 
-/// Adds, from the masks on, the literal program's body vectors and our default contacts; `label` ends their names.
+/// Adds the literal program's body vectors and our default contacts, both from masks; `label` ends their names.
 pub fn from_masks<'a>(
     bench: PairedBench<'a>,
     label: &str,
@@ -110,7 +110,7 @@ pub fn from_frame<'a>(
         })
 }
 
-/// Adds our body vectors, from the masks on.
+/// Adds our body vectors, from masks.
 pub fn with_body_vectors<'a>(
     bench: PairedBench<'a>,
     name: &str,

@@ -1,5 +1,5 @@
-//! Measures the library beside the alternatives, all in one run, and writes what it finds into `target/figures.json`,
-//! and where all groups are measured into `docs/performance.md`; the scaling's plots into `docs/performance/`.
+//! Measures the library and the alternatives in one run. Writes the figures to `target/figures.json`, plots of the scaling
+//! to `docs/performance/`, and where all groups are measured the table in `docs/performance.md`.
 //!
 //! `make bench`, or `cargo run --release -p ode-visual-hull-bench -- --help`. It fails where a bound is missed.
 
@@ -68,7 +68,7 @@ fn main() -> ExitCode {
     figure_table::print_table(&figures);
     let mut written = figure_table::record(&root.join("target/figures.json"), &figures);
     if options.only.is_empty() {
-        // The page tells of one run.
+        // The page shows one run of all groups.
         written = written.and_then(|()| page::write(&root.join("docs/performance.md"), &rows));
     }
 

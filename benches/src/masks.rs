@@ -1,4 +1,4 @@
-//! Masks as a program gets them from its cameras: colour images with noise, segmented against the empty room.
+//! Masks as a program gets them: colour images with noise, segmented by the difference from the empty background.
 
 use image::{GrayImage, RgbImage};
 use ode_visual_hull::camera::Camera;
@@ -31,7 +31,7 @@ fn silhouette(camera: &Camera, scene: &Scene, seed: u64) -> GrayImage {
     let room = clean_plate(camera, &scene.room);
     let image = render_over(camera, scene, &room).expect("a clean plate of the camera's size");
 
-    // The empty room and the image have noise of their own, as two exposures have.
+    // The background and the image have noise of their own, as two exposures have.
     let empty = noisy(room, 2 * seed + 1);
     let mut plate = CleanPlate::new(&empty, Thresholds::default()).expect("thresholds in range");
     plate.segment(&noisy(image, 2 * seed)).expect("an image of the clean plate's size")

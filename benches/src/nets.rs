@@ -4,7 +4,7 @@ use crate::carve::Grid;
 use fast_surface_nets::ndshape::{RuntimeShape, Shape};
 use fast_surface_nets::{SignedDistance, SurfaceNetsBuffer, surface_nets};
 
-/// Inside (-1) or outside (1): all that a carved voxel tells of its distance. A byte, for the memory's sake.
+/// Inside (-1) or outside (1): a carved voxel knows no more of its distance. A byte saves memory.
 #[derive(Debug, Clone, Copy)]
 struct Sign(i8);
 
@@ -20,7 +20,7 @@ impl SignedDistance for Sign {
     }
 }
 
-/// A closed mesh about the voxels inside; its memory is used again.
+/// A closed mesh around the voxels inside; its memory is reused.
 #[derive(Default)]
 pub struct Mesh {
     signs: Vec<Sign>,
@@ -32,7 +32,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Meshes what `grid` holds.
+    /// Builds the mesh of `grid`.
     pub fn build(&mut self, grid: &Grid) {
         let size = grid.size.map(|n| n as u32);
         self.signs.clear();

@@ -68,7 +68,7 @@ pub struct Boxes {
 }
 
 impl Boxes {
-    /// The same boxes.
+    /// The boxes of `bodies`.
     pub fn new(bodies: &Bodies) -> Self {
         let Bodies { samples, poses } = bodies.clone();
         Self { samples, poses }

@@ -8,13 +8,13 @@ use std::path::Path;
 const BEGIN: &str = "<!-- written by `make bench`: from here -->\n";
 const END: &str = "<!-- written by `make bench`: to here -->\n";
 
-/// Replaces what stands between the markers by what was measured, and on what.
+/// Replaces the text between the markers by the processor's name and a table of the figures.
 pub fn write(path: &Path, rows: &[Row]) -> io::Result<()> {
     let page = std::fs::read_to_string(path)?;
     let parts = page.split_once(BEGIN).and_then(|(head, rest)| Some((head, rest.split_once(END)?.1)));
     let Some((head, tail)) = parts else {
         return Err(io::Error::other(format!(
-            "{}: expected the two marker lines, found not both; put them back",
+            "{}: expected both marker lines, found at most one; put them back",
             path.display()
         )));
     };
@@ -23,12 +23,12 @@ pub fn write(path: &Path, rows: &[Row]) -> io::Result<()> {
 
 fn section(rows: &[Row]) -> String {
     let mut text = format!("\nProcessor: {}, one core of it.\n\n", cpu());
-    text += "| figure | measured | asked | the clock starts at | what |\n|---|--:|--:|---|---|\n";
+    text += "| figure | measured | bound | the clock starts at | what |\n|---|--:|--:|---|---|\n";
     for row in rows {
-        let asked = row.figure.bound.map(|bound| bound.to_string()).unwrap_or_default();
+        let bound = row.figure.bound.map(|bound| bound.to_string()).unwrap_or_default();
         let (name, value) = (&row.figure.name, three_digits(row.figure.value));
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "| `{name}` | {value} | {asked} | {} | {} |", row.start.name(), row.what);
+        let _ = writeln!(text, "| `{name}` | {value} | {bound} | {} | {} |", row.start.name(), row.what);
     }
     text + "\n"
 }
@@ -38,7 +38,7 @@ fn three_digits(value: f64) -> String {
     format!("{value:.*}", digits.clamp(0, 9) as usize)
 }
 
-/// The processor's name as the kernel has it.
+/// The processor's name, from the kernel.
 fn cpu() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));

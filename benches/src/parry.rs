@@ -9,7 +9,7 @@ use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d::shape::{Cuboid, Shape, TriMesh, Voxels};
 
-/// The boxes as parry3d has them.
+/// The boxes as cuboids of parry3d.
 #[derive(Debug)]
 pub struct Boxes {
     shape: Cuboid,
@@ -19,7 +19,7 @@ pub struct Boxes {
 }
 
 impl Boxes {
-    /// The same boxes.
+    /// The boxes of `bodies`.
     pub fn new(bodies: &Bodies) -> Self {
         let vector = |v: [f64; 3]| Vector::from_array(v.map(|x| x as f32));
         let shape = Cuboid::new(vector(bodies.half_lengths().into()));
@@ -31,9 +31,9 @@ impl Boxes {
         Self { shape, poses: bodies.poses.iter().map(pose).collect(), manifolds: Vec::new() }
     }
 
-    /// How many points of contact each box has with `shape` at `world_from_shape`, written to `counts`.
+    /// Counts the points of contact of each box with `shape` at `world_from_shape`, written to `counts`.
     ///
-    /// The shape is new, so that there is nothing to be kept from the last frame.
+    /// The shape is new in each frame, so that nothing can be kept from the last one.
     fn contacts(&mut self, shape: &dyn Shape, world_from_shape: Vector, counts: &mut Vec<usize>) {
         let aabb = shape.compute_local_aabb();
         counts.clear();

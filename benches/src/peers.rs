@@ -1,4 +1,4 @@
-//! What one would do instead: carve voxels, mesh them, build the engine's tree over the mesh, and collide with that.
+//! The alternatives: carve voxels, mesh them, build the engine's tree over the mesh, and collide with that.
 
 use crate::frames::with_body_vectors;
 use crate::session::{Session, StartTime};
@@ -12,8 +12,8 @@ use ode_visual_hull_testing::figure::Bound;
 
 const PEERS: [&str; 3] = ["ode_trimesh", "parry_trimesh", "parry_voxels"];
 
-/// How the figures' names end, what the cameras look through, the edge of a voxel in metres, and what is asked of each
-/// peer's time over that of the library's default contacts.
+/// Suffix of the figures' names, what the cameras look through, edge of a voxel in metres, and bounds of each peer's time
+/// over that of the library's default contacts.
 const BENCHES: [(&str, Optics, f64, [Option<f64>; 3]); 3] = [
     ("1cm", Optics::Pinholes, 0.01, [Some(70.0), None, Some(21.0)]),
     ("2cm", Optics::Pinholes, 0.02, [None; 3]),
@@ -80,13 +80,13 @@ fn with_ours<'a>(bench: PairedBench<'a>, scene: &'a Scene, bodies: &'a Bodies) -
     with_body_vectors(bench, "response", scene, bodies)
 }
 
-/// What the routes over voxels have in common. Each has memory of its own, used again from frame to frame.
+/// The common part of the routes over voxels. Each has memory of its own, which it reuses from frame to frame.
 struct VoxelPeer<'a> {
     scene: &'a Scene,
     rig: Rig,
     grid: Grid,
     mesh: Mesh,
-    /// How many contacts each box has.
+    /// Number of contacts of each box.
     counts: Vec<usize>,
 }
 
@@ -96,12 +96,12 @@ impl<'a> VoxelPeer<'a> {
         Self { scene, rig, grid, mesh: Mesh::default(), counts: Vec::new() }
     }
 
-    /// Masks in, voxels out.
+    /// Makes voxels of the masks.
     fn carve(&mut self) {
         self.grid.carve(&self.rig.publish(&self.scene.masks));
     }
 
-    /// Masks in, triangles out.
+    /// Makes triangles of the masks.
     fn mesh(&mut self) {
         self.carve();
         self.mesh.build(&self.grid);

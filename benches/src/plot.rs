@@ -4,15 +4,15 @@ use plotters::prelude::*;
 use std::error::Error;
 use std::path::Path;
 
-/// The lines' colours, in turn; told apart by those who see few colours, too.
+/// The lines' colours in turn, distinguishable with colour blindness too.
 const COLOURS: [RGBColor; 4] =
     [RGBColor(0, 90, 181), RGBColor(220, 90, 30), RGBColor(90, 90, 90), RGBColor(120, 60, 150)];
 
-/// What is drawn.
+/// A plot to draw.
 pub struct Plot<'a> {
-    /// Under the x axis.
+    /// Label of the x axis.
     pub x: &'a str,
-    /// Beside the y axis.
+    /// Label of the y axis.
     pub y: &'a str,
     /// The sizes, and how the axis names them.
     pub ticks: Vec<(f64, String)>,
@@ -26,7 +26,7 @@ pub struct Line {
 }
 
 impl Plot<'_> {
-    /// Draws it into a file.
+    /// Draws the plot into a file.
     pub fn write(&self, path: &Path) -> Result<(), Box<dyn Error>> {
         let area = SVGBackend::new(path, (640, 400)).into_drawing_area();
         area.fill(&WHITE)?;
@@ -77,18 +77,18 @@ impl Plot<'_> {
     }
 }
 
-/// From the smallest to the largest value, and `margin` times as far on either side.
+/// The range of `values`, widened by the factor `margin` on either side.
 fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
     let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
     (low / margin, high * margin)
 }
 
-/// 1, 2 and 5 times the powers of ten between `low` and `high`; where that are many, the powers alone.
+/// 1, 2 and 5 times the powers of ten between `low` and `high`, or only the powers where these are many.
 fn decades(low: f64, high: f64) -> Vec<f64> {
     let wide = high / low > 1e3;
     let digits: &[f64] = if wide { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let powers = (low.log10().floor() as i32)..=(high.log10().ceil() as i32);
-    // Parsed, so that 5e-2 is written 0.05.
+    // Parsed from text, so that 5e-2 is printed as 0.05.
     let values =
         powers.flat_map(|power| digits.iter().filter_map(move |d| format!("{d}e{power}").parse().ok()));
     values.filter(|value| (low..=high).contains(value)).collect()

@@ -1,4 +1,4 @@
-//! Single points: inside or not, and the exit.
+//! Single points: inside tests and responses.
 
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
@@ -10,10 +10,10 @@ use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, Scene, VGA, Who};
 use ode_visual_hull_testing::figure::Bound;
 use ode_visual_hull_testing::random::Random;
 
-/// Points of an inside test.
+/// Number of points of an inside test.
 const MANY: usize = 24_000;
 
-/// Points of a response.
+/// Number of points of a response.
 const FEW: usize = 2_000;
 
 pub fn measure(session: &mut Session) {

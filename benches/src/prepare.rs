@@ -1,4 +1,4 @@
-//! Preparing a frame: masks in, ready for the first query.
+//! Preparing a frame: from masks to the first query.
 
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
@@ -30,7 +30,7 @@ pub fn measure(session: &mut Session) {
     measure_packed(session);
 }
 
-/// Masks of segmentation on their way into the hull: packed, and by way of bytes.
+/// Measures preparing masks from segmentation, packed and by way of bytes.
 fn measure_packed(session: &mut Session) {
     let scene = Scene::segmented(Who::Person, 7, VGA);
     let rig = Rig::new(&scene);
@@ -45,7 +45,7 @@ fn measure_packed(session: &mut Session) {
     session.reported("packed_over_bytes", times.ratio("packed", "bytes"), StartTime::Masks, what);
 }
 
-/// Touches every byte and does next to nothing with it.
+/// Reads every byte and does almost nothing with it.
 fn largest_byte(mask: &GrayImage) -> u8 {
     mask.as_raw().iter().fold(0, |most, &byte| most.max(byte))
 }

@@ -1,7 +1,7 @@
-//! What real cameras cost beside ideal ones: lenses, views that abstain, masks with coverage.
+//! The cost of real cameras relative to ideal ones: lenses, views that abstain, masks with coverage.
 //!
-//! Seven views of the person, and 60 boxes of 400 samples. Each figure compares the library with itself, on one frame
-//! size, and gives the time of the real case beside.
+//! Seven views of the person, and 60 boxes of 400 samples. Each figure compares the library with itself at one
+//! image size; the time of the real case is reported too.
 
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
@@ -77,7 +77,7 @@ fn abstain_contacts(session: &mut Session, name: &str, scene: &Scene, boxes: &Bo
     );
 }
 
-/// Contacts from masks with coverage, each frame asked for the first time, so that no edge normal is known yet.
+/// Contacts from masks with coverage, each in a new frame, in which no edge normal is known yet.
 fn coverage_contacts(session: &mut Session, name: &str, coverage: &Scene, boxes: &Boxes) {
     let binary = coverage.binary();
     let mut bench = PairedBench::new();

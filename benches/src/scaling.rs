@@ -19,7 +19,7 @@ pub fn measure(session: &mut Session) {
     depth(session);
 }
 
-/// The person before pinhole cameras.
+/// The person in front of pinhole cameras.
 fn pinholes(cameras: usize, size: (u32, u32)) -> Given {
     Given::new(Who::Person, cameras, size, Optics::Pinholes)
 }
@@ -107,7 +107,7 @@ fn depth(session: &mut Session) {
     draw(session, "depth", "pixels to the nearest background", RESPONSE, sizes, &times, &RESPONDERS);
 }
 
-/// What is on the y axis, and its unit in seconds.
+/// Label of the y axis, and its unit in seconds.
 type Cost = (&'static str, f64);
 
 const FRAME: Cost = ("from masks on (ms)", 1e-3);
@@ -117,15 +117,15 @@ const QUERY: Cost = ("in a prepared frame (ms)", 1e-3);
 const RESPONSE: Cost = ("response of a point (ns)", 1e-9 * POINTS as f64);
 const POINTS: usize = 1_000;
 
-/// How candidates' names begin, and what the plots call them.
+/// How candidates' names begin, and their names in the plots.
 const CANDIDATES: [(&str, &str); 2] =
     [("literal", "the paper's body vectors, literally"), ("ours", "this library's contacts")];
 
-/// How the plot of responses calls them.
+/// How candidates' names begin, and their names in the plot of responses.
 const RESPONDERS: [(&str, &str); 2] =
     [("literal", "the paper's algorithm, literally"), ("ours", "this library")];
 
-/// Draws the candidates' times over the sizes, which are labelled as the candidates' names end.
+/// Draws the candidates' times over the sizes, whose labels are the ends of the candidates' names.
 fn draw(
     session: &Session,
     name: &str,

@@ -1,4 +1,4 @@
-//! What every candidate is given: cameras, masks, and boxes about a subject.
+//! The input of every candidate: cameras, masks, and boxes around a subject.
 //!
 //! Metres, z up. The cameras stand around the subject at 3.2 m, so that a pixel covers 6 mm at VGA.
 
@@ -12,7 +12,7 @@ use ode_visual_hull::silhouette::Undistortion;
 use ode_visual_hull::synthetic::{self, Placed, Solid, Subject, Texture, layout};
 use ode_visual_hull_testing::random::Random;
 
-/// Image sizes in pixels, and what they are called.
+/// Names and image sizes in pixels.
 pub const SIZES: [(&str, (u32, u32)); 3] =
     [("VGA", (640, 480)), ("1080p", (1920, 1080)), ("4K", (3840, 2160))];
 
@@ -48,7 +48,7 @@ const K1: f64 = -0.2;
 /// The moment of the person's walk.
 const TIME: f64 = 0.2;
 
-/// Who stands before the cameras.
+/// The subject in front of the cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Who {
     /// 1.75 m tall, of capsules, in the middle of a step: no point is deeper than 17 pixels at VGA.
@@ -57,7 +57,7 @@ pub enum Who {
     Barrel,
 }
 
-/// Cameras, what they see, and the work volume.
+/// Cameras, their masks, and the work volume.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// Around the subject.
@@ -95,8 +95,8 @@ impl Scene {
         Self::of(&Subject::person_at(time), pinholes(cameras, size))
     }
 
-    /// This scene for a program that knows no lenses: the pinhole cameras in the places of the distorted ones, with
-    /// the masks as these would see them.
+    /// This scene for a program without lens models: pinhole cameras in the places of the distorted ones, with undistorted
+    /// masks.
     pub fn undistorted(&self) -> Self {
         let undistort = |(camera, mask): (&Camera, &GrayImage)| match Undistortion::new(camera) {
             Some(lens) => (lens.pinhole().clone(), lens.apply(mask, 0).expect("a mask of the camera's size")),
@@ -116,7 +116,7 @@ impl Scene {
         Self { cameras, masks, bounds: bounds() }
     }
 
-    /// How many bytes its masks have.
+    /// Total size of the masks in bytes.
     pub fn mask_bytes(&self) -> usize {
         self.masks.iter().map(|mask| mask.as_raw().len()).sum()
     }
@@ -131,22 +131,22 @@ impl Who {
     }
 }
 
-/// The scenes of a comparison: what ours starts from, and what its rivals are given.
+/// The scenes of a comparison, for our library and for its rivals.
 ///
-/// The rivals know no lenses. Where the cameras have them, the rivals get the undistorted masks for nothing, while ours
-/// undistorts on the clock.
+/// The rivals have no lens models. Where the cameras have lenses, they get undistorted masks, which are made off the
+/// clock, while our library undistorts on the clock.
 #[derive(Debug, Clone)]
 pub struct Given {
-    /// What the cameras saw.
+    /// For our library: the cameras' masks.
     pub ours: Scene,
-    /// What pinhole cameras in the same places would have seen.
+    /// For the rivals: the masks of pinhole cameras in the same places.
     pub rivals: Scene,
 }
 
-/// What the cameras look through.
+/// The optics of the cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Optics {
-    /// Nothing: pinhole cameras.
+    /// Pinhole cameras.
     Pinholes,
     /// Lenses, see [`Scene::through_lenses`].
     Lenses,
@@ -194,8 +194,8 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// `count` boxes at random about a person, a quarter of which touches it, with samples of
-    /// `min_feature`. More boxes are the same ones and others.
+    /// `count` boxes at random around a person, a quarter of which touches it, with samples of `min_feature`. A larger
+    /// count adds boxes to those of a smaller one.
     pub fn scattered(count: usize, min_feature: f64) -> Self {
         let samples = sample::box_(BOX, min_feature).expect("a box that can be sampled");
         let about = Aabb { min: point![-0.45, -0.6, 0.1], max: point![0.45, 0.6, 1.7] };

@@ -16,7 +16,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// How often the images are segmented in a turn.
+/// Number of times that the images are segmented in a turn.
 const REPEATS: usize = 4;
 
 pub fn measure(session: &mut Session) {
@@ -58,7 +58,7 @@ pub fn measure(session: &mut Session) {
     }
 }
 
-/// Milliseconds that an image takes.
+/// Milliseconds for an image.
 fn milliseconds(segmenter: &mut dyn Segmenter, images: &[RgbImage]) -> f64 {
     let mut mask = GrayImage::default();
     let mut run = || {
@@ -67,20 +67,20 @@ fn milliseconds(segmenter: &mut dyn Segmenter, images: &[RgbImage]) -> f64 {
             black_box(&mask);
         }
     };
-    // The other candidate has left the caches full of its own.
+    // Not timed: the other candidate has filled the caches with its data.
     run();
     let start = thread_seconds();
     (0..REPEATS).for_each(|_| run());
     1e3 * (thread_seconds() - start) / (REPEATS * images.len()) as f64
 }
 
-/// What one camera saw.
+/// Images of one camera.
 struct Capture {
     empty: RgbImage,
     images: Vec<RgbImage>,
 }
 
-/// The first camera of the seated person's capture, where it is.
+/// The first camera of the capture `seated_person`, where it is present.
 fn captured() -> Option<Capture> {
     let recording = Recording::open(captures::find("seated_person")?).ok()?;
     let frames = recording.image_frames().iter();
@@ -89,7 +89,7 @@ fn captured() -> Option<Capture> {
     Some(Capture { empty: recording.background(0).ok()?, images })
 }
 
-/// A synthetic person who walks, at the same size.
+/// A rendered person that walks, at the size of the capture's images.
 fn rendered() -> Capture {
     let target = nalgebra::Point3::new(0.0, 0.0, 0.9);
     let camera = &layout::ring(1, 3.5, 0.9, target, (644, 486), 0.9).expect("a layout")[0];
@@ -105,7 +105,7 @@ fn rendered() -> Capture {
     Capture { images: (0..5).map(image).collect(), empty: noisy(room, 99) }
 }
 
-/// OpenCV, in Python, waiting to be told to go.
+/// A Python process with OpenCV that segments the images whenever it gets a line.
 struct Peer {
     process: Child,
     orders: ChildStdin,
@@ -113,7 +113,7 @@ struct Peer {
 }
 
 impl Peer {
-    /// Installs OpenCV below `target` if need be, and hands the images over.
+    /// Installs OpenCV below `target` if it is missing, starts Python and hands the images over.
     fn start(empty: &RgbImage, images: &[RgbImage]) -> Result<Self, String> {
         let crate_dir = Path::new(env!("CARGO_MANIFEST_DIR"));
         let folder = crate_dir.join("../target/mog2");
@@ -139,7 +139,7 @@ impl Peer {
         Ok(Self { process, orders, answers: BufReader::new(answers) })
     }
 
-    /// Milliseconds that an image takes; `None` if Python has stopped.
+    /// Milliseconds for an image; `None` if Python has stopped.
     fn milliseconds(&mut self) -> Option<f64> {
         writeln!(self.orders, "go").ok()?;
         let mut answer = String::new();
@@ -161,8 +161,8 @@ fn python(folder: &Path) -> Result<PathBuf, String> {
     let run = |command: &mut Command| match command.output() {
         Ok(output) if output.status.success() => Ok(()),
         Ok(output) => {
-            let said = String::from_utf8_lossy(&output.stderr);
-            Err(format!("{command:?}: {}", said.lines().last().unwrap_or_default()))
+            let stderr = String::from_utf8_lossy(&output.stderr);
+            Err(format!("{command:?}: {}", stderr.lines().last().unwrap_or_default()))
         }
         Err(error) => Err(format!("{command:?}: {error}")),
     };

@@ -1,29 +1,29 @@
-//! One run of the program: how long it measures, what it has measured, and where it reports progress.
+//! One run of the program: its number of rounds, its results, and its progress bar.
 
 use crate::timing::{PairedBench, Times};
 use indicatif::{ProgressBar, ProgressStyle};
 use ode_visual_hull_testing::figure::{Bound, Figure};
 use std::path::{Path, PathBuf};
 
-/// What a figure's clock starts with.
+/// The input at which a figure's clock starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StartTime {
-    /// Colour images: they are segmented on the clock.
+    /// Colour images: segmentation is included.
     Images,
-    /// Masks: the frame is prepared on the clock.
+    /// Masks: preparing the frame is included.
     Masks,
-    /// A prepared frame: queries alone.
+    /// A prepared frame: only queries are timed.
     Frame,
-    /// A step of a simulation, its frame prepared before.
+    /// A step of a simulation, whose frame is prepared before.
     Step,
 }
 
-/// A figure, and what it is about.
+/// A figure and its description.
 #[derive(Debug, Clone)]
 pub struct Row {
     pub figure: Figure,
     pub start: StartTime,
-    /// Half a sentence.
+    /// The description, without a full stop.
     pub what: &'static str,
 }
 
@@ -36,7 +36,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Races of `rounds` rounds, and plots below the folder `docs`.
+    /// A run of comparisons with `rounds` rounds each, and plots below the folder `docs`.
     pub fn new(rounds: usize, docs: PathBuf) -> Self {
         let style = ProgressStyle::with_template("{msg:28} [{bar:40}] {pos}/{len} rounds, {elapsed}")
             .expect("a valid template")
@@ -45,7 +45,7 @@ impl Session {
         Self { rounds, docs, bar, rows: Vec::new() }
     }
 
-    /// Tells what comes next.
+    /// Shows the group that is measured next.
     pub fn start_group(&self, name: &str) {
         self.bar.set_message(name.to_owned());
     }
@@ -55,17 +55,17 @@ impl Session {
         bench.run(self.rounds, &self.bar)
     }
 
-    /// How many rounds a comparison has.
+    /// Number of rounds of a comparison.
     pub fn rounds(&self) -> usize {
         self.rounds
     }
 
-    /// Tells of something that is left out.
+    /// Prints that something is left out.
     pub fn leave_out(&self, what: &str) {
         self.bar.println(format!("left out: {what}"));
     }
 
-    /// A figure, with a bound or without.
+    /// Adds a figure, with a bound or without.
     pub fn figure(
         &mut self,
         name: &str,
@@ -80,22 +80,22 @@ impl Session {
         }
     }
 
-    /// A figure with a bound.
+    /// Adds a figure with a bound.
     pub fn bounded(&mut self, name: &str, value: f64, bound: Bound, start: StartTime, what: &'static str) {
         self.rows.push(Row { figure: Figure::bounded(name, value, bound), start, what });
     }
 
-    /// A figure that is reported whatever it is.
+    /// Adds a figure without a bound.
     pub fn reported(&mut self, name: &str, value: f64, start: StartTime, what: &'static str) {
         self.rows.push(Row { figure: Figure::reported(name, value), start, what });
     }
 
-    /// Where documentation is written.
+    /// The folder of the documentation.
     pub fn docs(&self) -> &Path {
         &self.docs
     }
 
-    /// All that was measured.
+    /// All figures.
     pub fn into_rows(self) -> Vec<Row> {
         self.bar.finish_and_clear();
         self.rows
@@ -103,7 +103,7 @@ impl Session {
 }
 
 impl StartTime {
-    /// As a table has it.
+    /// The name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Images => "images",

@@ -1,4 +1,4 @@
-//! A simulation of ODE: how much of a step is colliding.
+//! A simulation by ODE: the share of a step that collision takes.
 
 use crate::session::{Session, StartTime};
 use crate::timing::thread_seconds;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Seconds a step.
 const DT: f64 = 0.01;
 
-/// Steps before the boxes are put back to where they touch the person.
+/// Number of steps before the boxes are put back to where they touch the person.
 const STEPS: usize = 10;
 
 pub fn measure(session: &mut Session) {

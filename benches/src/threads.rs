@@ -1,4 +1,4 @@
-//! The bodies of one frame shared out among threads.
+//! The bodies of one frame shared among threads.
 
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
@@ -21,7 +21,7 @@ pub fn measure(session: &mut Session) {
     };
     let times = session.run(PairedBench::by_wall_clock().with("one", run(1)).with("two", run(2)));
 
-    let what = "default contacts of 600 boxes at 1080p, two threads over one, by the wall";
+    let what = "default contacts of 600 boxes at 1080p, two threads over one, by the wall clock";
     session.bounded(
         "threads_2_over_1",
         times.ratio("two", "one"),

@@ -8,8 +8,8 @@ use ode_visual_hull_testing::median;
 use rustix::time::{ClockId, clock_gettime};
 use std::hint::black_box;
 
-/// The least seconds that one candidate runs in a round, so that the clock and a stray interrupt do not count.
-const LEAST: f64 = 4e-3;
+/// Least time of a candidate in a round, in seconds, so that the clock's own time and interrupts do not matter.
+const MIN_SECONDS: f64 = 4e-3;
 
 /// Candidates by name, compared within each round.
 pub struct PairedBench<'a> {
@@ -19,7 +19,7 @@ pub struct PairedBench<'a> {
 
 struct Candidate<'a> {
     name: String,
-    /// Runs so many times, and returns the seconds on the clock.
+    /// Takes a number of repeats, and returns their time in seconds.
     run: Box<dyn FnMut(u32, ClockId) -> f64 + 'a>,
     repeats: u32,
 }
@@ -45,10 +45,10 @@ impl<'a> PairedBench<'a> {
         })
     }
 
-    /// Adds a candidate whose every run is on something new, which `prepare` makes off the clock just before.
+    /// Adds a candidate each of whose runs is on new input, which `prepare` makes off the clock just before.
     ///
-    /// So what is remembered of a frame once it has been asked is not remembered yet, while the frame lies in the caches
-    /// as it does in a program. Starting and stopping the clock costs less than a microsecond a run.
+    /// So nothing that queries store in a frame is there yet, while the frame lies in the caches as it does in a program.
+    /// Starting and stopping the clock costs less than a microsecond a run.
     pub fn with_prepared<S, T>(
         self,
         name: impl Into<String>,
@@ -72,12 +72,12 @@ impl<'a> PairedBench<'a> {
         self
     }
 
-    /// Runs `rounds` rounds; one more is run before, to see how long each candidate takes.
+    /// Runs `rounds` rounds, after one that measures how many repeats each candidate needs.
     pub fn run(mut self, rounds: usize, bar: &ProgressBar) -> Times {
         bar.inc_length(rounds as u64);
         for candidate in &mut self.candidates {
             let once = candidate.seconds(self.clock_id);
-            candidate.repeats = (LEAST / once).ceil().clamp(1.0, 1e6) as u32;
+            candidate.repeats = (MIN_SECONDS / once).ceil().clamp(1.0, 1e6) as u32;
         }
 
         let mut times = Times {
@@ -95,15 +95,15 @@ impl<'a> PairedBench<'a> {
 }
 
 impl Candidate<'_> {
-    /// Seconds of one run, the mean over the repeats. One run off the clock comes before: the last candidate has left
-    /// the caches full of its own.
+    /// Seconds of one run, the mean over the repeats, after a run that is not timed: the last candidate has filled the
+    /// caches with its data.
     fn seconds(&mut self, clock: ClockId) -> f64 {
         (self.run)(1, clock);
         (self.run)(self.repeats, clock) / f64::from(self.repeats)
     }
 }
 
-/// How long each candidate took in each round, in seconds.
+/// The time of each candidate in each round, in seconds.
 pub struct Times {
     names: Vec<String>,
     rounds: Vec<Vec<f64>>,

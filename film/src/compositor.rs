@@ -1,6 +1,6 @@
-//! Virtual bodies drawn into a camera's picture, hidden where the real subject is in front.
+//! Draws virtual bodies into a camera's picture, hidden where the real subject is in front.
 //!
-//! Each body is ray-cast per pixel through the camera's own lens, so that it lands where the camera would see it.
+//! Bodies are ray-cast pixel by pixel through the camera's own lens, so that they appear where the camera would see them.
 //! Real surfaces close to a body are shaded a little, or the body would seem to float.
 
 use crate::ray_cast::{self, Entry};
@@ -12,33 +12,35 @@ use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::shape::Shape;
 use ode_visual_hull::synthetic::Hit;
 
-/// Rays along a pixel's edge.
+/// Rays along the edge of a pixel.
 const RAYS: u32 = 2;
 
 const RAYS_OF_PIXEL: usize = (RAYS * RAYS) as usize;
 
-/// Parts of the picture that are painted at the same time.
+/// Number of threads, each of which draws a band of rows.
 const BANDS: u32 = 4;
 
-/// Small windows are enlarged up to this.
-const LARGEST_SCALE: f64 = 2.5;
+/// Small windows are enlarged by at most this factor.
+const MAX_SCALE: f64 = 2.5;
 
-/// How far from a body the surfaces around it are shaded, in metres, and how much at most.
-const REACH: f64 = 0.07;
-const SHADE: f64 = 0.6;
+/// Distance from a body up to which surfaces are shaded, in metres.
+const SHADE_DISTANCE: f64 = 0.07;
+
+/// The darkest shade: the part of the light that is taken away.
+const MAX_SHADE: f64 = 0.6;
 
 /// A body to draw.
 #[derive(Debug, Clone)]
 pub struct Drawn {
     /// A box or a sphere; other shapes are not drawn.
     pub shape: Shape,
-    /// Where.
+    /// Its pose.
     pub world_from_body: Isometry3<f64>,
     /// Red, green, blue.
     pub colour: [u8; 3],
 }
 
-/// A place to paint what one camera sees, at a size of its own.
+/// Draws pictures of one camera, at a size of their own.
 #[derive(Debug)]
 pub struct Compositor {
     window: Window,
@@ -58,10 +60,11 @@ struct BodyHit {
 }
 
 impl Compositor {
-    /// For the `window` of pictures of `camera`, painted with a longer side of `size` pixels and lit from `lamp`.
-    pub fn new(camera: &Camera, window: Window, size: u32, lamp: Point3<f64>) -> Self {
+    /// A compositor for the `window` of pictures of `camera`, drawn with a longer side of `size` pixels and lit by a lamp
+    /// at `light`.
+    pub fn new(camera: &Camera, window: Window, size: u32, light: Point3<f64>) -> Self {
         let longer = window.width.max(window.height);
-        let scale = (f64::from(size) / f64::from(longer)).min(LARGEST_SCALE);
+        let scale = (f64::from(size) / f64::from(longer)).min(MAX_SCALE);
         let scaled = |length: u32| (f64::from(length) * scale).round().max(1.0) as u32;
         let (width, height) = (scaled(window.width), scaled(window.height));
         let step = 1.0 / scale / f64::from(RAYS);
@@ -70,10 +73,10 @@ impl Compositor {
         let of_pixel =
             |x: u32, y: u32| (0..RAYS * RAYS).map(move |k| ray(x * RAYS + k % RAYS, y * RAYS + k / RAYS));
         let rays = (0..height).flat_map(|y| (0..width).flat_map(move |x| of_pixel(x, y))).collect();
-        Self { window, size: (width, height), light: lamp, rays }
+        Self { window, size: (width, height), light, rays }
     }
 
-    /// The window of `picture` with `bodies` in it; `real` tells where a ray meets the real subject.
+    /// The window of `picture` with `bodies` in it. `real` finds where a ray meets the real subject.
     pub fn draw(&self, picture: &RgbImage, bodies: &[Drawn], real: Real) -> RgbImage {
         let Window { left, top, width, height } = self.window;
         let part = crop_imm(picture, left, top, width, height).to_image();
@@ -113,8 +116,8 @@ impl Compositor {
         bodies: &[Drawn],
         real: Real,
     ) -> Vector3<f64> {
-        let seen = surface(first, real);
-        let background = pixel * seen.map_or(1.0, |point| 1.0 - shade_at(&point, near.iter().copied()));
+        let surface = surface(first, real);
+        let background = pixel * surface.map_or(1.0, |point| 1.0 - shade_at(&point, near.iter().copied()));
         let colour = |ray: &Option<Ray>| {
             let Some(ray) = ray else { return background };
             let Some(hit) = self.body_hit(ray, near, bodies) else { return background };
@@ -131,34 +134,35 @@ impl Compositor {
         let local = one.world_from_body.inverse_transform_point(&point);
         let normal = one.world_from_body * ray_cast::normal(&one.shape, &local, &entry);
         let others = bodies.iter().filter(|other| !std::ptr::eq(*other, one));
-        let light = self.light(&point, &normal) * (1.0 - 0.5 * shade_at(&point, others));
+        let light = self.brightness(&point, &normal) * (1.0 - 0.5 * shade_at(&point, others));
         let line = ray_cast::line_brightness(&one.shape, &local, &entry);
         Some(BodyHit { t: entry.t, colour: Vector3::from(one.colour.map(f64::from)) * light * line })
     }
 
-    fn light(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
-        let to_lamp = (self.light - point).normalize();
-        0.58 + 0.10 * normal.z + 0.40 * normal.dot(&to_lamp).max(0.0)
+    /// Brightness of a surface in the light of the lamp and the surroundings.
+    fn brightness(&self, point: &Point3<f64>, normal: &Vector3<f64>) -> f64 {
+        let to_light = (self.light - point).normalize();
+        0.58 + 0.10 * normal.z + 0.40 * normal.dot(&to_light).max(0.0)
     }
 }
 
-/// Whether `ray` passes so close to a body that it is seen, or the surfaces around it are shaded.
+/// Whether `ray` passes so close to a body that it may show the body or its shade.
 fn passes(ray: &Ray, one: &Drawn) -> bool {
     let to_body = one.world_from_body.translation.vector - ray.origin.coords;
-    let reach = ray_cast::bounding_radius(&one.shape) + REACH;
+    let reach = ray_cast::bounding_radius(&one.shape) + SHADE_DISTANCE;
     to_body.norm_squared() - to_body.dot(&ray.direction).powi(2) <= reach * reach
 }
 
-/// The real surface on `ray`: the subject, else the floor.
+/// The real surface that `ray` meets: the subject, else the floor.
 fn surface(ray: &Ray, real: Real) -> Option<Point3<f64>> {
     let floor = (ray.direction.z < 0.0).then(|| -ray.origin.z / ray.direction.z).filter(|&t| t > 0.0);
     real(ray).map(|hit| hit.t).or(floor).map(|t| ray.at(t))
 }
 
-/// How much the bodies darken a surface close to them, 0 to `SHADE`.
+/// The part of the light that the bodies take away from a surface close to them, 0 to [`MAX_SHADE`].
 fn shade_at<'b>(point: &Point3<f64>, bodies: impl Iterator<Item = &'b Drawn>) -> f64 {
-    let nearness = |one: &Drawn| (1.0 - distance(point, one) / REACH).max(0.0).powi(2);
-    SHADE * bodies.map(nearness).fold(0.0, f64::max)
+    let nearness = |one: &Drawn| (1.0 - distance(point, one) / SHADE_DISTANCE).max(0.0).powi(2);
+    MAX_SHADE * bodies.map(nearness).fold(0.0, f64::max)
 }
 
 fn distance(point: &Point3<f64>, one: &Drawn) -> f64 {

@@ -1,4 +1,4 @@
-//! An animated GIF with one palette, in which only what changes is stored; and a strip of stills.
+//! Films as animated GIFs, with one palette and only the pixels that change, and strips of stills.
 
 use color_quant::NeuQuant;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
@@ -10,21 +10,23 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-/// Colours of the palette; one more index means "as before".
+/// Colours of the palette.
 const COLOURS: usize = 255;
-const AS_BEFORE: u8 = 255;
 
-/// How often a pixel that moves counts for the palette.
+/// The index of a pixel that does not change.
+const UNCHANGED: u8 = 255;
+
+/// Weight of a pixel that changes in the choice of the palette; others have 1.
 const MOVING_WEIGHT: usize = 12;
 
-/// How long the last frame stands, in hundredths of a second.
+/// How long the last frame is shown, in hundredths of a second.
 const LAST_DELAY: u16 = 150;
 
 /// Width of a strip of stills and of the gaps in it, in pixels.
 const STRIP_WIDTH: u32 = 1200;
 const GAP: u32 = 6;
 
-/// Frames, in the order of time.
+/// The frames of a film, in the order of time.
 #[derive(Debug)]
 pub struct Film {
     frames: Vec<RgbImage>,
@@ -47,7 +49,7 @@ impl Film {
         self.frames.is_empty()
     }
 
-    /// Writes the film as an animated GIF that repeats; nothing without frames.
+    /// Writes the film as an animated GIF that repeats. Without frames no file is written.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -73,7 +75,7 @@ impl Film {
         file.flush().map_err(|e| fail(&e))
     }
 
-    /// Hundredths of a second of frame `k`, so that the sum keeps time.
+    /// How long frame `k` is shown, in hundredths of a second. Rounding errors do not add up.
     fn delay(&self, k: usize) -> u16 {
         let until = |k: usize| (100.0 * k as f64 / self.rate).round();
         (until(k + 1) - until(k)) as u16
@@ -104,7 +106,7 @@ impl Film {
     }
 }
 
-/// The part of `pixels` in which something differs from what is `shown`.
+/// The frame of the smallest rectangle in which `pixels` differ from those `shown`.
 fn changes(pixels: &[u8], shown: &[u8], width: u16) -> Frame<'static> {
     let w = width as usize;
     let differs = |i: usize| shown.get(i) != Some(&pixels[i]);
@@ -115,11 +117,11 @@ fn changes(pixels: &[u8], shown: &[u8], width: u16) -> Frame<'static> {
     }
 
     if right == 0 {
-        // Nothing: a GIF's frame still needs a pixel.
+        // Nothing differs, but a GIF's frame needs a pixel.
         (left, right, top, bottom) = (0, 1, 0, 1);
     }
 
-    let index = |i: usize| if differs(i) { pixels[i] } else { AS_BEFORE };
+    let index = |i: usize| if differs(i) { pixels[i] } else { UNCHANGED };
     let buffer: Vec<u8> =
         (top..bottom).flat_map(|y| (left..right).map(move |x| y * w + x)).map(index).collect();
     Frame {
@@ -128,22 +130,23 @@ fn changes(pixels: &[u8], shown: &[u8], width: u16) -> Frame<'static> {
         width: (right - left) as u16,
         height: (bottom - top) as u16,
         buffer: buffer.into(),
-        transparent: Some(AS_BEFORE),
+        transparent: Some(UNCHANGED),
         dispose: DisposalMethod::Keep,
         ..Frame::default()
     }
 }
 
-/// 255 colours for a whole film.
+/// The colours of a whole film.
 struct Palette {
     /// Red, green, blue of each.
     colours: Vec<u8>,
-    /// The nearest colour of each of 64 x 64 x 64.
+    /// Index of the nearest colour of each of 64 x 64 x 64 colours.
     nearest: Vec<u8>,
 }
 
 impl Palette {
-    /// Learnt from frames spread over the film. What moves is small and has colours of its own: it counts more.
+    /// Chooses the colours by frames spread over the film. Pixels that change count more, since what moves is small and
+    /// has colours of its own.
     fn of(frames: &[RgbImage]) -> Self {
         let first = &frames[0];
         let mut samples = Vec::new();
@@ -167,7 +170,7 @@ impl Palette {
         Self { nearest: nearest.collect(), colours }
     }
 
-    /// The colour of each pixel. What remains is spread by a fixed pattern, so that what rests does not flicker.
+    /// The colour index of each pixel, by ordered dithering (Bayer's 4 x 4 matrix), so that what rests does not flicker.
     fn apply(&self, frame: &RgbImage) -> Vec<u8> {
         const PATTERN: [[i16; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
         let index = |(x, y, pixel): (u32, u32, &Rgb<u8>)| {

@@ -1,4 +1,4 @@
-//! What happened: every body's state in every frame.
+//! The state of every body in every frame.
 
 use crate::ray_cast;
 use crate::simulation::{SimulatedBody, Simulation, State, Support};
@@ -6,25 +6,25 @@ use ode_visual_hull::{Error, Result};
 use std::fmt::Write;
 use std::path::Path;
 
-/// One frame.
+/// The states at the end of one frame.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// In seconds, at the frame's end.
+    /// Time of the frame's end, in seconds.
     pub time: f64,
-    /// Of the bodies.
+    /// States of the bodies.
     pub states: Vec<State>,
-    /// What holds them up.
+    /// What supports each body.
     pub supports: Vec<Support>,
-    /// Height of the real subject's top, in metres, where known.
+    /// Height of the real subject's top in metres, where it is known.
     pub real_top: Option<f64>,
 }
 
-/// All frames.
+/// The entries of all frames.
 #[derive(Debug, Clone)]
 pub struct Log {
-    /// What the real subject is called.
+    /// The word for the real subject.
     pub subject: String,
-    /// Of each body: what it is called; red, green, blue.
+    /// Name and colour (red, green, blue) of each body.
     pub bodies: Vec<(String, [u8; 3])>,
     /// In the order of time.
     pub entries: Vec<Entry>,
@@ -40,7 +40,7 @@ impl Log {
         Self { subject: subject.into(), bodies, entries: Vec::new() }
     }
 
-    /// Notes the present states.
+    /// Adds the current states.
     pub fn record(&mut self, simulation: &Simulation, real_top: Option<f64>) {
         self.entries.push(Entry {
             time: simulation.time(),
@@ -55,7 +55,7 @@ impl Log {
         self.entries.iter().filter(move |entry| entry.time >= from && entry.time <= to)
     }
 
-    /// Writes one line per frame and body, by number from 1: time, position, rotation (quaternion, real part first),
+    /// Writes one line for each frame and body, bodies numbered from 1: time, position, rotation (quaternion, real part first),
     /// velocity, angular velocity, all in the world's frame.
     ///
     /// # Errors

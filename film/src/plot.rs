@@ -1,11 +1,11 @@
-//! The heights of the bodies over time, as SVG.
+//! A plot of the bodies' heights over time, as SVG.
 
 use crate::log::Log;
 use ode_visual_hull::{Error, Result};
 use plotters::prelude::*;
 use std::path::Path;
 
-/// Draws the log's heights; the subject moves from `still_until` on, in seconds.
+/// Writes the plot of a log to a file. The subject moves from `still_until` on, in seconds.
 pub(crate) fn write(path: &Path, log: &Log, still_until: f64) -> Result<()> {
     draw(path, log, still_until)
         .map_err(|e| Error::file(path, format!("expected to write the plot, found: {e}")))
@@ -57,7 +57,7 @@ struct Line {
     points: Vec<(f64, f64)>,
 }
 
-/// The bodies, the subject's top where it is known, and when it begins to move.
+/// The lines of the bodies, of the subject's top where it is known, and of the time from which it moves.
 fn lines(log: &Log, still_until: f64, end: f64, top: f64) -> Vec<Line> {
     let of_body = |(i, (name, [r, g, b])): (usize, &(String, [u8; 3]))| Line {
         name: name.clone(),
@@ -80,7 +80,7 @@ fn lines(log: &Log, still_until: f64, end: f64, top: f64) -> Vec<Line> {
     lines
 }
 
-/// Pale colours are darkened, to be seen on white.
+/// A colour that is visible on white: pale ones are darkened.
 fn on_white(r: u8, g: u8, b: u8) -> RGBColor {
     let pale = r.min(g).min(b) > 180;
     let dim = |c: u8| if pale { (u16::from(c) * 6 / 10) as u8 } else { c };

@@ -1,4 +1,4 @@
-//! The virtual side: bodies in an ODE world with the hull and a floor.
+//! A world of ODE with the hull, a floor, and virtual bodies.
 
 use crate::compositor::Drawn;
 use crate::ray_cast::check_drawable;
@@ -11,16 +11,17 @@ use std::sync::Arc;
 /// Steps of the simulation a second.
 pub const STEPS_PER_SECOND: f64 = 240.0;
 
-/// Of the bodies, kg/m3: about that of a parcel.
+/// Density of the bodies in kg/m3, about that of a parcel.
 const DENSITY: f64 = 120.0;
 
-/// Between all surfaces.
+/// Coefficient of friction between all surfaces.
 const FRICTION: f64 = 0.8;
 
-/// The most contacts of one pair.
-const MOST_CONTACTS: usize = 8;
+/// Limit of the contacts of a pair.
+const MAX_CONTACTS: usize = 8;
 
-/// Noisy masks wear thin features away, in metres.
+/// Thinnest feature of the subject that must not pass through a body, in metres; small, because noisy masks make features
+/// thinner.
 const MIN_FEATURE: f64 = 0.015;
 
 /// A virtual body.
@@ -32,11 +33,11 @@ pub struct SimulatedBody {
     pub colour: [u8; 3],
     body: BodyId,
     touched: Touched,
-    /// Since the beginning, how deep in the hull at most, in metres.
+    /// Largest depth in the hull so far, in metres.
     pub deepest: f64,
-    /// When it first touched anything, in seconds.
+    /// Time of its first contact, in seconds.
     pub first_contact: Option<f64>,
-    /// The fastest since then, in m/s.
+    /// Largest speed since then, in m/s.
     pub fastest_after_contact: f64,
 }
 
@@ -49,10 +50,10 @@ struct Touched {
     bodies: Vec<usize>,
 }
 
-/// Where and how fast a body is.
+/// Pose and velocity of a body.
 #[derive(Debug, Clone, Copy)]
 pub struct State {
-    /// Of the body's centre, in the world.
+    /// World from body.
     pub pose: Isometry3<f64>,
     /// In m/s.
     pub linear_velocity: Vector3<f64>,
@@ -60,18 +61,18 @@ pub struct State {
     pub angular_velocity: Vector3<f64>,
 }
 
-/// What holds a body up.
+/// What supports a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Support {
     /// The real subject, directly or through other bodies.
     Subject,
     /// The floor, directly or through other bodies.
     Floor,
-    /// Nothing: it falls.
+    /// Nothing: the body falls.
     Nothing,
 }
 
-/// The world with its bodies.
+/// A world with its bodies.
 #[derive(Debug)]
 pub struct Simulation {
     world: World,
@@ -82,7 +83,8 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// A world with the hull of `data` and a floor at z = 0; `pixel_size` is what a pixel covers there, in metres.
+    /// A world with the hull of `data` and a floor at z = 0; `pixel_size` is the size of a pixel
+    /// at the subject, in metres.
     ///
     /// # Errors
     /// ODE is missing.
@@ -92,7 +94,7 @@ impl Simulation {
         world.set_erp(0.2)?;
         world.set_cfm(1e-5)?;
         world.set_quick_step_iterations(50)?;
-        // Edges of live masks flicker by a pixel: what flickers less than half of it is left alone.
+        // Edges of live masks flicker by up to a pixel. A layer of half a pixel keeps contacts steady.
         world.set_contact_surface_layer(0.5 * pixel_size)?;
         let root = world.root_space();
         let floor = world.add_geom(root, &Shape::Plane { normal: Vector3::z(), offset: 0.0 })?;
@@ -101,7 +103,7 @@ impl Simulation {
         Ok(Self { world, hull, floor, bodies: Vec::new(), time: 0.0 })
     }
 
-    /// Puts a body at rest into the world.
+    /// Adds a body at rest.
     ///
     /// # Errors
     /// A shape other than a box or a sphere, a size that is not positive, or a pose that is not finite.
@@ -126,10 +128,10 @@ impl Simulation {
         Ok(())
     }
 
-    /// Goes on by `duration` seconds.
+    /// Simulates `duration` seconds.
     ///
     /// # Errors
-    /// A body that the hull cannot be collided with, or that is nowhere any more.
+    /// A body that cannot be collided with the hull, or whose position is no longer finite.
     pub fn advance(&mut self, duration: f64) -> Result<()> {
         let steps = (duration * STEPS_PER_SECOND).round().max(1.0);
         let dt = duration / steps;
@@ -146,12 +148,12 @@ impl Simulation {
         }
 
         match self.world.hull(self.hull).take_error() {
-            Some(trouble) => Err(trouble),
+            Some(error) => Err(error),
             None => self.check_finite(),
         }
     }
 
-    /// The near callback: contacts for every pair with a body, and a note of which bodies touch.
+    /// Collides: adds contacts for every pair with a body, and records what each body touches.
     fn collide(&mut self) -> Result<()> {
         let Self { world, hull, floor, bodies, time } = self;
         for one in bodies.iter_mut() {
@@ -159,7 +161,7 @@ impl Simulation {
         }
         let surface = Surface::with_friction(FRICTION);
         world.collide(|pair| {
-            let contacts = pair.contacts(MOST_CONTACTS);
+            let contacts = pair.contacts(MAX_CONTACTS);
             for contact in contacts.iter() {
                 pair.attach(contact, &surface);
             }
@@ -185,7 +187,8 @@ impl Simulation {
     fn check_finite(&self) -> Result<()> {
         let lost = self.states().iter().position(|state| !state.pose.translation.vector.norm().is_finite());
         lost.map_or(Ok(()), |i| {
-            Err(Error::Ode(format!("body {} is nowhere: the simulation diverged", i + 1)))
+            Err(Error::Ode(format!("body {}: expected a finite position, found none; the simulation has diverged: lower the bodies' \
+                 speed", i + 1)))
         })
     }
 
@@ -194,12 +197,12 @@ impl Simulation {
         &self.bodies
     }
 
-    /// Seconds since the beginning.
+    /// Simulated time, in seconds.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// Where the bodies are.
+    /// Poses and velocities of the bodies.
     pub fn states(&self) -> Vec<State> {
         let state = |one: &SimulatedBody| {
             let body = self.world.body(one.body);
@@ -212,7 +215,7 @@ impl Simulation {
         self.bodies.iter().map(state).collect()
     }
 
-    /// What holds each body up, directly or through others; the subject counts before the floor.
+    /// What supports each body, directly or through others. A body on both subject and floor counts as on the subject.
     pub fn supports(&self) -> Vec<Support> {
         let direct = |one: &SimulatedBody| match &one.touched {
             Touched { hull: true, .. } => Support::Subject,
@@ -243,7 +246,7 @@ impl Simulation {
         self.bodies.iter().zip(self.states()).map(drawn).collect()
     }
 
-    /// How many bodies rest on what, for the progress bar.
+    /// The number of bodies on each support, for the progress bar.
     pub fn summary(&self) -> String {
         let supports = self.supports();
         let count = |kind| supports.iter().filter(|&&support| support == kind).count();
@@ -256,7 +259,7 @@ impl Simulation {
     }
 }
 
-/// How far `rotation` tilts the vertical, in degrees, taking the nearest of the body's axes as upright.
+/// The angle in degrees between the vertical and the axis of the body that is nearest to it.
 pub fn lean_deg(rotation: &UnitQuaternion<f64>) -> f64 {
     let up = rotation.inverse_transform_vector(&Vector3::z());
     up.amax().clamp(-1.0, 1.0).acos().to_degrees()

@@ -1,4 +1,4 @@
-//! The results: files, and a table for the terminal.
+//! The results of a run: files, and a table for the terminal.
 
 use crate::film::Film;
 use crate::log::{Entry, Log};
@@ -10,13 +10,13 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Below this speed, in m/s, a body rests.
+/// A body slower than this, in m/s, is at rest.
 const AT_REST: f64 = 0.02;
 
-/// Before the subject moves, this long is looked at for rest, in seconds.
-const WATCHED: f64 = 0.8;
+/// Duration before the subject moves over which stillness is measured, in seconds.
+const STILLNESS_SECONDS: f64 = 0.8;
 
-/// Writes all files into `dir`, the film and the stills under `name`; returns each with what it is.
+/// Writes all files to `dir`, film and stills as `name`; returns their paths and descriptions.
 pub(crate) fn write(
     dir: &Path,
     name: &str,
@@ -41,13 +41,13 @@ pub(crate) fn write(
     Ok(written)
 }
 
-/// One line per body: how still it was before the subject moved, and where it ended.
+/// A table of the bodies: how still each was before the subject moved, and where it ended.
 pub(crate) fn table(log: &Log, simulation: &Simulation, still_until: f64, subject: &str) -> String {
     let mut text = format!(
         "                   while the {subject} stands still               whole run             at the end\n\
          body    size (cm)  on         rms mm/s  creep mm  lean deg  max m/s  deepest mm  on         x, y, z (m)          mm/s\n"
     );
-    let still: Vec<&Entry> = log.between(still_until - WATCHED, still_until + 1e-6).collect();
+    let still: Vec<&Entry> = log.between(still_until - STILLNESS_SECONDS, still_until + 1e-6).collect();
     for (i, one) in simulation.bodies().iter().enumerate() {
         let size = ray_cast::lengths(&one.shape) * 100.0;
         let _ = write!(text, "{:>7} {:>2.0}x{:>2.0}x{:>2.0} ", log.bodies[i].0, size.x, size.y, size.z);
@@ -71,7 +71,7 @@ pub(crate) fn table(log: &Log, simulation: &Simulation, still_until: f64, subjec
     text
 }
 
-/// What a body rests on, or that it does not.
+/// What a body rests on, or a word for its motion.
 fn place(support: Support, speed: f64, subject: &str) -> &str {
     match support {
         Support::Nothing => "in flight",
@@ -81,14 +81,14 @@ fn place(support: Support, speed: f64, subject: &str) -> &str {
     }
 }
 
-/// One line on the amount of work.
+/// A line on the number of frames and the time they took.
 pub(crate) fn summary(frames: usize, cameras: usize, took: Duration) -> String {
     let seconds = took.as_secs_f64();
     let each = 1e3 * seconds / frames.max(1) as f64;
     format!("{frames} frames of {cameras} cameras in {seconds:.1} s ({each:.0} ms a frame)\n\n")
 }
 
-/// How a body kept still. Lengths and speeds in metres.
+/// How still a body was over some frames; metres and metres a second.
 struct Stillness {
     on: Support,
     speed: f64,
@@ -98,6 +98,7 @@ struct Stillness {
 }
 
 impl Stillness {
+    /// The stillness of body `i`; `None` without entries.
     fn of(entries: &[&Entry], i: usize) -> Option<Self> {
         let (first, last) = (entries.first()?, entries.last()?);
         let state = |entry: &Entry| -> State { entry.states[i] };

@@ -33,7 +33,7 @@ pub struct BodyVector {
 }
 
 impl LiteralBodies {
-    /// The same boxes.
+    /// The boxes of `bodies`.
     pub fn new(bodies: &Bodies) -> Self {
         let vec3 = |v: nalgebra::Vector3<f64>| -> Vec3 { v.cast::<f32>().into() };
         let pose = |pose: &nalgebra::Isometry3<f64>| {

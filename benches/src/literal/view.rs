@@ -19,7 +19,7 @@ pub struct LiteralView<'a> {
     width: i32,
     height: i32,
     pub(super) rect: Rect,
-    /// The same rectangle, to compare with a projection before it is rounded.
+    /// The rectangle as floats, to compare with a projection before it is rounded.
     low: (f32, f32),
     high: (f32, f32),
 }

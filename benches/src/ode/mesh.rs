@@ -30,7 +30,7 @@ pub struct Boxes {
 }
 
 impl Boxes {
-    /// The same boxes.
+    /// The boxes of `bodies`.
     ///
     /// # Errors
     /// An ODE that cannot be opened.

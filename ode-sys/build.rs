@@ -47,7 +47,7 @@ fn build() -> Result<(), Problem> {
     Ok(())
 }
 
-/// What pkg-config itself printed, where it ran at all.
+/// The output of pkg-config, where it could be run.
 fn words(error: &pkg_config::Error) -> String {
     match error {
         pkg_config::Error::Failure { output, .. } | pkg_config::Error::ProbeFailure { output, .. } => {

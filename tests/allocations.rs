@@ -1,4 +1,4 @@
-//! What a running program asks of the allocator: nothing, once everything has grown to its size.
+//! A running program allocates nothing once all buffers have grown to their size.
 
 use nalgebra::{Isometry3, Point3, Vector3, point};
 use ode_visual_hull::camera::{Camera, Distortion};
@@ -23,8 +23,8 @@ static MOMENTS: LazyLock<Vec<Vec<image::GrayImage>>> = LazyLock::new(|| {
     [0.0, 0.2, 0.4].map(masks).into()
 });
 
-/// A walking person before the pinholes, or before the same cameras with a lens. Masks are those of the pinholes in
-/// either case: what is allocated depends on their size and shape alone.
+/// Data of the pinholes, or of these cameras with a lens, for masks of a walking person. The masks are those of the pinholes
+/// in both cases, since allocations depend on their size and shape only.
 struct Studio {
     data: HullData,
 }
@@ -75,7 +75,7 @@ fn frames_and_batches_allocate_nothing_in_the_steady_state() {
         contact::body_responses(&hull, &bodies, &mut responses);
     };
 
-    // History fills up, and each buffer meets the largest silhouette.
+    // The history fills up, and each buffer grows to the largest silhouette.
     (0..150).for_each(&mut run);
     let allocated = allocation_counter::measure(|| (150..210).for_each(&mut run));
 

@@ -1,4 +1,4 @@
-//! Real calibration files of OpenCV's family, as other people's programs wrote them.
+//! Real calibration files of OpenCV's family, written by other programs.
 
 use nalgebra::Point3;
 use ode_visual_hull::camera::Camera;
@@ -7,7 +7,7 @@ use ode_visual_hull_testing::captures;
 use ode_visual_hull_testing::random::Random;
 use std::path::Path;
 
-/// What the files do not tell: the captures' image size and, where stated, millimetres.
+/// Hints for the files, which lack the image size and some the unit.
 const HD: Hints = Hints { size: Some((1920, 1080)), metres_per_unit: None };
 const SMALL_MM: Hints = Hints { size: Some((644, 486)), metres_per_unit: Some(1e-3) };
 
@@ -15,7 +15,7 @@ fn load(path: &Path, hints: &Hints) -> Calibration {
     Calibration::load(path, hints).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Our own file says the same: 1000 points before each camera reproject within 1e-6 px.
+/// Asserts that a rig survives our own file format: 1000 points in front of each camera reproject within 1e-6 px.
 fn assert_round_trip(rig: &Rig) {
     let again = Rig::from_toml(&rig.to_toml()).unwrap();
     assert_eq!(again.len(), rig.len());
@@ -31,7 +31,7 @@ fn assert_round_trip(rig: &Rig) {
     }
 }
 
-/// 1000 points that the camera sees, 0.5 to 10 m before it, from a fixed sequence.
+/// 1000 points that the camera sees, 0.5 to 10 m in front of it, from a fixed sequence.
 fn points_before(camera: &Camera) -> impl Iterator<Item = Point3<f64>> {
     let mut random = Random(1);
     let (width, height) = (f64::from(camera.size().0), f64::from(camera.size().1));

@@ -1,5 +1,4 @@
-//! Real calibration files of other tools are read, stand where they should, and survive the way through this crate's
-//! own.
+//! Real calibration files of other tools: their cameras stand where they should, and survive this crate's own format.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Distortion};
@@ -22,7 +21,7 @@ fn names(rig: &Rig) -> Vec<&str> {
     rig.cameras().iter().map(Camera::name).collect()
 }
 
-/// A thousand points all over the camera's image, at depths of 0.3 to 8 m; less those beyond its lens model.
+/// Up to a thousand points all over the camera's image, at depths of 0.3 to 8 m, without those outside its lens model.
 fn points_before(camera: &Camera) -> Vec<Point3<f64>> {
     let mut random = Random(1);
     let (width, height) = (f64::from(camera.size().0), f64::from(camera.size().1));
@@ -36,7 +35,7 @@ fn distance(a: &Camera, b: &Camera, b_scale: f64, point: &Point3<f64>) -> f64 {
     (a.u - b_scale * b.u).hypot(a.v - b_scale * b.v)
 }
 
-/// That points before each camera appear at the same places after writing and reading the rig.
+/// Asserts that points in front of each camera appear at the same places after writing and reading the rig.
 fn assert_survives_the_round_trip(rig: &Rig) {
     let again = Rig::from_toml(&rig.to_toml()).unwrap();
     for (a, b) in rig.cameras().iter().zip(again.cameras()) {
@@ -59,8 +58,8 @@ fn meeting_point(rig: &Rig) -> Point3<f64> {
     Point3::from(across.try_inverse().unwrap() * offset)
 }
 
-/// That the cameras stand upright above a floor at z = 0, as high as people mount them, and look at one place between
-/// them in which people stand.
+/// Asserts that the cameras stand upright above a floor at z = 0, at usual heights, and look at one place between them
+/// that is as high as a person.
 fn assert_stands_around_people(rig: &Rig) {
     let meeting = meeting_point(rig);
     assert!((-0.5..2.5).contains(&meeting.z), "{meeting}");

@@ -1,4 +1,4 @@
-//! The hull as a geometry class of ODE: what an ODE program may expect of any class, and what is special to ours.
+//! The hull as a geometry class of ODE: what a program may expect of any class, and what is special to the hull.
 
 use nalgebra::{Point3, UnitQuaternion, Vector3, point, vector};
 use ode_visual_hull::contact::Mode;
@@ -42,7 +42,7 @@ fn a_box_dropped_on_the_hull_comes_to_rest_on_it_in_every_kind_of_space() {
             step(&mut world, 0.005);
         }
         let at_rest = height(&world, body) - TOP - 0.1;
-        // The surface layer lets it sink 1 mm; a third of a pixel for the hull.
+        // The surface layer lets it sink by 1 mm, the hull by a third of a pixel more.
         assert!((-0.001 - 0.33 * PIXEL..0.33 * PIXEL).contains(&at_rest), "{kind:?}: {at_rest}");
         assert!(world.body(body).linear_velocity().norm() < 0.01);
     }
@@ -117,7 +117,7 @@ fn every_shape_comes_to_rest_on_the_hull() {
 
     for (shape, half) in shapes {
         let (mut world, _) = with_table(SpaceKind::default());
-        // A capsule stands on its cap only as long as nothing tips it: half a second is enough to land.
+        // A capsule stands on its cap only until something tips it over; it lands within half a second.
         let (body, _) = add_body(&mut world, &shape, &at(0.01, 0.02, TOP + half + 0.01));
         for _ in 0..100 {
             step(&mut world, 0.005);
@@ -128,7 +128,7 @@ fn every_shape_comes_to_rest_on_the_hull() {
 }
 
 #[test]
-fn the_way_out_does_not_depend_on_how_the_geom_is_mounted() {
+fn the_contacts_do_not_depend_on_how_the_geom_is_mounted() {
     // A cube whose geom sits 0.3 m beside its body, and the same cube on its body.
     let (mut world, hull) = with_table(SpaceKind::default());
     let offset = at(0.3, 0.0, 0.0) * UnitQuaternion::from_euler_angles(0.0, 0.0, 0.4);
@@ -346,8 +346,8 @@ fn a_body_too_large_to_sample_is_reported_and_does_not_collide() {
     let (_, huge) = add_body(&mut world, &cube(90.0), &at(0.0, 0.0, 0.0));
     assert!(world.hull(hull).take_error().is_none());
     assert!(world.collide_geoms(hull, huge, 8).unwrap().is_empty());
-    let trouble = world.hull(hull).take_error().expect("told").to_string();
-    assert!(trouble.contains("min_feature"), "{trouble}");
+    let error = world.hull(hull).take_error().expect("an error").to_string();
+    assert!(error.contains("min_feature"), "{error}");
     assert!(world.hull(hull).take_error().is_none(), "told once");
 }
 

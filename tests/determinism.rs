@@ -1,10 +1,10 @@
-//! The same bits: over runs in one process, over processes, in debug and in release.
+//! Simulations give the same bits in every run: in one process, over processes, in debug and in release.
 //!
 //! The golden numbers are hashes of all bits of all states of a scene. Floating point is IEEE 754 and nothing that
-//! reaches a contact uses fused or reordered arithmetic, so that they hold in both profiles; they were taken in the one
-//! and confirmed in the other, and with glibc's FMA variants switched off
+//! reaches a contact uses fused or reordered arithmetic, so that they hold in both profiles. They were recorded in one
+//! profile and confirmed in the other, and with glibc's FMA variants switched off
 //! (`GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4`).
-//! They change only with what bodies do, and with a "Behaviour" line in the changelog.
+//! They change only if simulations change, together with a "Behaviour" line in the changelog.
 
 use nalgebra::UnitQuaternion;
 use ode_visual_hull::contact::Mode;

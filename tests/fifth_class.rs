@@ -1,5 +1,5 @@
-//! ODE has room for four user classes in a process and aborts at a fifth. The hull takes one, once, and says so where
-//! there is none left. Alone in its process: the classes of other tests would count.
+//! ODE has room for four user classes in a process and aborts at a fifth. The hull registers one class, once, and returns an
+//! error where no room is left. The test has a process of its own, because the classes of other tests would count.
 
 mod foreign_class;
 use ode_sys::{dCloseODE, dInitODE2};
@@ -8,7 +8,7 @@ use ode_visual_hull_testing::scene::*;
 use ode_visual_hull_testing::world::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The table of classes is one for the process: these tests run one after the other, each from an empty table.
+/// The process has one table of classes, so these tests run one after the other, each from an empty table.
 fn in_a_process_of_its_own() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::new(());
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
@@ -82,7 +82,7 @@ fn the_class_is_found_again_while_only_others_keep_ode_open() {
     // SAFETY: pairs with the dInitODE2 above.
     unsafe { dCloseODE() };
 
-    // With the last reference gone the number is anybody's: a class of others takes it, and the hull another.
+    // With the last reference gone the number is free: another class takes it, and the hull another.
     let _ode = Ode::init().unwrap();
     assert_eq!(foreign_class::register(), 14);
 

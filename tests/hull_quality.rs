@@ -1,4 +1,4 @@
-//! The hull from pixels against the analytic hull of the same cameras: the quick part of `examples/figures`.
+//! The hull from pixels compared with the analytic hull of the same cameras: the quick part of `examples/figures`.
 
 use ode_visual_hull::hull::EdgeModel;
 use ode_visual_hull_testing::quality::accuracy::{self, exit_errors_px, mean, p99};
@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 static SCENES: LazyLock<[Scene; 3]> =
     LazyLock::new(|| [("sphere", 5), ("box", 7), ("torus", 5)].map(|(shape, n)| scene::scene(shape, n)));
 
-/// Checks `measure`, named with its scene where it fails.
+/// Asserts that a measured value `holds` in every scene.
 fn everywhere(measure: impl Fn(&Scene) -> f64, holds: impl Fn(f64) -> bool) {
     for scene in SCENES.iter() {
         let value = measure(scene);

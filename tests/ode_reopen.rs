@@ -1,4 +1,5 @@
-//! ODE closes with the last reference on it, and opens again. Alone in its process: others would hold ODE open.
+//! ODE closes with its last reference, and opens again. The test has a process of its own, because other tests would hold
+//! ODE open.
 
 mod foreign_class;
 
@@ -23,7 +24,7 @@ fn simulate(ode: &Ode) -> f64 {
     world.body(body).position().z
 }
 
-/// How high a box comes to rest on the hull of `data`, whose class is registered after `others` classes of others.
+/// The height at which a box rests on the hull of `data`, whose class is registered after `others` foreign classes.
 fn rest_on_hull(data: &Arc<HullData>, others: usize) -> f64 {
     let _ode = Ode::init().unwrap();
     for _ in 0..others {

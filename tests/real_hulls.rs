@@ -1,4 +1,4 @@
-//! The hulls of real subjects have the volumes and extents that were measured of them by other means.
+//! The hulls of real subjects have the volumes and extents that were measured by other means.
 
 use nalgebra::{Point3, point};
 use ode_visual_hull::hull::{Aabb, Hull, HullData, Unseen};

@@ -1,4 +1,4 @@
-//! Real captures are read as they are, and undistorted masks say what the distorted ones say.
+//! Real captures are read as they are, and undistorted masks agree with the distorted ones.
 
 use image::GrayImage;
 use nalgebra::{Point2, Point3, point};
@@ -99,7 +99,7 @@ fn place(camera: &Camera, world: &Point3<f64>) -> Option<Point2<f64>> {
     camera.project(world).map(|p| Point2::new(p.u, p.v)).filter(|p| contains(camera, p))
 }
 
-/// The distance from `p` to the nearest pixel of the other verdict, looked for within 3 px.
+/// The distance from `p` to the nearest pixel of the other verdict, searched within 3 px.
 fn distance_to_edge(mask: &GrayImage, p: &Point2<f64>) -> f64 {
     let own = is_subject(mask, p);
     let around = |x: f64, length: u32| (x as u32).saturating_sub(3)..(x as u32 + 4).min(length);

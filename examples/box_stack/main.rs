@@ -4,7 +4,7 @@
 //!   cameras ──► masks ──► HullData ──► World (ODE) ──► one camera's view with the boxes in it, CSV, plot, table
 //! ```
 //!
-//! `cargo run --release --example box_stack -- --help` tells the options. Recordings of real cameras: `vhull run`.
+//! `cargo run --release --example box_stack -- --help` lists the options. `vhull run` does the same with recordings of real cameras.
 
 mod options;
 mod sensor;
@@ -49,7 +49,7 @@ fn run(options: &Options) -> Result<()> {
     })?;
     progress.finish_and_clear();
 
-    // A reader who has seen enough may close the pipe.
+    // The reader may have closed the pipe.
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(())
 }

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 
 /// Virtual boxes rest on a real object that cameras see, and fall when it moves.
 ///
-/// Eight synthetic cameras watch a real box. Five virtual boxes are stacked on it; the real box is lifted and tilted,
-/// and the stack tips over. Each frame goes the whole way: colour images with sensor noise, subtraction of the empty
-/// room, silhouettes, visual hull, physics.
+/// Eight synthetic cameras watch a real box. Five virtual boxes are stacked on it. The real box is lifted and tilted, and
+/// the stack tips over. Each frame goes through all steps: colour images with sensor noise, segmentation, silhouettes,
+/// visual hull, physics.
 #[derive(Debug, Parser)]
 #[command(name = "box_stack", version, after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder for the film, the table of states and the plot; made if need be.
+    /// Folder for the film, the table of states and the plot; it is made if it is missing.
     #[arg(long, value_name = "DIR", default_value = "target/demo")]
     pub out: PathBuf,
     /// Camera whose view is drawn, by number from 0 or by name [default: the one that shows most].
@@ -23,7 +23,7 @@ pub struct Options {
     /// Seed of the sensor noise and of ODE's solver: the same seed gives the same run.
     #[arg(long, default_value_t = 1)]
     pub seed: u32,
-    /// Do not draw: several times faster, states and plot only.
+    /// Write states and plot only, without a film: several times faster.
     #[arg(long)]
     pub no_gif: bool,
 }

@@ -4,11 +4,11 @@ use image::{Rgb, RgbImage};
 use ode_visual_hull::Result;
 use ode_visual_hull::synthetic::add_noise;
 
-/// The field is larger than an image by this much each way: so many places squared to cut from.
+/// The field is this many pixels wider and higher than an image: each offset gives another noise.
 const NOISE_MARGIN: u32 = 64;
 
-/// A field of sensor noise. Each image takes its noise from another place of it, which is much quicker than to draw
-/// a million normal numbers for each.
+/// A field of sensor noise. Each image uses another part of it, which is much faster than drawing a million normal numbers
+/// for each image.
 pub struct Sensor {
     field: RgbImage,
 }
@@ -17,7 +17,7 @@ pub struct Sensor {
 const GREY: u8 = 128;
 
 impl Sensor {
-    /// For images of `size` pixels, with a deviation of `sigma` grey levels.
+    /// A sensor for images of `size` pixels, with a standard deviation of `sigma` grey levels.
     pub fn new(size: (u32, u32), sigma: f64, seed: u64) -> Result<Self> {
         let mut field = RgbImage::from_pixel(size.0 + NOISE_MARGIN, size.1 + NOISE_MARGIN, Rgb([GREY; 3]));
         add_noise(&mut field, sigma, seed)?;
@@ -26,7 +26,7 @@ impl Sensor {
 
     /// `image` with the noise of exposure number `exposure`.
     pub fn expose(&self, image: &RgbImage, exposure: u32) -> RgbImage {
-        // Odd and coprime steps go through all places before one comes again.
+        // The step is coprime to the number of offsets, so that all are used before one is used again.
         let place = exposure.wrapping_mul(1_597) % (NOISE_MARGIN * NOISE_MARGIN);
         let (left, top) = (place % NOISE_MARGIN, place / NOISE_MARGIN);
         let mut noisy = image.clone();

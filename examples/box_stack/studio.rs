@@ -1,8 +1,8 @@
 //! Eight synthetic cameras around a real box that stands, is lifted, and is tilted.
 //!
 //! Above a flat top the visual hull is a tent unless a camera looks along the top. So seven cameras stand at heights
-//! that the top passes, two of them on the axis of the tilt: they look along it at any angle. The eighth looks down
-//! and shows the scene.
+//! through which the top moves. Two of them stand on the axis of the tilt and look along the top at any angle. The eighth
+//! camera looks down and shows the scene.
 
 use super::sensor::Sensor;
 use image::RgbImage;
@@ -23,16 +23,16 @@ use std::sync::Arc;
 /// The real box, in metres.
 const REAL: Vector3<f64> = Vector3::new(0.5, 0.5, 0.35);
 
-/// When the real box begins and ends to move, and when the film ends, in seconds.
+/// Times at which the real box starts and stops moving and the film ends, in seconds.
 const STILL_UNTIL: f64 = 1.8;
 const MOVED_BY: f64 = 3.6;
 const END: f64 = 5.8;
 
-/// How high it is lifted, in metres, and how far it is tilted, towards +x, in radians.
+/// Height of the lift in metres, and angle of the tilt towards +x in radians.
 const LIFT: f64 = 0.25;
 const TILT: f64 = 28.0 * std::f64::consts::PI / 180.0;
 
-/// Where the grazing cameras stand: azimuth in degrees, counter-clockwise from +x, and height in metres.
+/// Positions of the grazing cameras: azimuth in degrees, counter-clockwise from +x, and height in metres.
 const GRAZING: [(f64, f64); 7] =
     [(0.0, 0.35), (45.0, 0.35), (90.0, 0.42), (135.0, 0.35), (180.0, 0.50), (225.0, 0.35), (270.0, 0.62)];
 
@@ -41,20 +41,20 @@ const IMAGE: (u32, u32) = (640, 480);
 /// Sensor noise, in grey levels.
 const NOISE: f64 = 3.0;
 
-/// Times are multiples of a frame, but for this part of one.
+/// Rounding error of times, as a part of a frame.
 const ROUNDING: f64 = 1e-6;
 
 /// The synthetic studio.
 pub struct Studio {
     cameras: Vec<Camera>,
-    /// Per camera the empty room.
+    /// The image of the empty room in each camera.
     plates: Vec<RgbImage>,
     sensor: Sensor,
     pipeline: Pipeline,
-    /// What is before the cameras, and what they see of it without noise.
+    /// The scene, and its images without noise.
     scene: Scene,
     images: Vec<RgbImage>,
-    /// Published last.
+    /// The frame published last.
     frame: Option<usize>,
 }
 
@@ -75,7 +75,7 @@ impl Studio {
         Ok(studio)
     }
 
-    /// Metres that a pixel covers at the real box.
+    /// Size of a pixel at the real box, in metres.
     pub fn pixel_size(&self, data: &HullData) -> Result<f64> {
         let (_, hull) = data.latest().ok_or_else(|| Error::argument("expected a frame, found none"))?;
         Ok(hull.pixel_size(&Point3::new(0.0, 0.0, REAL.z)))
@@ -101,7 +101,7 @@ impl Frames for Studio {
         &self.cameras
     }
 
-    /// The whole way of a real system: image, noise, subtraction of the empty room, mask. The data is the pipeline's.
+    /// All steps of a real system: image, noise, segmentation, mask. The pipeline publishes to the data.
     fn publish(&mut self, time: f64, _: &HullData) -> Result<()> {
         let frame = (time * FRAME_RATE + ROUNDING) as usize;
         if self.frame.replace(frame) == Some(frame) {
@@ -116,7 +116,7 @@ impl Frames for Studio {
         Ok(())
     }
 
-    /// Without the noise, which is for the segmentation: a film of it would only be larger.
+    /// The image without noise, which would only make the film larger.
     fn picture(&mut self, view: usize) -> Result<RgbImage> {
         Ok(self.images[view].clone())
     }
@@ -164,7 +164,7 @@ fn segmenter(empty: &RgbImage) -> Result<Box<dyn Segmenter>> {
     Ok(Box::new(CleanPlate::new(empty, Thresholds::default())?))
 }
 
-/// Stacks the five virtual boxes, a hair apart.
+/// Stacks the five virtual boxes, with a gap of a millimetre.
 pub fn stack(simulation: &mut Simulation) -> Result<()> {
     let boxes = [
         (vector![0.26, 0.25, 0.15], 0.05, [222, 86, 62]),

@@ -1,4 +1,4 @@
-//! Whether the responses in use are the reference's where lenses bend images, where views abstain, and both.
+//! Whether responses equal those of the reference with distorting lenses, with views that abstain, and with both.
 //!
 //! ```text
 //!   +---------+   +---------+   +---------+
@@ -18,13 +18,13 @@ use ode_visual_hull_testing::quality::scene;
 use ode_visual_hull_testing::random::Random;
 use std::sync::Arc;
 
-/// Small images: the reference looks at every pixel.
+/// Small images, because the reference examines every pixel.
 const SIZE: (u32, u32) = (320, 240);
 const FIELD_OF_VIEW: f64 = 0.9;
 const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.5);
 const HEIGHTS: [f64; 7] = [0.15, 1.1, 0.45, 1.5, 0.0, 1.2, 0.8];
 
-/// Where in the images the cameras see their target, in turn: in the middle, and near a border.
+/// Places of the target in the images, in turn: in the middle, and near a border.
 const TARGET_PX: [Point2<f64>; 4] = [
     Point2::new(160.0, 120.0),
     Point2::new(12.0, 130.0),
@@ -32,13 +32,13 @@ const TARGET_PX: [Point2<f64>; 4] = [
     Point2::new(170.0, 228.0),
 ];
 
-/// Points inside that are compared in each scene.
+/// Number of points inside that are compared in each scene.
 const POINTS: usize = 2000;
 
-/// Metres, and the length of a difference of unit vectors: both sides find the same pixel border in closed form.
+/// Tolerance in metres, and of the difference of unit vectors: both find the same pixel border in closed form.
 const TOLERANCE: f64 = 1e-9;
 
-/// What the cameras are like, by the figure's name.
+/// The kinds of cameras, by the names of figures.
 #[derive(Debug, Clone, Copy)]
 struct Kind {
     name: &'static str,
@@ -86,7 +86,7 @@ impl Optics {
     }
 }
 
-/// What was found in one scene.
+/// The results of one scene.
 struct Measured {
     scene: String,
     agreement: f64,
@@ -94,7 +94,8 @@ struct Measured {
     unseen: f64,
 }
 
-/// Of each kind the worst scene, with its bound, and all scenes; and in what share of points inside a view abstains.
+/// The figures of all scenes and of the worst scene of each kind, which has a bound, and the share of points inside at
+/// which a view abstains.
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let mut figures = Vec::new();
     for kind in KINDS {
@@ -133,7 +134,7 @@ fn measure_scene(kind: Kind, shape: &str, n: usize) -> Measured {
     Measured { scene: format!("{shape}_{n}"), agreement, unseen }
 }
 
-/// Whether the answers of the batch and of the single query are the reference's: the same verdict, view and b, normal and depth.
+/// Whether the results of the batch and of the single query equal the reference's: verdict, view, b, normal and depth.
 fn agree(hull: &Hull, p: &Point3<f64>, many: Option<&PointResponse>, single: Option<Response>) -> bool {
     match (many, single, reference::respond(hull, p)) {
         (None, None, None) => true,
@@ -152,7 +153,7 @@ fn agree(hull: &Hull, p: &Point3<f64>, many: Option<&PointResponse>, single: Opt
     }
 }
 
-/// Random points in and around the hull, of which so many are inside by the reference.
+/// Random points in and around the hull, of which `count` are inside by the reference.
 fn points(hull: &Hull, seed: u64) -> Vec<Point3<f64>> {
     let mut random = Random(seed);
     let around = hull.aabb().grown(0.02);
@@ -165,7 +166,7 @@ fn points(hull: &Hull, seed: u64) -> Vec<Point3<f64>> {
     points
 }
 
-/// The hull of `shape` as `n` cameras give it through their lenses.
+/// The hull of `shape` by `n` cameras with their lenses.
 fn hull(kind: Kind, shape: &str, n: usize) -> Arc<Hull> {
     let subject = Subject::new(vec![scene::placed(shape)]);
     let cameras = cameras(kind.optics, n);

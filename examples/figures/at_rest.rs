@@ -1,4 +1,5 @@
-//! A box at rest: how still it lies on noisy silhouettes, beside ODE's own box, other modes and the literal paper.
+//! A box at rest on noisy silhouettes: how still it lies, compared with ODE's own box, other contact modes and the
+//! literal paper.
 
 use crate::studio::*;
 use image::GrayImage;
@@ -11,11 +12,11 @@ use ode_visual_hull::synthetic::{flip_boundary, silhouette};
 use ode_visual_hull_testing::figure::{Bound::AtMost, Figure};
 use std::sync::Arc;
 
-/// Seconds of settling before the measurement, and of the measurement.
+/// Duration of settling and of the measurement after it, in seconds.
 const SETTLE: f64 = 3.0;
 const MEASURE: f64 = 5.0;
 
-/// Share of boundary pixels flipped, constant in time, and anew in each frame.
+/// Shares of boundary pixels that are flipped: constant in time, and anew in each frame.
 const CONSTANT_FLIPS: f64 = 0.37;
 const LIVE_FLIPS: f64 = 0.05;
 
@@ -38,7 +39,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
         Figure::bounded("rest_rms_mm_s_worst_seed", worst, AtMost(10.0)),
         Figure::reported("rest_rms_mm_s_native", median(SEEDS.map(on_native))),
         Figure::bounded("rest_live_rms_mm_s", live, AtMost(2.0)),
-        // A box that does not move at all has no jitter to divide by: a nanometre a second stands for none.
+        // Avoids a division by zero where a box does not move at all.
         Figure::reported("single_over_multi_jitter", single / multi.max(1e-6)),
         Figure::reported("literal_rest_rms_mm_s", median(SEEDS.map(literal))),
     ]
@@ -53,7 +54,7 @@ fn noisy(masks: &[GrayImage], probability: f64, seed: u64) -> Vec<GrayImage> {
     flipped.collect()
 }
 
-/// A world with the box a millimetre above the table, and what it rests on: a hull, or ODE's own box.
+/// A world with the box a millimetre above the table, which is a hull or ODE's own box.
 fn box_above(seed: u64, layer: f64, hull: Option<(&Arc<HullData>, Mode)>) -> (World, BodyId) {
     let mut world = world(seed, layer);
     let root = world.root_space();

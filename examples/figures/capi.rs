@@ -1,4 +1,4 @@
-//! What a call through the C face costs beside the same question asked in Rust.
+//! The cost of a query through the C functions, relative to the same query in Rust.
 
 use crate::studio::{add_body, at, data, level_ring, masks, median, publish, table, world};
 use nalgebra::{Point3, Vector3, point};
@@ -15,7 +15,7 @@ use std::time::Instant;
 
 type DataId = *mut c_void;
 
-// As `include/ode_visual_hull.h` has them.
+// Declarations of `include/ode_visual_hull.h`.
 unsafe extern "C" {
     safe fn dInitVisualHull() -> c_int;
     safe fn dCloseVisualHull();
@@ -31,10 +31,10 @@ unsafe extern "C" {
     fn dGeomVisualHullBodyResponse(g: dGeomID, body: dGeomID, v: *mut f64) -> c_int;
 }
 
-/// Interleaved rounds on each scene; the median over all their ratios counts.
+/// Number of interleaved rounds on each scene. The figure is the median of all ratios.
 const ROUNDS: usize = 21;
 
-/// Scenes, each in memory of its own: where its data happen to lie makes more of a difference than the calls do.
+/// Number of scenes, each in memory of its own: the place of the data in memory matters more than the call.
 const SCENES: u64 = 8;
 
 const POINTS: usize = 2000;
@@ -85,7 +85,7 @@ fn compare(scenes: &[Scene], calls: usize, c: fn(&Scene), rust: fn(&Scene)) -> (
     (pick(|round| round.0), pick(|round| round.1), pick(|round| round.0 / round.1))
 }
 
-/// The table before seven cameras, twice: owned by a world of Rust's, and made through the C face.
+/// The table in front of seven cameras, twice: in a world of the Rust wrapper, and made through the C functions.
 struct Scene {
     world: World,
     hull: GeomId,

@@ -1,4 +1,4 @@
-//! The geometric figures: the hull from pixels against the analytic hull of the same cameras.
+//! The geometric figures: the hull from pixels compared with the analytic hull of the same cameras.
 
 use Bound::{AtLeast, AtMost};
 use ode_visual_hull::hull::EdgeModel;
@@ -7,8 +7,8 @@ use ode_visual_hull_testing::quality::accuracy::{self, NormalError, Probe, mean,
 use ode_visual_hull_testing::quality::scene::{self, Scene};
 use std::collections::BTreeMap;
 
-/// What is asked of the worst scene.
-const ASKED: [(&str, Option<Bound>); 15] = [
+/// The figures and the bounds of the worst scene.
+const BOUNDS: [(&str, Option<Bound>); 15] = [
     ("inside_agreement", Some(AtLeast(1.0))),
     ("culls_agree", Some(AtLeast(1.0))),
     ("reference_agree", Some(AtLeast(0.999))),
@@ -26,7 +26,7 @@ const ASKED: [(&str, Option<Bound>); 15] = [
     ("contact_normal_error_coverage_everywhere_deg_mean", None),
 ];
 
-/// Every figure of each scene, as `name_torus_7`, and under `name` alone the worst of them, with its bound.
+/// Every figure of each scene, as `name_torus_7`, and as `name` the worst of them with its bound.
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let mut by_scene = Vec::new();
     for scene in scene::all() {
@@ -35,7 +35,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     }
 
     let mut figures = Vec::new();
-    for (name, bound) in ASKED {
+    for (name, bound) in BOUNDS {
         let values = by_scene.iter().map(|(_, measured)| measured[name]);
         figures.push(Figure { name: name.into(), value: worst(values, bound), bound });
         figures.extend(by_scene.iter().map(|(scene, measured)| Figure {
@@ -48,7 +48,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     figures
 }
 
-/// The value farthest on the bound's bad side, NaN if there is one; the mean where there is no bound.
+/// The value that is worst for the bound, NaN if there is one; without a bound the mean.
 fn worst(values: impl Iterator<Item = f64>, bound: Option<Bound>) -> f64 {
     let values: Vec<f64> = values.collect();
     if values.iter().any(|value| value.is_nan()) {

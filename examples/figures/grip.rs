@@ -31,14 +31,14 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     ]
 }
 
-/// Eight cameras around the middle, every other one level with it: two of them look through between the hands. Where
-/// none does, the hull bulges into the gap from either side, and what is held is held between two wedges.
+/// Eight cameras around the centre, every other one level with it, of which two look through between the hands. Without
+/// these the hull would bulge into the gap from either side, and hold the body between two wedges.
 fn cameras() -> Vec<Camera> {
     layout::staggered(8, 3.0, &[0.0, 1.0], ORIGIN, (640, 480), 0.5).expect("a ring")
 }
 
 /// The greatest speed, m/s, within two seconds of a cube that appears at `place` in `subject`; the median over seeds.
-/// Without gravity: what is measured is what the hull gives.
+/// There is no gravity, so that all speed comes from the hull.
 fn exit_speed(subject: &Subject, side: f64, place: Vector3<f64>) -> f64 {
     let cameras = cameras();
     let masks = masks(&cameras, subject, coverage);
@@ -61,7 +61,7 @@ fn exit_speed(subject: &Subject, side: f64, place: Vector3<f64>) -> f64 {
     median(SEEDS.map(once))
 }
 
-/// Whether two hands, 4 mm nearer to each other than the box between them is wide, hold it for three seconds.
+/// Whether two hands hold a box for three seconds that is 4 mm wider than the gap between them.
 fn pinch_holds() -> bool {
     let wide = 0.2;
     let hand =

@@ -1,8 +1,8 @@
-//! Measures how good the hull is and writes it into `target/figures.json`: one flat object, name to number, in which
-//! the figures of `make bench` stand too.
+//! Measures how good the hull is. Writes the figures to `target/figures.json`: one flat object, name to number, which holds
+//! the figures of `make bench` too.
 //!
 //! `cargo run --release --example figures [-- GROUP...]` measures the named groups, all of them by default, and
-//! prints a table of what was measured and what was asked. It fails where a bound is missed.
+//! prints a table of values and bounds. It fails where a bound is missed.
 
 mod agreement;
 mod at_rest;
@@ -18,7 +18,7 @@ use ode_visual_hull_testing::figure::Figure;
 use ode_visual_hull_testing::figure_table;
 use std::process::ExitCode;
 
-/// Measures a group's figures; what it is at is told to the argument.
+/// Measures the figures of a group. The argument takes a word on each step.
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
@@ -34,16 +34,16 @@ const GROUPS: [(&str, Measure); 8] = [
 ];
 
 fn main() -> ExitCode {
-    let asked: Vec<String> = std::env::args().skip(1).collect();
+    let wanted: Vec<String> = std::env::args().skip(1).collect();
     let names = GROUPS.map(|(name, _)| name);
-    if let Some(unknown) = asked.iter().find(|name| !names.contains(&name.as_str())) {
+    if let Some(unknown) = wanted.iter().find(|name| !names.contains(&name.as_str())) {
         eprintln!("usage: figures [GROUP...], groups: {}; found {unknown}", names.join(", "));
         return ExitCode::from(2);
     }
 
     let mut figures = Vec::new();
     for (name, measure) in GROUPS {
-        if asked.is_empty() || asked.iter().any(|asked| asked == name) {
+        if wanted.is_empty() || wanted.iter().any(|wanted| wanted == name) {
             figures.extend(measure(&|at| eprintln!("{name}: {at}")));
         }
     }

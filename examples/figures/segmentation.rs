@@ -1,5 +1,5 @@
-//! The figures of segmentation: real captures against the masks that came with them, and synthetic images against
-//! exact silhouettes.
+//! The figures of segmentation: real captures compared with the masks that came with them, and synthetic images with exact
+//! silhouettes.
 
 use image::{GrayImage, RgbImage, imageops};
 use nalgebra::{Point3, Vector3};
@@ -15,10 +15,10 @@ use ode_visual_hull_testing::captures::{self, DINO, SEATED, carve, dino_cameras}
 use ode_visual_hull_testing::figure::{Bound, Figure};
 use std::path::Path;
 
-/// Frames of the empty room that a plate is made of.
+/// Number of frames of the empty background that a clean plate is made of.
 const EMPTY_FRAMES: u32 = 24;
 
-/// The figures of all captures that are there, and of the synthetic studio.
+/// The figures of all captures that are present, and of the synthetic studio.
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let (mut figures, mut coded) = (Vec::new(), Vec::new());
     for (name, capture) in
@@ -36,10 +36,10 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     figures
 }
 
-/// Measures one capture, in its folder, and appends how long its masks are as run lengths.
+/// Measures the capture in a folder, and appends the sizes of its masks as run lengths.
 type Capture = fn(&Path, &mut Vec<Coded>) -> Vec<Figure>;
 
-/// Bytes that the mean mask of a capture takes as run lengths.
+/// Mean size of the masks of a capture as run lengths, in bytes.
 struct Coded {
     binary: f64,
     with_coverage: f64,
@@ -60,7 +60,7 @@ impl Coded {
     }
 }
 
-/// Bytes of seven masks, each the mean of two persons' as segmentation makes them.
+/// Size of seven masks in bytes, each the mean of those of two persons, as segmentation makes them.
 fn coded_sizes(captures: &[Coded]) -> Vec<Figure> {
     if captures.is_empty() {
         return Vec::new();
@@ -76,8 +76,8 @@ fn coded_sizes(captures: &[Coded]) -> Vec<Figure> {
     ]
 }
 
-/// A man on a chair, in a room that was filmed empty: videos, the lenses of the XML files, and poses that were estimated
-/// anew. The given masks are a little wide, and hold the shadow beneath the chair.
+/// A man on a chair, in a room that was also filmed empty: videos, lenses from the XML files, and refined poses. The masks
+/// that came with it are a little too wide, and contain the shadow below the chair.
 fn seated(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     let recording = Recording::open(dir).expect("a recording");
     let cameras = seated_cameras(dir, recording.rig());
@@ -135,8 +135,8 @@ fn decoded(path: &Path, size: (u32, u32), frames: &[u32]) -> Vec<RgbImage> {
     wanted.into_iter().map(|frame| frame.image).collect()
 }
 
-/// A person who balances in a crowded laboratory. The only photograph of it without the person shows another one, who
-/// has left: the recording itself tells where.
+/// A person that balances in a full laboratory. The only photograph without that person shows another one, which the
+/// recording itself reveals: clean plates are refined with it.
 fn balancing(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     let recording = Recording::open(dir).expect("a recording");
     let frames: Vec<_> = recording.image_frames().iter().map(|&frame| images(&recording, frame)).collect();
@@ -145,12 +145,12 @@ fn balancing(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
         let photograph = image::open(path).expect("a photograph").into_rgb8();
         imageops::thumbnail(&photograph, camera.size().0, camera.size().1)
     });
-    let mended = photographs.enumerate().map(|(view, photograph)| {
+    let refined_plates = photographs.enumerate().map(|(view, photograph)| {
         let frames: Vec<_> = frames.iter().map(|images| images[view].clone()).collect();
         default_plate(&photograph).refined_with(&frames).expect("ten frames")
     });
-    let (mut mended, mut given): (Vec<_>, Vec<_>) =
-        (mended.collect(), backgrounds(&recording).iter().map(default_plate).collect());
+    let (mut refined_plates, mut given): (Vec<_>, Vec<_>) =
+        (refined_plates.collect(), backgrounds(&recording).iter().map(default_plate).collect());
     let overlap = |segmenters: &mut [CleanPlate]| {
         let frames = recording.image_frames().iter().zip(&frames);
         let overlaps = frames.flat_map(|(&frame, images)| {
@@ -158,16 +158,16 @@ fn balancing(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
         });
         mean(&overlaps.collect::<Vec<_>>())
     };
-    let found: Vec<_> = frames.iter().flat_map(|images| segment(&mut mended, images)).collect();
+    let found: Vec<_> = frames.iter().flat_map(|images| segment(&mut refined_plates, images)).collect();
     coded.push(Coded::of(found.iter()));
 
     vec![
-        Figure::bounded("balancing_iou_mean", overlap(&mut mended), Bound::AtLeast(0.85)),
+        Figure::bounded("balancing_iou_mean", overlap(&mut refined_plates), Bound::AtLeast(0.85)),
         Figure::reported("balancing_plate_with_ghost_iou_mean", overlap(&mut given)),
     ]
 }
 
-/// A plaster dinosaur in the dark, in light from one side.
+/// A plaster dinosaur in the dark, lit from one side.
 fn dino(dir: &Path, _: &mut Vec<Coded>) -> Vec<Figure> {
     let views = dino_cameras(dir).into_iter().map(|(number, camera)| {
         let image =
@@ -180,8 +180,8 @@ fn dino(dir: &Path, _: &mut Vec<Coded>) -> Vec<Figure> {
     data.set_bounds(DINO.grown(0.008)).expect("a volume");
     let (volume, aabb) = carve(&data.update(0.0).expect("masks in all views"), 0.001);
 
-    // All cameras look down on it, so that the hull hangs out of its box below, an upside-down tent. Points up to 6.5 mm
-    // below it appear bright in every view: no silhouette of the dinosaur leaves them out.
+    // All cameras look down on it, so that the hull extends below the dinosaur's box like an upside-down tent. Points up to
+    // 6.5 mm below it are bright in every view, so no silhouette excludes them.
     let (below, above) = ((DINO.min - aabb.min) * 1e3, (aabb.max - DINO.max) * 1e3);
     let five_sides = below.x.max(below.z).max(above.max());
     vec![
@@ -191,7 +191,7 @@ fn dino(dir: &Path, _: &mut Vec<Coded>) -> Vec<Figure> {
     ]
 }
 
-/// Black, by the recipe that came with the images: above 0.19, dilated by 10 pixels, eroded by 7.
+/// The mask by the recipe that came with the images: brighter than 0.19, dilated by 10 pixels, eroded by 7.
 fn in_the_dark((width, height): (u32, u32)) -> CleanPlate {
     let thresholds = Thresholds { difference: 0.19 * 255.0, ..Thresholds::default() };
     let cleanup = Cleanup {
@@ -207,8 +207,8 @@ fn in_the_dark((width, height): (u32, u32)) -> CleanPlate {
         .expect("numbers in range")
 }
 
-/// The mean overlap with exact silhouettes: a person who walks, noise of 3 grey levels, and a soft shadow that wanders
-/// over the room behind.
+/// The mean overlap with exact silhouettes of a walking person, with noise of 3 grey levels and a soft shadow that moves
+/// over the background.
 fn moving_shadow() -> f64 {
     let target = Point3::new(0.0, 0.0, 0.9);
     let cameras = layout::staggered(5, 3.5, &[0.9, 2.4, 1.5], target, (640, 480), 0.9).expect("a layout");
@@ -233,14 +233,14 @@ fn moving_shadow() -> f64 {
     mean(&overlaps)
 }
 
-/// The room darkened by the share `depth` in a soft blob beside the subject, which wanders with the time.
+/// The background darkened by the share `depth` in a soft blob beside the subject, which moves with time.
 fn shade(room: &RgbImage, camera: &Camera, time: f64, depth: f64) -> RgbImage {
     let centre = Point3::origin() + Vector3::new((2.0 * time).cos(), (2.0 * time).sin(), 0.0) * 0.5;
     let centre = camera.project(&centre).expect("in front of every camera");
     let mut shaded = room.clone();
     for (x, y, pixel) in shaded.enumerate_pixels_mut() {
         let (dx, dy) = ((f64::from(x) - centre.u) / 140.0, (f64::from(y) - centre.v) / 70.0);
-        // Even in the middle, and soft at the rim.
+        // Uniform in the middle, soft at the rim.
         let inside = (1.5 - dx.hypot(dy)).clamp(0.0, 1.0);
         let light = 1.0 - depth * inside * inside * (3.0 - 2.0 * inside);
         pixel.0 = pixel.0.map(|value| (f64::from(value) * light).round() as u8);

@@ -1,4 +1,4 @@
-//! Five boxes on the table: how far the top one creeps, beside ODE's own table.
+//! Five boxes on the table: how far the top one creeps, compared with ODE's own table.
 
 use crate::studio::*;
 use nalgebra::{Vector2, vector};

@@ -1,4 +1,4 @@
-//! The studio of the physical figures: subjects, rigs, masks, and worlds on their hulls.
+//! Subjects, cameras, masks and worlds of the physical figures.
 
 use image::GrayImage;
 use nalgebra::{Isometry3, point, vector};
@@ -24,7 +24,7 @@ pub fn level_ring(height: f64) -> Vec<Camera> {
     layout::ring(7, 3.0, height, target, (640, 480), 0.8).expect("a ring of seven")
 }
 
-/// What a pixel of [`level_ring`] covers at the middle, in metres.
+/// Size of a pixel of [`level_ring`] at the centre, in metres.
 pub fn pixel() -> f64 {
     3.0 * 2.0 * (0.8_f64 / 2.0).tan() / 640.0
 }
@@ -40,7 +40,7 @@ pub fn data(cameras: &[Camera]) -> Arc<HullData> {
     Arc::new(data)
 }
 
-/// What each camera sees of `subject`, drawn by `draw`.
+/// The masks of `subject` in all cameras, drawn by `draw`.
 pub fn masks(
     cameras: &[Camera],
     subject: &Subject,
@@ -77,7 +77,7 @@ pub fn step(world: &mut World) {
     world.quick_step(DT).expect("finite states");
 }
 
-/// Metres a second of `body`.
+/// The speed of `body` in m/s.
 pub fn speed(world: &World, body: BodyId) -> f64 {
     world.body(body).linear_velocity().norm()
 }

@@ -1,5 +1,5 @@
-//! How near bodies on the hull of a box stay to what they do on ODE's own box, and how fast they roll: the scenes of
-//! the tests, as figures.
+//! How closely bodies on the hull of a box follow those on ODE's own box, and how fast they roll: the scenes of the tests
+//! as figures.
 
 use ode_visual_hull_testing::figure::{
     Bound::{AtMost, Between},

@@ -1,26 +1,26 @@
-//! What can be wrong with the installed ODE, each in words that say what to do.
+//! Problems with the installed ODE, with messages that say what to do.
 //!
 //! Shared by the build script and by `tests/problem.rs`.
 
 use std::fmt;
 
-/// Debian's packages that make everything work.
+/// The Debian packages that the build needs.
 const INSTALL: &str = "apt-get install libode-dev libclang-dev pkg-config";
 
 /// Why no bindings could be made.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Problem {
-    /// pkg-config finds no ODE of a fitting version; its own words.
+    /// pkg-config finds no ODE of a suitable version; its message.
     Missing(String),
     /// libclang cannot be loaded.
     NoClang,
-    /// bindgen failed; its own words.
+    /// bindgen failed; its message.
     Bindings(String),
     /// pkg-config and the header name different precisions.
     Disagree { configured: String, header: &'static str },
     /// The precision is known, but it is not double.
     NotDouble(&'static str),
-    /// The header defines no `dReal` that is known here.
+    /// The header defines `dReal` as an unknown type.
     NoReal,
 }
 

@@ -1,14 +1,13 @@
 //! Raw bindings to the [Open Dynamics Engine](https://ode.org) 0.16 as Debian ships it (double precision).
 //!
-//! Everything that starts with `d` in `<ode/ode.h>`, with C's own types (`c_int`, `FILE`) from the crate `libc`, and
-//! nothing else. Names, units and rules are ODE's own: its manual is the documentation. Three things look different
-//! from C:
+//! All names that start with `d` in `<ode/ode.h>`, with C's own types (`c_int`, `FILE`) from the crate `libc`. Names, units
+//! and rules are ODE's own, and its manual is the documentation. Three things differ from C:
 //!
 //! - constants of unnamed enums are `u32`, while the functions take `c_int`: cast;
 //! - [`CONTACTS_UNIMPORTANT`] is the sign bit of `dCollide`'s `flags`: cast it with `as c_int`;
 //! - array parameters (`const dReal aabb[6]`) are pointers, and `dInfinity` is `f64::INFINITY`.
 //!
-//! `dReal` is `f64`; the build fails where the installed library says otherwise. A dependant's build script sees
+//! `dReal` is `f64`; the build fails where the installed library has another precision. A dependant's build script sees
 //! that as `DEP_ODE_PRECISION`.
 
 #![allow(missing_docs)]

@@ -9,7 +9,7 @@ use std::process::Command;
 
 use ode_sys::{dContact, dContactGeom, dGeomClass, dJointFeedback, dMass, dReal, dSurfaceParameters};
 
-/// Adds the size of a structure and the offsets of its fields, as C source and as what Rust has for them.
+/// Adds the size of a structure and the offsets of its fields, as C source and as Rust's values.
 macro_rules! layout {
     ($c:ident, $rust:ident, $name:ident { $($field:ident),* $(,)? }) => {
         writeln!($c, "print(\"{0}\", sizeof({0}));", stringify!($name)).unwrap();
@@ -61,7 +61,7 @@ fn c_and_rust_agree_on_sizes_and_offsets() {
     assert_eq!(compiled_output("layout", &c), rust);
 }
 
-/// What the program `source` prints, compiled with the system's C compiler against the bound headers.
+/// The output of the program `source`, compiled with the system's C compiler against the bound headers.
 fn compiled_output(name: &str, source: &str) -> String {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let (file, program) = (folder.join(format!("{name}.c")), folder.join(name));

@@ -1,4 +1,4 @@
-//! The build script's verdict on the installed ODE.
+//! The build script recognises an unsuitable ODE.
 
 #[path = "../build/problem.rs"]
 mod problem;

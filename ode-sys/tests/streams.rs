@@ -1,11 +1,11 @@
-//! What ODE prints goes to a `FILE` of libc.
+//! ODE prints to a `FILE` of libc.
 
 use ode_sys::{
     dCloseODE, dInitODE2, dPrintMatrix, dWorldCreate, dWorldDestroy, dWorldExportDIF, dWorldSetGravity,
 };
 use std::ptr::null_mut;
 
-/// What `print` writes to a stream in memory.
+/// The text that `print` writes to a stream in memory.
 fn printed(print: impl FnOnce(*mut libc::FILE)) -> String {
     let (mut text, mut length): (*mut libc::c_char, usize) = (null_mut(), 0);
     // SAFETY: both places outlive the stream, which is closed before the text is read and freed.

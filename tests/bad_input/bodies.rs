@@ -107,7 +107,7 @@ fn a_body_too_large_for_its_samples_leaves_the_others_alone() {
         assert_says(world.hull_mut(hull).set_min_feature(0.0), &["min_feature", "found 0"]);
         world.hull_mut(hull).set_max_contacts(usize::MAX).unwrap();
         let (huge, geom) = add_body(&mut world, &cube(1e6), &at(0.0, 0.0, 0.0));
-        // Only with the hull: inside of the other box ODE has contacts of its own.
+        // Only contacts with the hull, since ODE has its own ones inside the other box.
         world.geom_mut(geom).set_category_bits(2);
         for id in world.geoms().collect::<Vec<_>>() {
             if id != hull && id != geom {
@@ -119,7 +119,7 @@ fn a_body_too_large_for_its_samples_leaves_the_others_alone() {
             assert_finite(&world, body);
             assert_finite(&world, huge);
         }
-        let trouble = world.hull(hull).take_error().map_or(Ok(()), Err);
-        assert_says(trouble, &["min_feature", "at most 1000000"]);
+        let result = world.hull(hull).take_error().map_or(Ok(()), Err);
+        assert_says(result, &["min_feature", "at most 1000000"]);
     });
 }

@@ -21,7 +21,7 @@ use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What an error says; its message must name all of `parts`.
+/// Asserts that a result is an error whose message contains all of `parts`.
 #[track_caller]
 fn assert_says<T: Debug>(result: Result<T>, parts: &[&str]) {
     let message = result.expect_err("refused").to_string();
@@ -30,7 +30,7 @@ fn assert_says<T: Debug>(result: Result<T>, parts: &[&str]) {
     }
 }
 
-/// A box of 0.2 m falls 2 cm onto the table and rests there: the table's frame is in force.
+/// Asserts that a box of 0.2 m falls 2 cm onto the table and rests there, so that the table's frame is still current.
 #[track_caller]
 fn assert_table_in_force(data: &Arc<HullData>) {
     let (mut world, body) = drop_box_on(data);
@@ -51,7 +51,7 @@ fn assert_finite(world: &World, id: BodyId) {
     assert!(finite, "{pose} {linear} {angular}");
 }
 
-/// Runs `fault` on the table's data and checks that its frame is still the latest, the very same one.
+/// Runs `fault` on the table's data and asserts that its frame is still the latest one, unchanged.
 #[track_caller]
 fn with_table_kept(fault: impl FnOnce(&Arc<HullData>)) {
     let data = table();
@@ -175,7 +175,7 @@ fn a_camera_that_looks_away_is_refused_until_it_is_disabled() {
 
     assert_table_in_force(&data);
 
-    // One without a mask can be disabled just so.
+    // A view without a mask can be disabled too.
     let bare = data.add_view(looks_away("bare")).unwrap();
     data.set_view_enabled(bare, false).unwrap();
     data.update(2.0).unwrap();
@@ -328,14 +328,14 @@ fn sizes_whose_product_overflows_are_refused_before_any_memory_is_taken() {
         assert_says(refused, &["camera \"huge\"", "pixels", &found]);
     }
 
-    // As large as can be, but its lens makes it larger.
+    // The largest image size, but undistortion makes it larger.
     let largest = Camera::new("wide", (16_384, 16_384), k, lens, at(0.0, 0.0, 3.0)).unwrap();
     assert_says(
         HullData::new().add_view(largest),
         &["view \"wide\"", "found 16384 x 16384", "scale the images down"],
     );
 
-    // The header of an image that says so, with nothing behind it.
+    // Headers of huge images without pixels.
     let folder = Folder::new("sizes");
     for (name, header) in [
         ("a.pgm", "P5 65535 65535 255\n"),
@@ -394,7 +394,7 @@ fn places_that_are_no_numbers_get_no_answer() {
     assert!(!hull.exit(&ORIGIN, &Vector3::zeros(), EdgeModel::Pixel).is_nan());
 }
 
-/// A folder of its own for one test, gone when it ends.
+/// A folder for one test, which is removed at its end.
 struct Folder(PathBuf);
 
 impl Folder {

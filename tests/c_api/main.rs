@@ -1,5 +1,5 @@
-//! The C face, from C: the programs in `tests/c` pass as C99 and as C++, with the shared and with the static library,
-//! and under valgrind; the header says what the library holds.
+//! The C functions, called from C: the programs in `tests/c` pass as C99 and as C++, with the shared and with the static
+//! library, and under valgrind. The header declares what the library exports.
 
 mod header;
 mod program;

@@ -54,12 +54,12 @@ impl Program {
         Self { path }
     }
 
-    /// Runs it; it prints to stderr what is not as it should be. Returns the rest that it prints.
+    /// Runs the program, which prints failures to stderr, and returns its standard output.
     pub fn run(&self) -> String {
         String::from_utf8(succeed(&mut Command::new(&self.path)).stdout).unwrap()
     }
 
-    /// Runs it under valgrind, or says that there is none.
+    /// Runs the program under valgrind, if it is installed.
     pub fn run_under_valgrind(&self) {
         if Command::new("valgrind").arg("--version").output().is_err() {
             eprintln!("skipped: no valgrind; make setup installs it");
@@ -72,7 +72,7 @@ impl Program {
     }
 }
 
-/// The system's compiler, all warnings errors, with the header and ODE's within reach.
+/// The system's compiler, with warnings as errors, and the include paths of our header and ODE's.
 pub fn compiler(language: Language) -> Command {
     let mut build = cc::Build::new();
     build.target(env!("TEST_TARGET")).host(env!("TEST_HOST")).opt_level(1).cargo_metadata(false);
@@ -111,7 +111,7 @@ pub fn shared_library() -> PathBuf {
     libraries().join("libode_visual_hull.so")
 }
 
-/// A folder in which the library has the name that programs ask for.
+/// A folder in which the library has the name that programs link to.
 fn soname_folder() -> PathBuf {
     let folder = scratch().join("soname").join(thread_name());
     std::fs::create_dir_all(&folder).unwrap();
@@ -122,7 +122,7 @@ fn soname_folder() -> PathBuf {
     folder
 }
 
-/// Tests run on threads of their own names.
+/// The name of the test, which is that of its thread.
 fn thread_name() -> String {
     std::thread::current().name().unwrap_or("main").replace(':', "_")
 }

@@ -1,4 +1,4 @@
-//! Geometry classes of somebody else's in the same process.
+//! Geometry classes of other libraries in the same process.
 
 use ode_sys::{dCreateGeomClass, dGeomClass, dGeomID, dInfiniteAABB, dReal};
 
@@ -11,7 +11,7 @@ unsafe extern "C" fn no_collider(_: i32) -> ode_sys::dColliderFn {
     None
 }
 
-/// Registers one, while ODE is open. Its number, from 14 on, tells how many there were since ODE was opened.
+/// Registers such a class while ODE is open. Its number counts from 14, the first since ODE was opened.
 pub fn register() -> i32 {
     let class =
         dGeomClass { bytes: 8, collider: Some(no_collider), aabb: Some(no_box), aabb_test: None, dtor: None };

@@ -1,4 +1,4 @@
-//! Ids of what is gone, and of another world, are refused.
+//! Ids of removed objects and of other worlds are refused.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -8,7 +8,7 @@ use crate::{add, world};
 
 const BALL: Shape = Shape::Sphere { radius: 0.1 };
 
-/// The words of the panic that this ends in.
+/// The message of the panic that `call` ends with.
 fn panic_of<T>(act: impl FnOnce() -> T) -> String {
     let payload = catch_unwind(AssertUnwindSafe(|| drop(act()))).expect_err("expected a panic");
     payload.downcast_ref::<String>().expect("a panic with words").clone()
@@ -29,7 +29,7 @@ fn a_removed_body_is_refused_also_when_its_slot_is_used_again() {
         assert!(world.geom_mut(geom).set_body(Some(old)).is_err());
         assert!(world.add_joint([Some(old), None], &JointKind::Fixed).is_err());
         assert!(!world.remove_body_and_geoms(old) && world.geoms_of(old).is_empty());
-        // The next inhabitant of the slot.
+        // A new object in the same slot.
         world.add_body();
     }
 }

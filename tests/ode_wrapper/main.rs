@@ -1,4 +1,4 @@
-//! ODE through the safe wrapper: it moves things as ODE does, and nothing safe reaches what is gone.
+//! ODE through the safe wrapper: bodies move as in ODE, and no safe call reaches a removed object.
 
 mod bodies;
 mod geoms;

@@ -1,4 +1,4 @@
-//! Colliding: which pairs are found, what may be done with them, and panics on the way.
+//! Collisions: which pairs are found, what can be done with them, and panics meanwhile.
 
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,7 +26,7 @@ fn kinds() -> Vec<SpaceKind> {
     ]
 }
 
-/// Where the `i`th of many balls lies: a fixed, uneven scatter in a cube of side 6.
+/// The position of ball `i`: a fixed, uneven scatter in a cube of side 6.
 fn place(i: usize) -> Isometry3<f64> {
     let coordinate = |step: usize| ((i * i * 7 + i * step + 17) % 97) as f64 / 97.0 * 6.0 - 3.0;
     Isometry3::translation(coordinate(31), coordinate(57), coordinate(73))
@@ -34,7 +34,7 @@ fn place(i: usize) -> Isometry3<f64> {
 
 const COUNT: usize = 60;
 
-/// The pairs of a world, as the numbers of its geoms.
+/// The pairs of a world, as indices of its geoms.
 fn pairs(world: &mut World, geoms: &[GeomId]) -> BTreeSet<[usize; 2]> {
     let mut found = BTreeSet::new();
     world
@@ -61,7 +61,7 @@ fn scatter(world: &mut World, spaces: &[ode_visual_hull::ode::SpaceId]) -> Vec<G
     geoms
 }
 
-/// What overlaps by the boxes alone.
+/// The pairs whose bounding boxes overlap.
 fn overlapping_boxes(world: &World, geoms: &[GeomId]) -> BTreeSet<[usize; 2]> {
     let mut overlaps = BTreeSet::new();
     for j in 0..geoms.len() {

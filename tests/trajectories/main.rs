@@ -17,7 +17,7 @@ use ode_visual_hull_testing::trajectories::stage::{Ends, Scene, Support, run, ru
 use ode_visual_hull_testing::trajectories::{self};
 use std::sync::LazyLock;
 
-/// All scenes, recorded anew where that was asked for.
+/// All scenes. Their references are recorded anew where RECORD_TRAJECTORIES is set.
 static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| {
     let scenes = trajectories::all();
     if std::env::var_os("RECORD_TRAJECTORIES").is_some() {
@@ -98,8 +98,8 @@ fn near_face(rig: &Rig, (axis, side): (usize, f64), random: &mut Random) -> Poin
 
 #[test]
 fn the_hull_of_the_box_is_the_box_at_every_face_that_is_touched() {
-    // No pixels here: a point is in the hull of perfect silhouettes iff in each camera the half-line through it hits
-    // the box.
+    // Without pixels: a point is in the hull of perfect silhouettes if and only if in each camera the half-line through it
+    // hits the box.
     for rig in [&*TABLE, &*RAMP] {
         let placed = rig.placed();
         let mut random = Random(7);
@@ -138,8 +138,8 @@ fn every_camera_sees_the_whole_box() {
 
 #[test]
 fn the_hull_from_pixels_ends_where_the_box_does() {
-    // A centimetre inside each face, away from its edges, straight out. A fifth of a pixel is what coverage gives, and
-    // a camera sees the far end of the ramp smaller than its centre.
+    // From a centimetre inside each face, away from its edges, straight out. Coverage is precise to a fifth of a pixel, and
+    // pixels are larger at the far end of the ramp than at its centre.
     for rig in [&*TABLE, &*RAMP] {
         let (_, hull) = rig.hull_data().latest().unwrap();
         let mut random = Random(9);

@@ -1,4 +1,4 @@
-//! `vhull run` on small recordings of known subjects, as people call it.
+//! `vhull run` as a program, on small recordings of known subjects.
 
 use image::{GrayImage, RgbImage};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -58,7 +58,7 @@ fn run(recording: &Path, arguments: &[&str]) -> Output {
     command.arg("run").arg(recording).arg("--out").arg(out).args(arguments).output().unwrap()
 }
 
-/// What a run that fails says, and its exit code.
+/// The exit code and the message of a run that fails.
 fn failure(recording: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let output = run(recording, arguments);
     (output.status.code(), String::from_utf8(output.stderr).unwrap())
@@ -122,7 +122,7 @@ fn a_moving_subject_knocks_a_stack_over_and_the_same_seed_does_it_again() {
 
 #[test]
 fn a_stack_stands_where_it_is_told_to_on_what_is_there() {
-    let recording = record("told", table, 2);
+    let recording = record("no_rate", table, 2);
     for (at, foot) in [("0.05,-0.05", TABLE_TOP), ("0.6,0.3", 0.0)] {
         let arguments =
             ["--stack", "2", "--side", "0.1", "--hold", "0.5", "--linger", "0", "--no-gif", "--at", at];
@@ -263,7 +263,7 @@ fn a_missing_camera_folder_an_unknown_view_and_an_empty_hull_are_named() {
 #[test]
 fn a_command_line_that_means_nothing_is_told_from_an_error() {
     let recording = folder("unused");
-    for (arguments, told) in [
+    for (arguments, expected) in [
         (&["--bounds", "1,2,3"][..], "x0,x1,y0,y1,z0,z1"),
         (&["--bounds", "1,0,0,1,0,1"], "--bounds"),
         (&["--side", "7"], "0.05 to 2 m"),
@@ -282,14 +282,14 @@ fn a_command_line_that_means_nothing_is_told_from_an_error() {
     ] {
         let (code, text) = failure(&recording, arguments);
         assert_eq!(code, Some(2), "{arguments:?}: {text}");
-        assert!(text.contains(told), "{arguments:?}: {text}");
+        assert!(text.contains(expected), "{arguments:?}: {text}");
     }
 }
 
 #[test]
 fn what_was_played_before_a_broken_mask_is_kept() {
     let recording = record("broken", table, 40);
-    // Of 40 frames 24 are looked at beforehand; this is not one of them.
+    // Of 40 frames the hulls of 24 are made beforehand; this is not one of them.
     let broken = recording.join(rig().cameras()[1].name()).join("mask/000021.png");
     std::fs::write(&broken, b"no image").unwrap();
     let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--no-gif"]);

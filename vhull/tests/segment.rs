@@ -1,4 +1,4 @@
-//! `vhull segment` from outside: folders, videos, and what can be wrong with them.
+//! `vhull segment` as a program: folders, videos, and their faults.
 
 use image::{GrayImage, Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
@@ -12,7 +12,7 @@ use std::process::{Command, Output};
 const SIZE: (u32, u32) = (320, 240);
 const CAMERAS: [&str; 2] = ["left", "right"];
 
-/// A folder of its own for one test, gone when it ends.
+/// A folder for one test, which is removed at its end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -34,7 +34,7 @@ impl Drop for Folder {
     }
 }
 
-/// The empty room.
+/// The empty background.
 fn room() -> RgbImage {
     RgbImage::from_fn(SIZE.0, SIZE.1, |x, y| Rgb([60 + (x / 8) as u8, 90, 60 + (y / 8) as u8]))
 }
@@ -98,7 +98,7 @@ fn says(output: &Output, code: i32, parts: &[&str]) {
     parts.iter().for_each(|part| assert!(text.contains(part), "{text:?} lacks {part:?}"));
 }
 
-/// The masks of these frames and no others, each of the square.
+/// Asserts that these frames and no others have masks, each of the square.
 #[track_caller]
 fn assert_masks(dir: &Path, frames: &[u32]) {
     let recording = Recording::open(dir).unwrap();
@@ -156,7 +156,7 @@ fn masks_as_run_lengths_are_those_of_pictures_in_one_file_a_camera() {
     assert_eq!(masks(&runs), masks(&pictures));
     assert_masks(&runs, &[0, 1, 2, 3]);
 
-    // What is no such file is told by its name.
+    // A file of another kind is named in the message.
     std::fs::write(runs.join("right/mask.rle"), "no masks").unwrap();
     let resumed = vhull(&dir, &["--rle", "--resume", "--out", runs.to_str().unwrap()]);
     says(&resumed, 1, &["right", "mask.rle", "segment again, or move the file away"]);
@@ -258,7 +258,7 @@ fn a_corrupt_image_in_the_middle_keeps_the_frames_before_and_can_be_fixed() {
 }
 
 #[test]
-fn a_video_that_ends_early_keeps_its_frames_and_unequal_lengths_are_told() {
+fn a_video_that_ends_early_keeps_its_frames_and_unequal_lengths_are_reported() {
     let folder = Folder::new("early");
     let dir = record(&folder, 12);
     into_video(&dir, "right");
@@ -279,11 +279,11 @@ fn a_video_that_ends_early_keeps_its_frames_and_unequal_lengths_are_told() {
 }
 
 #[test]
-fn a_full_disk_is_told_and_leaves_no_half_written_file() {
+fn a_full_disk_is_reported_and_leaves_no_half_written_file() {
     let folder = Folder::new("full");
     let dir = record(&folder, 4);
 
-    // Blocks anywhere make a large mask.
+    // Random blocks compress badly, so that the mask's file is large.
     let mut random = Random(1);
     let mut noise = RgbImage::from_pixel(64, 48, Rgb([0; 3]));
     for pixel in noise.pixels_mut() {
@@ -323,7 +323,7 @@ fn without_ffmpeg_videos_are_refused_and_nothing_is_written() {
 }
 
 #[test]
-fn what_cannot_be_segmented_is_told() {
+fn what_cannot_be_segmented_is_reported() {
     let folder = Folder::new("cannot");
     let dir = record(&folder, 2);
 
@@ -339,7 +339,7 @@ fn what_cannot_be_segmented_is_told() {
     RgbImage::new(8, 8).save(dir.join("left/background.png")).unwrap();
     says(&vhull(&dir, &[]), 1, &["view \"left\"", "background.png", "320 x 240", "found 8 x 8"]);
 
-    // Masks alone.
+    // A recording with masks only.
     let mask = GrayImage::new(SIZE.0, SIZE.1);
     Recording::resume(&dir, Recording::open(&dir).unwrap().rig())
         .unwrap()

@@ -13,10 +13,10 @@ const DEPTH_PX: std::ops::RangeInclusive<f64> = 1.0..=40.0;
 /// A point moved by its response and this far beyond, in metres, has to be outside.
 const NANOMETRE: f64 = 1e-9;
 
-/// A point inside the analytic hull and its exit direction: along the outward normal of the nearest surface.
+/// A point inside the analytic hull and its exit direction, the outward normal of the nearest surface.
 ///
-/// Along a direction that grazes the surface a small error of the silhouette moves the exit far: that would measure
-/// the direction, not the hull.
+/// In a direction that grazes the surface a small error of the silhouette moves the exit far. That would measure the
+/// direction and not the hull.
 pub struct Probe {
     /// Inside the analytic hull, in the world.
     pub p: Point3<f64>,
@@ -44,7 +44,7 @@ pub fn probes(scene: &Scene, count: usize, seed: u64) -> Vec<Probe> {
     probes
 }
 
-/// The share of random points in and around the hull with the analytic verdict. Points within a pixel of a contour
+/// The share of random points in and around the hull whose verdict is the analytic one. Points within a pixel of a contour
 /// in some view are left out.
 pub fn inside_agreement(scene: &Scene, count: usize, seed: u64) -> f64 {
     let around = around(&scene.binary);
@@ -94,8 +94,8 @@ fn all_culls() -> impl Iterator<Item = Culls> {
     })
 }
 
-/// The share of points inside at which the hull in use and the reference name the same view and end within a quarter
-/// of a pixel of one another.
+/// The share of points inside at which the hull and the reference name the same view and exits within a quarter of a
+/// pixel of each other.
 pub fn reference_agree(scene: &Scene, count: usize, seed: u64) -> f64 {
     let hull = &scene.binary;
     share(inside(hull, count, seed).map(|p| {
@@ -123,7 +123,7 @@ pub fn response_leaves(scene: &Scene, count: usize, seed: u64) -> f64 {
     share(paper.chain(contact))
 }
 
-/// How far the exits that `hull` finds lie off the analytic hull's surface, in pixels.
+/// Distances of the exits of `hull` from the analytic hull's surface, in pixels.
 pub fn exit_errors_px(scene: &Scene, hull: &Hull, edge: EdgeModel, probes: &[Probe]) -> Vec<f64> {
     let lone = |view: &_| Hull::new(vec![Clone::clone(view)], *hull.bounds(), hull.unseen(), hull.time());
     let lone: Vec<Hull> = hull.views().iter().map(lone).collect();
@@ -146,7 +146,7 @@ fn exit_error_px(scene: &Scene, hull: &Hull, lone: &[Hull], edge: EdgeModel, pro
     between.map(|p| scene.analytic.stray_px(&p)).fold(0.0, f64::max)
 }
 
-/// How far a normal found is from the analytic one.
+/// The error of a normal.
 #[derive(Debug, Clone, Copy)]
 pub struct NormalError {
     /// The angle between the two normals.
@@ -173,7 +173,7 @@ pub fn contact_normal_errors(scene: &Scene, hull: &Hull, probes: &[Probe]) -> Ve
     probes.iter().filter_map(error).collect()
 }
 
-/// Against the normal of the contour point nearest to the centre of b's pixel, in the same view; `None` in a corner.
+/// The angle to the normal at the contour point nearest to the centre of b's pixel, in the same view; `None` in a corner.
 fn normal_error(scene: &Scene, nearest: &NearestEdge, found: &Vector3<f64>) -> Option<NormalError> {
     let contours = scene.analytic.contours();
     let view = contours.iter().position(|contour| contour.camera().name() == nearest.view.name())?;
@@ -191,7 +191,7 @@ fn inside(hull: &Hull, count: usize, seed: u64) -> impl Iterator<Item = Point3<f
     points.filter(|p| hull.inside(p)).take(count)
 }
 
-/// The hull's box and a fifth of a metre around.
+/// The hull's box grown by 0.2 m, within the work volume.
 fn around(hull: &Hull) -> Aabb {
     hull.aabb().grown(0.2).intersection(hull.bounds())
 }

@@ -6,7 +6,7 @@ use ode_visual_hull::camera::Camera;
 use ode_visual_hull::synthetic::Placed;
 use std::f64::consts::TAU;
 
-/// Steps to look for an exit by, in pixels of the finest view: far below any feature of the solids measured.
+/// Step of the search for an exit, in pixels of the finest view: far below any feature of the measured solids.
 const STEP_PX: f64 = 0.25;
 
 /// Pixels around an edge of the hull in which no normal is measured: the contact normal's window reaches 6.
@@ -19,7 +19,7 @@ pub struct AnalyticHull {
 }
 
 impl AnalyticHull {
-    /// The hull of `solid`, which each camera must see whole.
+    /// The hull of `solid`, all of which each camera has to see.
     pub fn new(cameras: &[Camera], solid: &Placed) -> Self {
         Self { contours: cameras.iter().map(|camera| Contour::trace(camera, solid)).collect() }
     }
@@ -34,13 +34,13 @@ impl AnalyticHull {
         self.contours.iter().all(|contour| contour.sees(p))
     }
 
-    /// How deep `p`, a point inside, lies in pixels of the view in which it is shallowest.
+    /// The depth of `p`, a point inside, in pixels of the view in which it is shallowest.
     pub fn depth_px(&self, p: &Point3<f64>) -> f64 {
         let depths = self.contours.iter().map(|contour| -contour.signed_distance_of(p));
         depths.fold(f64::INFINITY, f64::min)
     }
 
-    /// How far outside `p` lies in pixels of the view in which it is farthest out; 0 inside.
+    /// The distance of `p` from the hull in pixels of the view in which it is farthest outside; 0 inside.
     pub fn stray_px(&self, p: &Point3<f64>) -> f64 {
         let deny = self.contours.iter().filter(|contour| !contour.sees(p));
         deny.map(|contour| contour.signed_distance_of(p)).fold(0.0, f64::max)
@@ -98,7 +98,7 @@ impl AnalyticHull {
     }
 }
 
-/// Metres that a pixel covers at `p`.
+/// The size of a pixel at `p`, in metres.
 pub fn footprint(camera: &Camera, p: &Point3<f64>) -> f64 {
     let depth = camera.project(p).map_or(f64::INFINITY, |pixel| pixel.depth);
     let k = camera.intrinsics();

@@ -11,8 +11,8 @@ use nalgebra::{Point2, Point3, Vector2, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::synthetic::Placed;
 
-/// Pixels between rays. Half a pixel takes in the pixels' centres, so that no subject or background pixel of a
-/// binary mask is missed, and leaves chords within 0.002 px of a contour of 20 px radius.
+/// Distance of the rays in pixels. Rays at half a pixel include the pixels' centres, so that no pixel of a binary mask is
+/// missed, and their chords lie within 0.002 px of a contour of 20 px radius.
 const LATTICE: f64 = 0.5;
 
 /// Pixels to both sides of a contour point between which its tangent is taken.
@@ -28,7 +28,7 @@ pub struct Contour {
     camera: Camera,
     centre: Point3<f64>,
     solid: Placed,
-    /// By the pixel row that they lie in.
+    /// Chord points by pixel row.
     rows: Vec<Vec<Segment>>,
     bends: Vec<Point2<f64>>,
 }
@@ -37,12 +37,12 @@ pub struct Contour {
 struct Segment {
     from: Point2<f64>,
     to: Point2<f64>,
-    /// Unit, from the subject to the background.
+    /// Unit normal, from the subject to the background.
     normal: Vector2<f64>,
 }
 
 impl Contour {
-    /// The contour of `solid`, which `camera` must see whole and without lens distortion.
+    /// The contour of `solid`, all of which `camera` has to see, without lens distortion.
     pub fn trace(camera: &Camera, solid: &Placed) -> Self {
         let (camera, solid) = (camera.clone(), solid.clone());
         let centre = camera.centre();
@@ -71,7 +71,8 @@ impl Contour {
         self.crossing(&chord, &towards, 0.2).unwrap_or(chord)
     }
 
-    /// Pixels from the image of `p`, a point before the camera, to the contour; negative inside the silhouette.
+    /// Signed distance in pixels from the image of `p`, a point in front of the camera, to the contour, negative inside the
+    /// silhouette.
     pub fn signed_distance_of(&self, p: &Point3<f64>) -> f64 {
         let distance = self.project(p).map_or(f64::INFINITY, |at| (self.nearest(&at) - at).norm());
         if self.sees(p) { -distance } else { distance }
@@ -124,7 +125,7 @@ impl Contour {
         let middle = at.y.clamp(0.0, self.rows.len() as f64 - 1.0) as usize;
         let (mut nearest, mut distance) = (None, reach);
         for gap in 0..self.rows.len() {
-            // Rows so far away hold nothing nearer.
+            // Rows at this distance hold nothing nearer.
             if gap as f64 - 1.0 > distance {
                 break;
             }
@@ -187,7 +188,7 @@ impl Contour {
         let crossings: Vec<_> = sides.map(|(a, b)| self.bisect(nodes[a], nodes[b])).collect();
         for ends in crossings.chunks_exact(2) {
             let along = ends[1] - ends[0];
-            // Shorter ones, at a node that the contour passes through, have no direction to speak of.
+            // Shorter ones, at a node that the contour passes through, have no reliable direction.
             if along.norm() > 1e-3 {
                 let across = Vector2::new(along.y, -along.x).normalize();
                 let beside = nalgebra::center(&ends[0], &ends[1]) + across * (0.2 * LATTICE);
@@ -223,7 +224,7 @@ impl Segment {
     }
 }
 
-/// The middles of the segments at which the contour bends.
+/// The centres of the segments at which the contour bends.
 fn bends(segments: &[Segment]) -> Vec<Point2<f64>> {
     let parted = |a: &Segment, b: &Segment| {
         (a.middle() - b.middle()).norm_squared() < BEND_REACH * BEND_REACH

@@ -31,12 +31,13 @@ pub struct Scene {
     pub coverage: Hull,
 }
 
-/// Sphere, box and torus, half a metre wide, before five cameras on a hemisphere and seven around at various heights.
+/// Sphere, box and torus, half a metre wide, in front of five cameras on a hemisphere and seven on a ring at several
+/// heights.
 pub fn all() -> impl Iterator<Item = Scene> {
     SHAPES.into_iter().flat_map(|shape| [5, 7].map(|n| scene(shape, n)))
 }
 
-/// `shape` (sphere, box or torus) before `n` (5 or 7) cameras.
+/// The scene of `shape` (sphere, box or torus) with `n` (5 or 7) cameras.
 pub fn scene(shape: &str, n: usize) -> Scene {
     let solid = placed(shape);
     let cameras = cameras(n);
@@ -76,7 +77,7 @@ fn hull(cameras: &[Camera], mask: impl Fn(&Camera) -> GrayImage) -> Hull {
     };
     let bounds = Aabb::new(point![-0.8, -0.8, -0.3], point![0.8, 0.8, 1.3]).expect("a valid volume");
     let hull = Hull::new(cameras.iter().map(view).collect(), bounds, Unseen::Outside, 0.0);
-    // The analytic hull knows of no work volume.
+    // The analytic hull has no work volume.
     assert!(bounds.grown(-1e-3).intersection(hull.aabb()) == *hull.aabb(), "the work volume cuts the hull");
     hull
 }

@@ -1,4 +1,4 @@
-//! How far the hull's run lies off the reference, and the figures made of that.
+//! The distance between runs on the hull and the references, and figures of it.
 
 use super::reference::Reference;
 use super::stage::{Ends, Scene, State, Support, run, run_for};
@@ -26,11 +26,11 @@ pub fn distance_px(reference: &Reference, states: &[Vec<State>]) -> f64 {
     distances.fold(0.0, f64::max) / reference.pixel
 }
 
-/// How fast a body rolls on the hull.
+/// The speed of a body that rolls on the hull.
 pub struct Rolled {
     /// `sphere` or `cylinder`.
     pub shape: &'static str,
-    /// Its speed along the native body's way over the native one's, at the end of the scene.
+    /// Its speed in the direction of the native body, divided by the native body's speed, at the end of the scene.
     pub over_native: f64,
 }
 
@@ -53,7 +53,8 @@ pub fn rolled(scene: &Scene) -> Option<Rolled> {
 }
 
 /// `trajectory_<scene>_px` of every scene; `trajectory_worst_px` and `trajectory_edge_first_px`, the worst of them; and
-/// `rolling_speed_over_native_sphere`, `_cylinder` and without either, those farthest from 1. What it is at is told to `progress`.
+/// `rolling_speed_over_native_sphere`, `_cylinder` and without either, those farthest from 1. `progress` takes the name of each
+/// scene.
 pub fn figures(progress: &dyn Fn(&str)) -> Vec<(String, f64)> {
     let mut figures = Vec::new();
     let (mut worst, mut edge_first) = (0.0, 0.0);

@@ -1,7 +1,7 @@
-//! The scenes: what is dropped, slides, rolls, is stacked and swings, on a table and on a ramp.
+//! Scenes of bodies that drop, slide, roll, are stacked and swing, on a table and on a ramp.
 //!
-//! A scene is built twice by the same code: on ODE's box, which gives the reference in the file of its name, and on
-//! the hull of that box.
+//! A scene is built twice by the same code: on ODE's box, which gives the reference in the scene's file, and on the hull
+//! of that box.
 
 pub mod compare;
 pub mod reference;
@@ -14,7 +14,7 @@ use rig::{RAMP, Rig, TABLE};
 use stage::{Ends, InitialState, Scene};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// How high things are dropped from, in metres.
+/// Height from which bodies are dropped, in metres.
 const DROP: f64 = 0.1;
 
 const CUBE: Shape = Shape::Box { sides: Vector3::new(0.2, 0.2, 0.2) };
@@ -100,7 +100,7 @@ fn drops() -> Vec<Scene> {
 }
 
 fn edge_first_drops() -> Vec<Scene> {
-    // The lowest point of each is 10 cm above the table.
+    // The lowest point of each body starts 10 cm above the table.
     let onto = |shape: &Shape, lowest: f64, turn| above(&TABLE, shape, 0.02, -0.03, lowest + DROP, turn);
     let (sin, cos) = 0.5f64.sin_cos();
 

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// A row is written for every fifth step, 25 ms.
 pub const EVERY: usize = 5;
 
-/// How far the hull may be off, RMS of the worst body, in pixels of the rig.
+/// Largest RMS distance of the worst body on the hull from the reference, in pixels of the rig.
 pub fn tolerance_px(scene: &Scene) -> f64 {
     if scene.edge_first { 4.0 } else { 2.0 }
 }
@@ -20,7 +20,7 @@ pub struct Reference {
     pub pixel: f64,
     /// Largest RMS distance of the hull's run from this one, in pixels.
     pub tolerance_px: f64,
-    /// Steps and the poses of all bodies after them.
+    /// Step numbers, and the poses of all bodies after the step.
     pub rows: Vec<(usize, Vec<Isometry3<f64>>)>,
 }
 
@@ -91,7 +91,7 @@ impl Reference {
                 let (p, q) = (pose.translation.vector, pose.rotation);
                 write!(text, "{:.3},{body}", *k as f64 * DT).unwrap();
                 for number in [p.x, p.y, p.z, q.w, q.i, q.j, q.k] {
-                    // No minus before a zero.
+                    // Adding zero removes the minus of a negative zero.
                     write!(text, ",{:.12}", (number * 1e12).round() / 1e12 + 0.0).unwrap();
                 }
                 text.push('\n');
@@ -113,7 +113,7 @@ impl Reference {
             let numbers: Vec<f64> = line.split(',').map(|field| field.parse().ok()).collect::<Option<_>>()?;
             let [t, body, x, y, z, w, i, j, k] = numbers[..] else { return None };
             let step = (t / DT).round() as usize;
-            // Not normalised: the file says what it says.
+            // Not normalised, so that it is exactly what the file holds.
             let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
             let pose = Isometry3::from_parts(Translation3::new(x, y, z), rotation);
             if body == 0.0 {

@@ -12,7 +12,7 @@ use ode_visual_hull::hull::{Aabb, HullData};
 use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
 use std::sync::{Arc, LazyLock, OnceLock};
 
-/// A box to fall on and the four cameras that see it.
+/// A box to fall on, and the four cameras that see it.
 pub struct Rig {
     /// Its name in the files.
     pub name: &'static str,
@@ -55,12 +55,12 @@ impl Rig {
         Self { name, lengths, world_from_box, cameras, data: OnceLock::new() }
     }
 
-    /// What the cameras see, as the solid of their pictures.
+    /// The box as a solid for rendering.
     pub fn placed(&self) -> Placed {
         Placed::new(Solid::cuboid(self.lengths).unwrap(), self.world_from_box, Texture::plain([200, 60, 40]))
     }
 
-    /// Metres that a pixel covers at the support's centre, in the camera that sees it finest.
+    /// Size of a pixel at the support's centre in metres, in the camera of the highest resolution there.
     pub fn pixel(&self) -> f64 {
         let centre = Point3::from(self.world_from_box.translation.vector);
         let footprint =
@@ -68,7 +68,7 @@ impl Rig {
         self.cameras.iter().map(footprint).fold(f64::INFINITY, f64::min)
     }
 
-    /// The box as coverage masks show it.
+    /// The hull data of the box, from masks with coverage.
     pub fn hull_data(&self) -> Arc<HullData> {
         self.data.get_or_init(|| self.see()).clone()
     }

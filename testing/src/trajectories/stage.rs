@@ -8,16 +8,16 @@ use ode_visual_hull::ode::{
 };
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Seconds a step.
+/// Duration of a step in seconds.
 pub const DT: f64 = 0.005;
 
 /// The seed of ODE's random numbers, set before each run.
 pub const SEED: u32 = 1;
 
-/// Contacts a pair, on both supports.
+/// Limit of the contacts of a pair, on both supports.
 pub const CONTACTS: usize = 8;
 
-/// What the bodies fall on.
+/// The support that the bodies fall on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Support {
     /// ODE's own box.
@@ -26,7 +26,7 @@ pub enum Support {
     Hull,
 }
 
-/// A body at the start, all in the world's frame; 1 kg.
+/// A body of 1 kg at the start, in the world's frame.
 #[derive(Debug, Clone)]
 pub struct InitialState {
     /// Its only geom.
@@ -43,13 +43,13 @@ pub struct InitialState {
 pub struct Scene {
     /// Its name: of its file and its figure.
     pub name: &'static str,
-    /// What happens, in a sentence.
+    /// A sentence on what happens.
     pub about: &'static str,
     /// The support and its cameras.
     pub rig: &'static Rig,
     /// The bodies at the start.
     pub bodies: Vec<InitialState>,
-    /// What holds the first body to the world.
+    /// The joint between the first body and the world.
     pub joint: Option<JointKind>,
     /// Of all contacts.
     pub surface: Surface,
@@ -64,7 +64,7 @@ pub struct Scene {
 pub enum Ends {
     /// At rest, or 2 s after the first impact.
     AtRest,
-    /// When a body leaves the support, or 1 s after it came to it.
+    /// When a body leaves the support, or 1 s after it reached it.
     OffSupport,
 }
 
@@ -88,16 +88,16 @@ pub struct Stage {
     /// The bodies in the scene's order.
     pub bodies: Vec<BodyId>,
     surface: Surface,
-    _turn: MutexGuard<'static, ()>,
+    _lock: MutexGuard<'static, ()>,
 }
 
 /// ODE's random numbers are one sequence for the whole process: scenes run one after the other.
-static TURN: Mutex<()> = Mutex::new(());
+static RUNNING: Mutex<()> = Mutex::new(());
 
 impl Stage {
     /// `scene` at its start, on `support`.
     pub fn new(scene: &Scene, support: Support) -> Self {
-        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+        let lock = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
         let mut world = World::new(&Ode::init().unwrap()).unwrap();
         world.set_gravity(&vector![0.0, 0.0, -9.81]).unwrap();
         world.set_cfm(1e-5).unwrap();
@@ -123,7 +123,7 @@ impl Stage {
         }
         set_random_seed(SEED);
 
-        Self { world, support, bodies, surface: scene.surface, _turn: turn }
+        Self { world, support, bodies, surface: scene.surface, _lock: lock }
     }
 
     /// The bodies' states, in the scene's order.
@@ -135,7 +135,7 @@ impl Stage {
         self.bodies.iter().map(state).collect()
     }
 
-    /// Collides and steps. True where something touched the support.
+    /// Collides and steps. Returns whether a body touched the support.
     pub fn step(&mut self) -> bool {
         let (support, surface) = (self.support, self.surface);
         let mut touched = false;
@@ -169,7 +169,7 @@ fn add(world: &mut World, start: &InitialState) -> BodyId {
     body
 }
 
-/// A scene as it went: the states before the first step, and after each.
+/// The course of a scene: the states before the first step and after each step.
 pub struct Run {
     /// By step, the start first; then by body.
     pub states: Vec<Vec<State>>,
@@ -177,14 +177,15 @@ pub struct Run {
     pub first: usize,
     /// The last step to be compared.
     pub last: usize,
-    /// Why it ends there.
+    /// A word on why it ends there.
     pub ending: &'static str,
 }
 
-/// Slower than this for a tenth of a second is at rest, m/s and, for bodies of some 0.1 m, ten times that in rad/s.
+/// A scene whose bodies are slower than this for 0.1 s is at rest, in m/s; ten times the number in rad/s, for bodies of
+/// about 0.1 m.
 const REST: f64 = 1e-3;
 
-/// No contact in this many steps is off the support.
+/// A body without a contact in this many steps has left the support.
 const OFF: usize = 3;
 
 /// Runs a scene to its end.

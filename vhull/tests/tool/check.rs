@@ -36,7 +36,7 @@ fn a_synthetic_recording_is_fine() {
         let picture = image::open(folder.join(format!("overlays/cam{k}_000001.png"))).unwrap();
         assert_eq!((picture.width(), picture.height()), (200, 240));
     }
-    // The rig alone: its folder, and its file.
+    // Only the rig: by its folder and by its file.
     assert_eq!(vhull(&folder, &["check", "studio/rig.toml"]).code, 0);
 }
 
@@ -73,10 +73,10 @@ fn a_camera_that_is_off_is_named_alone() {
     let folder = studio("check_off", "person");
     with_camera_moved(&folder, 3, -7.0, 6.0).save(folder.join("off.toml")).unwrap();
     let run = vhull(&folder, &["check", "off.toml", "studio"]);
-    let faults = verdict(&run.out);
+    let problems = verdict(&run.out);
     assert_eq!(run.code, 3, "{}", run.out);
-    assert!(faults.contains("- cam3: its silhouettes lie"), "{faults}");
-    assert_eq!(faults.lines().count(), 2, "{faults}");
+    assert!(problems.contains("- cam3: its silhouettes lie"), "{problems}");
+    assert_eq!(problems.lines().count(), 2, "{problems}");
 }
 
 #[test]
@@ -87,9 +87,9 @@ fn poses_with_opengl_axes_are_recognised() {
     for words in [&["check", "opengl.toml"][..], &["check", "opengl.toml", "studio"]] {
         let run = vhull(&folder, words);
         assert_eq!(run.code, 3, "{}{}", run.out, run.error);
-        let faults = verdict(&run.out);
-        assert!(faults.contains("is behind cam0, cam1, cam2, cam3, cam4"), "{faults}");
-        assert!(faults.contains("y and z of the camera axes flipped (OpenGL"), "{faults}");
+        let problems = verdict(&run.out);
+        assert!(problems.contains("is behind cam0, cam1, cam2, cam3, cam4"), "{problems}");
+        assert!(problems.contains("y and z of the camera axes flipped (OpenGL"), "{problems}");
     }
 }
 
@@ -119,7 +119,7 @@ fn tents_are_told_as_high_as_they_are() {
         assert_eq!(run.code, 0, "{}{}", run.out, run.error);
         let line = run.out.lines().find(|line| line.contains("the hull rises")).unwrap();
         let told: f64 = line.split("rises ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
-        // Told in whole millimetres.
+        // Printed in whole millimetres.
         assert!((told - measured_mm).abs() <= 0.05 * measured_mm + 0.5, "{degrees} degrees: {line}");
     }
 }
@@ -128,11 +128,11 @@ fn tents_are_told_as_high_as_they_are() {
 fn the_balancing_persons_published_calibration_is_off_in_two_cameras() {
     let Some(dir) = captures::find("balancing_person") else { return };
     let run = vhull(&dir, &["check", "rig_as_published.toml", "."]);
-    let faults = verdict(&run.out);
-    assert_eq!((run.code, faults.lines().count()), (3, 3), "{}{}", run.out, run.error);
+    let problems = verdict(&run.out);
+    assert_eq!((run.code, problems.lines().count()), (3, 3), "{}{}", run.out, run.error);
     assert!(
-        faults.contains("- cam01: its silhouettes") && faults.contains("- cam03: its silhouettes"),
-        "{faults}"
+        problems.contains("- cam01: its silhouettes") && problems.contains("- cam03: its silhouettes"),
+        "{problems}"
     );
     let run = vhull(&dir, &["check", "rig.toml", "."]);
     assert_eq!((run.code, verdict(&run.out)), (0, "verdict: ok\n"), "{}{}", run.out, run.error);

@@ -39,7 +39,7 @@ fn what_a_calibration_leaves_out_leads_to_the_option_that_tells_it() {
         assert_eq!(unit.code, 1);
         let told = ["far.json", "2500.0 units", "0.001 if these are millimetres", "--unit METRES"];
         told.iter().for_each(|part| assert!(unit.error.contains(part), "{}", unit.error));
-        // What is only doubtful is noted.
+        // A doubtful unit is only noted.
         let doubtful = run(&["matrices.txt", "--size", "640x480"]);
         assert!(doubtful.out.contains("are these metres?"), "{}", doubtful.out);
         assert!(doubtful.out.contains("note: --unit METRES says otherwise"), "{}", doubtful.out);

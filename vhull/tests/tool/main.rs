@@ -8,14 +8,14 @@ mod synth;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What a run left behind.
+/// The exit code and output of a run.
 struct Run {
     code: i32,
     out: String,
     error: String,
 }
 
-/// Runs the tool with words as of a command line, in a folder.
+/// Runs the tool in a folder with the arguments of a command line.
 fn vhull(folder: &Path, words: &[&str]) -> Run {
     let output = Command::new(env!("CARGO_BIN_EXE_vhull")).args(words).current_dir(folder).output().unwrap();
     Run {

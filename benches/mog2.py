@@ -1,7 +1,7 @@
 """Times OpenCV's MOG2 with its defaults on one thread, once for each line on standard input.
 
-Arguments: a file of raw frames, the empty room first; their width and height; how often they are gone through.
-Answers each line with milliseconds a frame.
+Arguments: a file of raw frames that begins with the background, their width and height, and the repeats in a round.
+Prints the milliseconds a frame for each line.
 """
 
 import sys

@@ -1,12 +1,14 @@
-//! The library's parts one by one: `cargo bench -p ode-visual-hull-bench`.
+//! Times of the library's parts: `cargo bench -p ode-visual-hull-bench`.
 //!
-//! Seven VGA views of a person; times are for the whole batch that an item count stands beside.
+//! Seven views see a person, at VGA where no size is given. Times are of a whole batch, beside its item count.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_visual_hull::hull::{EdgeModel, Points, Workspace};
 use ode_visual_hull_bench::ours::{Boxes, Frame, Rig};
-use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, SAMPLES_4000, Scene, UHD, VGA, Who};
+use ode_visual_hull_bench::scene::{
+    Bodies, FULL_HD, SAMPLES_400, SAMPLES_4000, Scene, SubjectKind, UHD, VGA,
+};
 use ode_visual_hull_testing::random::Random;
 
 const SIZES: [(u32, u32); 3] = [VGA, FULL_HD, UHD];
@@ -16,11 +18,11 @@ fn main() {
 }
 
 fn person() -> Frame {
-    let scene = Scene::new(Who::Person, 7, VGA);
+    let scene = Scene::new(SubjectKind::Person, 7, VGA);
     Rig::new(&scene).publish(&scene.masks)
 }
 
-/// 1000 points at random inside.
+/// 1000 random points inside the hull.
 fn points_inside(frame: &Frame) -> Vec<Point3<f64>> {
     let mut random = Random(11);
     let points = std::iter::repeat_with(|| random.point(frame.aabb().min, frame.aabb().max));
@@ -29,14 +31,14 @@ fn points_inside(frame: &Frame) -> Vec<Point3<f64>> {
 
 #[divan::bench(args = SIZES, max_time = 2)]
 fn prepare_seven_masks(bencher: Bencher, size: &(u32, u32)) {
-    let scene = Scene::new(Who::Person, 7, *size);
+    let scene = Scene::new(SubjectKind::Person, 7, *size);
     let rig = Rig::new(&scene);
     bencher.bench_local(|| rig.publish(&scene.masks));
 }
 
 #[divan::bench(args = SIZES, max_time = 2)]
 fn prepare_seven_masks_behind_lenses(bencher: Bencher, size: &(u32, u32)) {
-    let scene = Scene::through_lenses(Who::Person, 7, *size);
+    let scene = Scene::through_lenses(SubjectKind::Person, 7, *size);
     let rig = Rig::new(&scene);
     bencher.bench_local(|| rig.publish(&scene.masks));
 }
@@ -90,17 +92,17 @@ fn contacts_of_60_boxes(bencher: Bencher, min_feature: f64) {
 
 #[divan::bench(args = [VGA, FULL_HD], max_time = 2)]
 fn contacts_of_60_boxes_behind_lenses(bencher: Bencher, size: &(u32, u32)) {
-    let scene = Scene::through_lenses(Who::Person, 7, *size);
+    let scene = Scene::through_lenses(SubjectKind::Person, 7, *size);
     contacts_in(bencher, &Rig::new(&scene).publish(&scene.masks));
 }
 
 #[divan::bench(args = [VGA, FULL_HD], max_time = 2)]
 fn contacts_of_60_boxes_where_views_abstain(bencher: Bencher, size: &(u32, u32)) {
-    let scene = Scene::new(Who::Person, 7, *size);
+    let scene = Scene::new(SubjectKind::Person, 7, *size);
     contacts_in(bencher, &Rig::abstaining(&scene).publish(&scene.masks));
 }
 
-/// The contacts of 60 boxes in one frame.
+/// Times the contacts of 60 boxes in one frame.
 fn contacts_in(bencher: Bencher, frame: &Frame) {
     let boxes = Boxes::new(&Bodies::scattered(60, SAMPLES_400));
     let mut contacts = Vec::new();
@@ -109,16 +111,16 @@ fn contacts_in(bencher: Bencher, frame: &Frame) {
 
 #[divan::bench(args = [VGA, FULL_HD], max_time = 2, sample_size = 1)]
 fn contacts_of_60_boxes_in_new_binary_frames(bencher: Bencher, size: &(u32, u32)) {
-    contacts_in_new_frames(bencher, &Scene::segmented(Who::Person, 7, *size).binary());
+    contacts_in_new_frames(bencher, &Scene::segmented(SubjectKind::Person, 7, *size).binary());
 }
 
 #[divan::bench(args = [VGA, FULL_HD], max_time = 2, sample_size = 1)]
 fn contacts_of_60_boxes_in_new_frames_with_coverage(bencher: Bencher, size: &(u32, u32)) {
-    contacts_in_new_frames(bencher, &Scene::segmented(Who::Person, 7, *size));
+    contacts_in_new_frames(bencher, &Scene::segmented(SubjectKind::Person, 7, *size));
 }
 
-/// The contacts of 60 boxes in frames in which no edge normal is known yet. Each frame is made off the clock just before
-/// its sample, since most frames made in advance would have left the caches.
+/// Times the contacts of 60 boxes in new frames, which have no cached edge normals yet. A sample is one frame, made
+/// just before without being timed: most of many frames made in advance would have left the processor's caches.
 fn contacts_in_new_frames(bencher: Bencher, scene: &Scene) {
     let boxes = Boxes::new(&Bodies::scattered(60, SAMPLES_400));
     let (rig, mut contacts) = (Rig::new(scene), Vec::new());

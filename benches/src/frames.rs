@@ -1,35 +1,35 @@
-//! Whole frames, from masks to the literal program's body vectors and to our default contacts.
+//! Whole frames, from masks to the literal program's body vectors and to the library's default contacts.
 
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use ode_visual_hull_bench::literal::{LiteralBodies, LiteralHull};
 use ode_visual_hull_bench::ours::{Boxes, Rig};
-use ode_visual_hull_bench::scene::{Bodies, FULL_HD, Given, Optics, SAMPLES_400, Scene, VGA, Who};
+use ode_visual_hull_bench::scene::{Bodies, FULL_HD, Inputs, Optics, SAMPLES_400, Scene, SubjectKind, VGA};
 use ode_visual_hull_testing::figure::Bound;
 
 const CONTACTS: &str = "masks in, default contacts out, boxes of 400 samples";
 const RESPONSES: &str = "masks in, the paper's body vectors out, boxes of 400 samples";
 
-/// The suffixes of the figures' names, and what the cameras look through.
+/// The cameras' optics, with the suffix that they give a figure's name.
 pub const OPTICS: [(&str, Optics); 2] = [("", Optics::Pinholes), ("_lens", Optics::Lenses)];
 
-pub fn measure(session: &mut Session) {
-    // The bounds of the contacts, for pinholes and for lenses.
+pub fn run_group(session: &mut Session) {
+    // The bounds on the contacts' figures: for pinholes, and for lenses.
     let frames = [("vga", VGA, 60, [Some(3.5), Some(2.5)]), ("1080p", FULL_HD, 600, [None, None])];
     for (name, size, count, bounds) in frames {
         let bodies = Bodies::scattered(count, SAMPLES_400);
         for ((lens, optics), bound) in OPTICS.into_iter().zip(bounds) {
-            let given = Given::new(Who::Person, 7, size, optics);
-            over_literal(session, [&format!("{name}_{count}"), lens], &given, &bodies, bound);
+            let input = Inputs::new(SubjectKind::Person, 7, size, optics);
+            over_literal(session, [&format!("{name}_{count}"), lens], &input, &bodies, bound);
         }
     }
 }
 
-/// Runs one comparison. Its figures are named after the frame and the `lens`.
+/// Compares one frame with the literal program. The figures are named after `frame` and `lens`.
 fn over_literal(
     session: &mut Session,
     [frame, lens]: [&str; 2],
-    input: &Given,
+    input: &Inputs,
     bodies: &Bodies,
     bound: Option<f64>,
 ) {
@@ -66,36 +66,39 @@ fn over_literal(
     );
 }
 
-/// Adds the literal program's body vectors and our default contacts, both from masks; `label` ends their names.
+/// Adds the literal program's body vectors and the library's default contacts, both timed from the masks on. The
+/// candidates' names end with `label`.
 pub fn from_masks<'a>(
     bench: PairedBench<'a>,
     label: &str,
-    given: &'a Given,
+    input: &'a Inputs,
     bodies: &'a Bodies,
 ) -> PairedBench<'a> {
-    let (rig, boxes, mut contacts) = (Rig::new(&given.ours), Boxes::new(bodies), Vec::new());
-    let aabb = *rig.publish(&given.ours.masks).aabb();
+    let (rig, boxes, mut contacts) = (Rig::new(&input.ours), Boxes::new(bodies), Vec::new());
+    let aabb = *rig.publish(&input.ours.masks).aabb();
     let (mut plain, mut vectors) = (LiteralBodies::new(bodies), Vec::new());
+
     bench
         .with(format!("literal {label}"), move || {
-            plain.vectors(&LiteralHull::new(&given.rivals, &aabb), &mut vectors);
+            plain.vectors(&LiteralHull::new(&input.peers, &aabb), &mut vectors);
             vectors.len()
         })
         .with(format!("ours {label}"), move || {
-            rig.publish(&given.ours.masks).contacts(&boxes, &mut contacts);
+            rig.publish(&input.ours.masks).contacts(&boxes, &mut contacts);
             contacts.len()
         })
 }
 
-/// Adds the literal program and our default contacts in a frame that is prepared already; `label` ends their names.
+/// Adds the literal program's body vectors and the library's default contacts, both in a frame prepared beforehand. The
+/// candidates' names end with `label`.
 pub fn from_frame<'a>(
     bench: PairedBench<'a>,
     label: &str,
-    input: &'a Given,
+    input: &'a Inputs,
     bodies: &'a Bodies,
 ) -> PairedBench<'a> {
     let frame = Rig::new(&input.ours).publish(&input.ours.masks);
-    let literal = LiteralHull::new(&input.rivals, frame.aabb());
+    let literal = LiteralHull::new(&input.peers, frame.aabb());
     let (mut plain, mut vectors) = (LiteralBodies::new(bodies), Vec::new());
     let (boxes, mut contacts) = (Boxes::new(bodies), Vec::new());
 
@@ -110,7 +113,7 @@ pub fn from_frame<'a>(
         })
 }
 
-/// Adds our body vectors, from masks.
+/// Adds the library's body vectors, timed from the masks on.
 pub fn with_body_vectors<'a>(
     bench: PairedBench<'a>,
     name: &str,

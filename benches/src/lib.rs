@@ -1,9 +1,9 @@
-//! The candidates of the comparisons, each on the same masks and the same bodies.
+//! The candidates of the benchmarks. All of them work on the same masks and the same bodies.
 //!
 //! ```text
 //!   scene      ┌─► ours     the library                                   ─► inside, responses, body vectors, contacts
 //!   cameras, ──┤
-//!   masks,     │   undistorted, off the clock, where the cameras have lenses
+//!   masks,     │   undistorted beforehand (not timed) where the cameras have lenses
 //!   boxes      ├─► literal  the paper's algorithm, pixel by pixel         ─► inside, responses, body vectors
 //!              └─► carve    voxels, by the library's inside test
 //!                     ├─► nets ─┬─► ode       a triangle mesh of ODE      ─► contacts

@@ -1,5 +1,5 @@
-//! Measures the library and the alternatives in one run. Writes the figures to `target/figures.json`, plots of the scaling
-//! to `docs/performance/`, and where all groups are measured the table in `docs/performance.md`.
+//! Times the library and the alternatives in one run and writes the figures into `target/figures.json`. If all groups
+//! are measured, it also writes `docs/performance.md`, and the plots of the scaling into `docs/performance/`.
 //!
 //! `make bench`, or `cargo run --release -p ode-visual-hull-bench -- --help`. It fails where a bound is missed.
 
@@ -24,20 +24,20 @@ use session::Session;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Measures a group's figures.
-type Measure = fn(&mut Session);
+/// Times a group's candidates and adds its figures to the session.
+type RunGroup = fn(&mut Session);
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 9] = [
-    ("points", points::measure),
-    ("segmentation", segmentation::measure),
-    ("prepare", prepare::measure),
-    ("real_cameras", real_cameras::measure),
-    ("frames", frames::measure),
-    ("peers", peers::measure),
-    ("simulation", simulation::measure),
-    ("threads", threads::measure),
-    ("scaling", scaling::measure),
+const GROUPS: [(&str, RunGroup); 9] = [
+    ("points", points::run_group),
+    ("segmentation", segmentation::run_group),
+    ("prepare", prepare::run_group),
+    ("real_cameras", real_cameras::run_group),
+    ("frames", frames::run_group),
+    ("peers", peers::run_group),
+    ("simulation", simulation::run_group),
+    ("threads", threads::run_group),
+    ("scaling", scaling::run_group),
 ];
 
 /// The visual hull beside the paper's algorithm and beside rebuilding a mesh, in one run.
@@ -56,10 +56,11 @@ fn main() -> ExitCode {
     let options = Options::parse();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut session = Session::new(options.rounds as usize, root.join("docs"));
-    for (name, measure) in GROUPS {
+
+    for (name, run_group) in GROUPS {
         if options.only.is_empty() || options.only.iter().any(|only| only == name) {
             session.start_group(name);
-            measure(&mut session);
+            run_group(&mut session);
         }
     }
 
@@ -68,7 +69,7 @@ fn main() -> ExitCode {
     figure_table::print_table(&figures);
     let mut written = figure_table::record(&root.join("target/figures.json"), &figures);
     if options.only.is_empty() {
-        // The page shows one run of all groups.
+        // The page describes a single run of all groups.
         written = written.and_then(|()| page::write(&root.join("docs/performance.md"), &rows));
     }
 

@@ -1,4 +1,4 @@
-//! The library under test: the one file that names its fast interface.
+//! The library under test. All calls of its batch functions are in this file.
 
 use crate::scene::{Bodies, Scene};
 use image::GrayImage;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// Seconds from frame to frame.
 const FRAME: f64 = 1.0 / 60.0;
 
-/// A rig that takes masks and publishes frames, as a program would have it.
+/// A rig that takes masks and publishes frames, as in an application.
 #[derive(Debug)]
 pub struct Rig {
     data: HullData,
@@ -38,7 +38,7 @@ impl Rig {
         rig
     }
 
-    /// Masks in, a frame out: all that has to be done before the first query.
+    /// Prepares a frame from `masks`, one a view: everything that has to be done before the first query.
     pub fn publish(&self, masks: &[GrayImage]) -> Frame {
         for (view, mask) in masks.iter().enumerate() {
             self.data.set_mask(view, mask).expect("a mask of the camera's size");
@@ -46,7 +46,7 @@ impl Rig {
         self.update()
     }
 
-    /// The frame of packed masks.
+    /// Prepares a frame from packed masks, one a view.
     pub fn publish_packed(&self, masks: &[PackedMask]) -> Frame {
         for (view, mask) in masks.iter().enumerate() {
             self.data.set_packed(view, mask).expect("a mask of the camera's size");
@@ -60,7 +60,7 @@ impl Rig {
     }
 }
 
-/// The boxes as the library takes them.
+/// The boxes in the form that the library takes.
 #[derive(Debug)]
 pub struct Boxes {
     samples: Samples,
@@ -68,13 +68,13 @@ pub struct Boxes {
 }
 
 impl Boxes {
-    /// The boxes of `bodies`.
+    /// Copies the samples and poses of `bodies`.
     pub fn new(bodies: &Bodies) -> Self {
         let Bodies { samples, poses } = bodies.clone();
         Self { samples, poses }
     }
 
-    /// The boxes in their places, without a step before.
+    /// The boxes at their poses, without the escape direction of an earlier step.
     fn bodies(&self) -> Vec<contact::SampledBody<'_>> {
         let body = |pose: &Isometry3<f64>| contact::SampledBody {
             samples: &self.samples,
@@ -110,22 +110,22 @@ impl Frame {
         self.0.inside_many(points, world_from_points, workspace).expect("a finite pose")
     }
 
-    /// How far up the paper's responses of `points` lead, added up.
+    /// The sum of the z components of the paper's responses of `points`, in metres.
     pub fn rise_of_responses(&self, points: &[Point3<f64>], workspace: &mut Workspace) -> f64 {
         self.0.respond_many(points, workspace).iter().map(|response| response.w().z).sum()
     }
 
-    /// The paper's body vectors (section 5), as the C face answers them, written to `vectors`.
+    /// Writes the paper's body vectors (section 5) to `vectors`, as the C functions return them.
     pub fn body_vectors(&self, boxes: &Boxes, vectors: &mut Vec<BodyResponse>) {
         contact::body_responses(&self.0, &boxes.bodies(), vectors);
     }
 
-    /// The library's contacts as a simulation gets them by default, written to `contacts`, body by body.
+    /// Writes the contacts that a simulation gets by default to `contacts`, body by body.
     pub fn contacts(&self, boxes: &Boxes, contacts: &mut Vec<BodyContacts>) {
         contact::collide_many(&self.0, &boxes.bodies(), &Settings::default(), contacts);
     }
 
-    /// How many pixels `p` is inside: the smallest Chebyshev distance to the background over the views, 0 outside.
+    /// The depth of `p` in pixels: the smallest Chebyshev distance to the background over the views, or 0 outside.
     pub fn depth_px(&self, p: &Point3<f64>) -> u16 {
         let distance = |view: &ode_visual_hull::hull::View| {
             view.pixel(p).map_or(0, |(i, j)| view.silhouette().distance(i, j))

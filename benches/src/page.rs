@@ -8,7 +8,7 @@ use std::path::Path;
 const BEGIN: &str = "<!-- written by `make bench`: from here -->\n";
 const END: &str = "<!-- written by `make bench`: to here -->\n";
 
-/// Replaces the text between the markers by the processor's name and a table of the figures.
+/// Replaces the text between the markers by the processor's name and the table of figures.
 pub fn write(path: &Path, rows: &[Row]) -> io::Result<()> {
     let page = std::fs::read_to_string(path)?;
     let parts = page.split_once(BEGIN).and_then(|(head, rest)| Some((head, rest.split_once(END)?.1)));

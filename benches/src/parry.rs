@@ -1,4 +1,4 @@
-//! Contact manifolds of parry3d: cuboids against a triangle mesh or voxels that are new in each frame.
+//! Contact manifolds of parry3d between cuboids and a triangle mesh or voxels that are built anew in each frame.
 
 use crate::carve::Grid;
 use crate::nets::Mesh;
@@ -14,12 +14,12 @@ use parry3d::shape::{Cuboid, Shape, TriMesh, Voxels};
 pub struct Boxes {
     shape: Cuboid,
     poses: Vec<Pose>,
-    /// Used again from body to body.
+    /// Buffer that is used again for each body.
     manifolds: Vec<ContactManifold<(), ()>>,
 }
 
 impl Boxes {
-    /// The boxes of `bodies`.
+    /// Cuboids with the lengths and poses of `bodies`.
     pub fn new(bodies: &Bodies) -> Self {
         let vector = |v: [f64; 3]| Vector::from_array(v.map(|x| x as f32));
         let shape = Cuboid::new(vector(bodies.half_lengths().into()));
@@ -31,9 +31,9 @@ impl Boxes {
         Self { shape, poses: bodies.poses.iter().map(pose).collect(), manifolds: Vec::new() }
     }
 
-    /// Counts the points of contact of each box with `shape` at `world_from_shape`, written to `counts`.
+    /// Writes each box's number of contact points with `shape` at `world_from_shape` to `counts`.
     ///
-    /// The shape is new in each frame, so that nothing can be kept from the last one.
+    /// The shape is new in each frame, so that no manifold of the last frame can be kept.
     fn contacts(&mut self, shape: &dyn Shape, world_from_shape: Vector, counts: &mut Vec<usize>) {
         let aabb = shape.compute_local_aabb();
         counts.clear();
@@ -51,19 +51,20 @@ impl Boxes {
                 );
                 found.expect("a pair of shapes that parry3d supports");
             }
+
             let points = self.manifolds.iter().flat_map(|manifold| &manifold.points);
             counts.push(points.filter(|point| point.dist <= 0.0).count());
         }
     }
 
-    /// Contacts with a triangle mesh.
+    /// Writes each box's number of contact points with a triangle mesh to `counts`.
     pub fn with_mesh(&mut self, mesh: &Mesh, counts: &mut Vec<usize>) {
         let points = mesh.points.iter().map(|p| Vector::from_array(*p)).collect();
         let mesh = TriMesh::new(points, mesh.triangles.clone()).expect("a mesh with triangles");
         self.contacts(&mesh, Vector::ZERO, counts);
     }
 
-    /// Contacts with voxels.
+    /// Writes each box's number of contact points with the voxels inside to `counts`.
     pub fn with_voxels(&mut self, grid: &Grid, counts: &mut Vec<usize>) {
         let cells: Vec<_> =
             grid.cells_inside().map(|cell| IVec3::from_array(cell.map(|n| n as i32))).collect();

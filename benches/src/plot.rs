@@ -1,20 +1,20 @@
-//! A plot of costs over a size, both axes logarithmic, as SVG.
+//! Plots of cost over size as SVG, with logarithmic axes.
 
 use plotters::prelude::*;
 use std::error::Error;
 use std::path::Path;
 
-/// The lines' colours in turn, distinguishable with colour blindness too.
+/// The lines' colours in order, distinguishable with colour blindness too.
 const COLOURS: [RGBColor; 4] =
     [RGBColor(0, 90, 181), RGBColor(220, 90, 30), RGBColor(90, 90, 90), RGBColor(120, 60, 150)];
 
-/// A plot to draw.
+/// A plot of several lines.
 pub struct Plot<'a> {
     /// Label of the x axis.
     pub x: &'a str,
     /// Label of the y axis.
     pub y: &'a str,
-    /// The sizes, and how the axis names them.
+    /// The sizes and their labels on the x axis.
     pub ticks: Vec<(f64, String)>,
     pub lines: Vec<Line>,
 }
@@ -26,13 +26,15 @@ pub struct Line {
 }
 
 impl Plot<'_> {
-    /// Draws the plot into a file.
+    /// Draws the plot into the SVG file `path`.
     pub fn write(&self, path: &Path) -> Result<(), Box<dyn Error>> {
         let area = SVGBackend::new(path, (640, 400)).into_drawing_area();
         area.fill(&WHITE)?;
+
         let (left, right) = range(self.ticks.iter().map(|(x, _)| *x), 1.15);
         let (low, high) = range(self.lines.iter().flat_map(|line| &line.points).map(|p| p.1), 1.6);
         let sizes = self.ticks.iter().map(|(x, _)| *x).collect();
+
         let mut chart = ChartBuilder::on(&area)
             .margin(14)
             .x_label_area_size(44)
@@ -55,6 +57,7 @@ impl Plot<'_> {
 
         for (line, colour) in self.lines.iter().zip(COLOURS) {
             let style = colour.stroke_width(2);
+
             chart
                 .draw_series(LineSeries::new(line.points.clone(), style).point_size(3))?
                 .label(&line.name)
@@ -77,13 +80,13 @@ impl Plot<'_> {
     }
 }
 
-/// The range of `values`, widened by the factor `margin` on either side.
+/// The smallest value divided by `margin`, and the largest multiplied by it.
 fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
     let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
     (low / margin, high * margin)
 }
 
-/// 1, 2 and 5 times the powers of ten between `low` and `high`, or only the powers where these are many.
+/// 1, 2 and 5 times the powers of ten between `low` and `high`, or the powers alone over more than three decades.
 fn decades(low: f64, high: f64) -> Vec<f64> {
     let wide = high / low > 1e3;
     let digits: &[f64] = if wide { &[1.0] } else { &[1.0, 2.0, 5.0] };

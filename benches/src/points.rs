@@ -1,4 +1,4 @@
-//! Single points: inside tests and responses.
+//! Queries of points: the inside test and the response.
 
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
@@ -6,26 +6,28 @@ use nalgebra::{Isometry3, Point3};
 use ode_visual_hull::hull::{Points, Workspace};
 use ode_visual_hull_bench::literal::{LiteralHull, Vec3};
 use ode_visual_hull_bench::ours::{Frame, Rig};
-use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, Scene, VGA, Who};
+use ode_visual_hull_bench::scene::{Bodies, SAMPLES_400, Scene, SubjectKind, VGA};
 use ode_visual_hull_testing::figure::Bound;
 use ode_visual_hull_testing::random::Random;
 
 /// Number of points of an inside test.
-const MANY: usize = 24_000;
+const INSIDE_POINTS: usize = 24_000;
 
-/// Number of points of a response.
-const FEW: usize = 2_000;
+/// Number of points whose responses are timed.
+const RESPONSE_POINTS: usize = 2_000;
 
-pub fn measure(session: &mut Session) {
-    let scene = Scene::new(Who::Person, 7, VGA);
+pub fn run_group(session: &mut Session) {
+    let scene = Scene::new(SubjectKind::Person, 7, VGA);
     let frame = Rig::new(&scene).publish(&scene.masks);
-    let random = anywhere(&frame, MANY);
-    let surface: Vec<_> = Bodies::scattered(MANY / 400, SAMPLES_400).world_points();
+    let random = anywhere(&frame, INSIDE_POINTS);
+    let surface: Vec<_> = Bodies::scattered(INSIDE_POINTS / 400, SAMPLES_400).world_points();
+
     let names = ["inside_random_over_literal", "inside_surface_over_literal"];
     let whats = [
         "points at random in the hull's box: inside or not",
         "samples of 60 boxes, box by box: inside or not",
     ];
+
     for ((points, name), (what, bound)) in
         [random, surface].iter().zip(names).zip(whats.into_iter().zip([14.6, 7.47]))
     {
@@ -35,12 +37,14 @@ pub fn measure(session: &mut Session) {
         let per_second = points.len() as f64 / times.seconds("ours") * 1e-6;
         session.reported(&name.replace("over_literal", "mpoints_per_s"), per_second, StartTime::Frame, what);
     }
-    let near = at_depth(&frame, 1..=5, FEW);
-    responses(session, "near", &scene, &frame, &near, "responses of points 1 to 5 pixels inside the person");
-    let scene = Scene::new(Who::Barrel, 7, VGA);
-    let frame = Rig::new(&scene).publish(&scene.masks);
-    let deep = at_depth(&frame, 20..=60, FEW);
 
+    let near = at_depth(&frame, 1..=5, RESPONSE_POINTS);
+    responses(session, "near", &scene, &frame, &near, "responses of points 1 to 5 pixels inside the person");
+
+    // The person has no point so deep.
+    let scene = Scene::new(SubjectKind::Barrel, 7, VGA);
+    let frame = Rig::new(&scene).publish(&scene.masks);
+    let deep = at_depth(&frame, 20..=60, RESPONSE_POINTS);
     responses(session, "deep", &scene, &frame, &deep, "responses of points 20 to 60 pixels inside a barrel");
 }
 
@@ -68,7 +72,7 @@ fn responses(
     session.reported(&format!("response_{name}_mpoints_per_s"), per_second, StartTime::Frame, what);
 }
 
-/// Adds the responses of `points`, by the literal program and by ours; `label` ends their names.
+/// Adds the literal program's and the library's responses of `points`. The candidates' names end with `label`.
 pub fn respond<'a>(
     bench: PairedBench<'a>,
     label: &str,
@@ -86,13 +90,13 @@ pub fn respond<'a>(
         .with(format!("ours {label}"), move || frame.rise_of_responses(&points, &mut workspace))
 }
 
-/// `count` points at random in the hull's box.
+/// `count` random points in the hull's bounding box.
 fn anywhere(frame: &Frame, count: usize) -> Vec<Point3<f64>> {
     let mut random = Random(2);
     (0..count).map(|_| random.point(frame.aabb().min, frame.aabb().max)).collect()
 }
 
-/// `count` points at random whose depth lies in `depths` pixels, each depth as often.
+/// `count` random points whose depth in pixels lies in `depths`, equally many of each depth.
 pub fn at_depth(frame: &Frame, depths: std::ops::RangeInclusive<u16>, count: usize) -> Vec<Point3<f64>> {
     let mut random = Random(3);
     let mut missing = vec![count.div_ceil(depths.len()); depths.len()];

@@ -1,17 +1,18 @@
-//! Preparing a frame: from masks to the first query.
+//! Preparing a frame, from its masks until the first query can be answered.
 
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use image::GrayImage;
 use ode_visual_hull::silhouette::PackedMask;
 use ode_visual_hull_bench::ours::Rig;
-use ode_visual_hull_bench::scene::{FULL_HD, Scene, VGA, Who};
+use ode_visual_hull_bench::scene::{FULL_HD, Scene, SubjectKind, VGA};
 
-pub fn measure(session: &mut Session) {
+pub fn run_group(session: &mut Session) {
     let what = "seven masks prepared, in milliseconds";
     for (name, size) in [("vga", VGA), ("1080p", FULL_HD)] {
-        let scene = Scene::new(Who::Person, 7, size);
+        let scene = Scene::new(SubjectKind::Person, 7, size);
         let rig = Rig::new(&scene);
+
         let bench = PairedBench::new()
             .with("prepare", || rig.publish(&scene.masks))
             .with("read", || scene.masks.iter().map(largest_byte).max());
@@ -22,17 +23,17 @@ pub fn measure(session: &mut Session) {
             StartTime::Masks,
             what,
         );
+
         let what = "preparing a frame over one plain read of its masks";
         let ratio = times.ratio("prepare", "read");
         session.reported(&format!("prepare_over_memory_read_{name}"), ratio, StartTime::Masks, what);
     }
-
-    measure_packed(session);
+    packed_masks(session);
 }
 
-/// Measures preparing masks from segmentation, packed and by way of bytes.
-fn measure_packed(session: &mut Session) {
-    let scene = Scene::segmented(Who::Person, 7, VGA);
+/// Compares handing segmented masks to the hull packed with handing them over as bytes.
+fn packed_masks(session: &mut Session) {
+    let scene = Scene::segmented(SubjectKind::Person, 7, VGA);
     let rig = Rig::new(&scene);
     let packed: Vec<_> = scene.masks.iter().map(PackedMask::new).collect();
     let mut bytes = scene.masks.clone();
@@ -45,7 +46,7 @@ fn measure_packed(session: &mut Session) {
     session.reported("packed_over_bytes", times.ratio("packed", "bytes"), StartTime::Masks, what);
 }
 
-/// Reads every byte and does almost nothing with it.
+/// The largest byte of a mask, a measure of the time that reading it takes.
 fn largest_byte(mask: &GrayImage) -> u8 {
     mask.as_raw().iter().fold(0, |most, &byte| most.max(byte))
 }

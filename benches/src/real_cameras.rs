@@ -1,28 +1,28 @@
-//! The cost of real cameras relative to ideal ones: lenses, views that abstain, masks with coverage.
+//! The extra cost of real cameras: lenses, views that abstain, and masks with coverage.
 //!
-//! Seven views of the person, and 60 boxes of 400 samples. Each figure compares the library with itself at one
-//! image size; the time of the real case is reported too.
+//! Seven views see the person, with 60 boxes of 400 samples around. Each figure compares the library with itself at one
+//! frame size, and a second figure reports the time of the real case.
 
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use ode_visual_hull_bench::ours::{Boxes, Frame, Rig};
-use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, VGA, Who};
+use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, SubjectKind, VGA};
 use ode_visual_hull_testing::figure::Bound;
 
-pub fn measure(session: &mut Session) {
+pub fn run_group(session: &mut Session) {
     let boxes = Boxes::new(&Bodies::scattered(60, SAMPLES_400));
     for (name, size) in [("vga", VGA), ("1080p", FULL_HD)] {
-        let pinhole = Scene::new(Who::Person, 7, size);
-        let lens = Scene::through_lenses(Who::Person, 7, size);
+        let pinhole = Scene::new(SubjectKind::Person, 7, size);
+        let lens = Scene::through_lenses(SubjectKind::Person, 7, size);
         lens_contacts(session, name, &pinhole, &lens, &boxes);
         abstain_contacts(session, name, &pinhole, &boxes);
-        coverage_contacts(session, name, &Scene::segmented(Who::Person, 7, size), &boxes);
+        coverage_contacts(session, name, &Scene::segmented(SubjectKind::Person, 7, size), &boxes);
         lens_prepare(session, name, &pinhole, &lens);
     }
-    body_response(session, &Scene::new(Who::Person, 7, VGA), &boxes);
+    body_response(session, &Scene::new(SubjectKind::Person, 7, VGA), &boxes);
 }
 
-/// Adds the default contacts in a prepared frame.
+/// Adds the default contacts of `boxes` in a prepared frame.
 fn with_contacts<'a>(bench: PairedBench<'a>, name: &str, frame: Frame, boxes: &'a Boxes) -> PairedBench<'a> {
     let mut contacts = Vec::new();
     bench.with(name, move || {
@@ -31,7 +31,7 @@ fn with_contacts<'a>(bench: PairedBench<'a>, name: &str, frame: Frame, boxes: &'
     })
 }
 
-/// Contacts behind lenses.
+/// Compares contacts in views with lenses with contacts in pinhole views.
 fn lens_contacts(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scene, boxes: &Boxes) {
     let frame = |scene: &Scene| Rig::new(scene).publish(&scene.masks);
     let bench = with_contacts(PairedBench::new(), "pinhole", frame(pinhole), boxes);
@@ -46,6 +46,7 @@ fn lens_contacts(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scen
         StartTime::Frame,
         what,
     );
+
     let what = "default contacts behind such lenses";
 
     session.reported(
@@ -56,7 +57,7 @@ fn lens_contacts(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scen
     );
 }
 
-/// Contacts where views abstain.
+/// Compares contacts in views that abstain with contacts in views that count as outside what they do not see.
 fn abstain_contacts(session: &mut Session, name: &str, scene: &Scene, boxes: &Boxes) {
     let outside = Rig::new(scene).publish(&scene.masks);
     let abstain = Rig::abstaining(scene).publish(&scene.masks);
@@ -67,6 +68,7 @@ fn abstain_contacts(session: &mut Session, name: &str, scene: &Scene, boxes: &Bo
     let ratio = times.ratio("abstain", "outside");
     let figure = format!("abstain_contacts_over_outside_{name}");
     session.bounded(&figure, ratio, Bound::AtMost(1.5), StartTime::Frame, what);
+
     let what = "default contacts with views that abstain";
 
     session.reported(
@@ -77,7 +79,8 @@ fn abstain_contacts(session: &mut Session, name: &str, scene: &Scene, boxes: &Bo
     );
 }
 
-/// Contacts from masks with coverage, each in a new frame, in which no edge normal is known yet.
+/// Compares contacts from masks with coverage with contacts from binary masks. Each frame is new, so that no edge
+/// normal is cached yet.
 fn coverage_contacts(session: &mut Session, name: &str, coverage: &Scene, boxes: &Boxes) {
     let binary = coverage.binary();
     let mut bench = PairedBench::new();
@@ -99,18 +102,19 @@ fn coverage_contacts(session: &mut Session, name: &str, coverage: &Scene, boxes:
     let ratio = times.ratio("coverage", "binary");
     let figure = format!("coverage_contacts_over_binary_{name}");
     session.bounded(&figure, ratio, Bound::AtMost(1.6), StartTime::Frame, what);
+
     let what = "default contacts in a new frame of segmented masks with coverage";
     let milliseconds = 1e3 * times.seconds("coverage");
 
     session.reported(&format!("coverage_contacts_{name}_ms"), milliseconds, StartTime::Frame, what);
 }
 
-/// Masks behind lenses.
+/// Compares preparing masks of views with lenses with preparing masks of pinhole views.
 fn lens_prepare(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scene) {
-    let (straight, bent) = (Rig::new(pinhole), Rig::new(lens));
+    let (pinhole_rig, lens_rig) = (Rig::new(pinhole), Rig::new(lens));
     let bench = PairedBench::new()
-        .with("pinhole", || straight.publish(&pinhole.masks))
-        .with("lens", || bent.publish(&lens.masks));
+        .with("pinhole", || pinhole_rig.publish(&pinhole.masks))
+        .with("lens", || lens_rig.publish(&lens.masks));
     let times = session.run(bench);
 
     let what = "seven masks prepared, lenses with k1 = -0.2 over pinhole cameras";
@@ -122,12 +126,13 @@ fn lens_prepare(session: &mut Session, name: &str, pinhole: &Scene, lens: &Scene
         StartTime::Masks,
         what,
     );
+
     let what = "seven masks prepared behind such lenses";
 
     session.reported(&format!("lens_prepare_{name}_ms"), 1e3 * times.seconds("lens"), StartTime::Masks, what);
 }
 
-/// The paper's body vectors beside the default contacts.
+/// Compares the paper's body vectors with the default contacts.
 fn body_response(session: &mut Session, scene: &Scene, boxes: &Boxes) {
     let frame = Rig::new(scene).publish(&scene.masks);
     let mut vectors = Vec::new();

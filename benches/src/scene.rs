@@ -1,6 +1,7 @@
 //! The input of every candidate: cameras, masks, and boxes around a subject.
 //!
-//! Metres, z up. The cameras stand around the subject at 3.2 m, so that a pixel covers 6 mm at VGA.
+//! Lengths are in metres, and z points up. The cameras stand around the subject at 3.2 m, so that a pixel covers 6 mm
+//! at VGA.
 
 use crate::masks;
 use image::GrayImage;
@@ -12,7 +13,7 @@ use ode_visual_hull::silhouette::Undistortion;
 use ode_visual_hull::synthetic::{self, Placed, Solid, Subject, Texture, layout};
 use ode_visual_hull_testing::random::Random;
 
-/// Names and image sizes in pixels.
+/// Names of the image sizes, and width and height in pixels.
 pub const SIZES: [(&str, (u32, u32)); 3] =
     [("VGA", (640, 480)), ("1080p", (1920, 1080)), ("4K", (3840, 2160))];
 
@@ -25,7 +26,7 @@ pub const FULL_HD: (u32, u32) = SIZES[1].1;
 /// 3840 x 2160 pixels.
 pub const UHD: (u32, u32) = SIZES[2].1;
 
-/// The lengths of every box, in metres.
+/// The side lengths of every box, in metres.
 pub const BOX: Vector3<f64> = Vector3::new(0.105, 0.19, 0.232);
 
 /// The samples' `min_feature`, in metres, that puts 400 of them on a box.
@@ -38,20 +39,20 @@ const RADIUS: f64 = 3.2;
 const FIELD_OF_VIEW: f64 = 1.1;
 const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.95);
 
-/// Heights of the cameras in metres, in turn: the lowest look along the floor, the highest down at the head.
+/// Heights of the cameras in metres, in cyclic order: the lowest look along the floor, the highest down at the head.
 const HEIGHTS: [f64; 7] = [0.2, 1.6, 0.8, 2.3, 0.4, 1.2, 1.9];
 
 /// The distortion coefficient k1 of the lenses; OpenCV's other coefficients are zero. Straight lines at the image's
 /// corners bend by a few per cent, as with a usual wide-angle lens.
 const K1: f64 = -0.2;
 
-/// The moment of the person's walk.
+/// The time of the person's walk, in seconds.
 const TIME: f64 = 0.2;
 
 /// The subject in front of the cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Who {
-    /// 1.75 m tall, of capsules, in the middle of a step: no point is deeper than 17 pixels at VGA.
+pub enum SubjectKind {
+    /// A person of capsules, 1.75 m tall, in the middle of a step. No point is deeper than 17 pixels at VGA.
     Person,
     /// An upright capsule, 1.7 m tall and 0.84 m wide, for points that lie deep.
     Barrel,
@@ -60,9 +61,9 @@ pub enum Who {
 /// Cameras, their masks, and the work volume.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// Around the subject.
+    /// The cameras around the subject.
     pub cameras: Vec<Camera>,
-    /// One a camera: 0 or 255, decided by exact ray casting, unless the scene is [`segmented`](Self::segmented) or
+    /// One mask a camera, with 0 or 255 from exact ray casting, unless the scene is [`segmented`](Self::segmented) or
     /// [`undistorted`](Self::undistorted).
     pub masks: Vec<GrayImage>,
     /// The work volume.
@@ -71,20 +72,20 @@ pub struct Scene {
 
 impl Scene {
     /// `cameras` views of `size` pixels by pinhole cameras.
-    pub fn new(who: Who, cameras: usize, size: (u32, u32)) -> Self {
-        Self::of(&who.subject(), pinholes(cameras, size))
+    pub fn new(kind: SubjectKind, cameras: usize, size: (u32, u32)) -> Self {
+        Self::of(&kind.subject(), pinholes(cameras, size))
     }
 
-    /// The views of [`new`](Self::new) by cameras with a distorting lens, at the same places and with the same focal
-    /// length.
-    pub fn through_lenses(who: Who, cameras: usize, size: (u32, u32)) -> Self {
-        Self::of(&who.subject(), pinholes(cameras, size).iter().map(with_lens).collect())
+    /// `cameras` views of `size` pixels by cameras with a distorting lens, whose places and focal lengths are those of
+    /// [`new`](Self::new).
+    pub fn through_lenses(kind: SubjectKind, cameras: usize, size: (u32, u32)) -> Self {
+        Self::of(&kind.subject(), pinholes(cameras, size).iter().map(with_lens).collect())
     }
 
-    /// The views of [`new`](Self::new) with masks as they come out of segmentation: with coverage along the outline,
-    /// and with the errors that noise brings.
-    pub fn segmented(who: Who, cameras: usize, size: (u32, u32)) -> Self {
-        let subject = who.subject();
+    /// The cameras of [`new`](Self::new) with masks from the segmentation of noisy images: with coverage along the
+    /// outline, and with the errors of noise.
+    pub fn segmented(kind: SubjectKind, cameras: usize, size: (u32, u32)) -> Self {
+        let subject = kind.subject();
         let cameras = pinholes(cameras, size);
         let masks = masks::segmented(&cameras, &subject);
         Self { cameras, masks, bounds: bounds() }
@@ -95,7 +96,7 @@ impl Scene {
         Self::of(&Subject::person_at(time), pinholes(cameras, size))
     }
 
-    /// This scene for a program without lens models: pinhole cameras in the places of the distorted ones, with undistorted
+    /// This scene for a program without a lens model: pinhole cameras in place of the distorted ones, with undistorted
     /// masks.
     pub fn undistorted(&self) -> Self {
         let undistort = |(camera, mask): (&Camera, &GrayImage)| match Undistortion::new(camera) {
@@ -106,7 +107,7 @@ impl Scene {
         Self { cameras, masks, bounds: self.bounds }
     }
 
-    /// This scene with masks of 0 and 255 alone: subject where a pixel is covered by half or more.
+    /// This scene with masks of 0 and 255 alone: 255 where at least half a pixel is covered.
     pub fn binary(&self) -> Self {
         Self { masks: self.masks.iter().map(masks::binary).collect(), ..self.clone() }
     }
@@ -116,13 +117,13 @@ impl Scene {
         Self { cameras, masks, bounds: bounds() }
     }
 
-    /// Total size of the masks in bytes.
+    /// The size of all masks together, in bytes.
     pub fn mask_bytes(&self) -> usize {
         self.masks.iter().map(|mask| mask.as_raw().len()).sum()
     }
 }
 
-impl Who {
+impl SubjectKind {
     fn subject(self) -> Subject {
         match self {
             Self::Person => Subject::person_at(TIME),
@@ -131,16 +132,16 @@ impl Who {
     }
 }
 
-/// The scenes of a comparison, for our library and for its rivals.
+/// The input of the library and of its peers in a comparison.
 ///
-/// The rivals have no lens models. Where the cameras have lenses, they get undistorted masks, which are made off the
-/// clock, while our library undistorts on the clock.
+/// The peers have no lens model. Where the cameras have lenses, the peers get undistorted masks, which costs them no
+/// time, while the time of the library includes undistorting.
 #[derive(Debug, Clone)]
-pub struct Given {
-    /// For our library: the cameras' masks.
+pub struct Inputs {
+    /// The masks that the cameras see.
     pub ours: Scene,
-    /// For the rivals: the masks of pinhole cameras in the same places.
-    pub rivals: Scene,
+    /// The masks that pinhole cameras in the same places would see.
+    pub peers: Scene,
 }
 
 /// The optics of the cameras.
@@ -148,18 +149,18 @@ pub struct Given {
 pub enum Optics {
     /// Pinhole cameras.
     Pinholes,
-    /// Lenses, see [`Scene::through_lenses`].
+    /// Distorting lenses, see [`Scene::through_lenses`].
     Lenses,
 }
 
-impl Given {
+impl Inputs {
     /// `cameras` views of `size` pixels.
-    pub fn new(who: Who, cameras: usize, size: (u32, u32), optics: Optics) -> Self {
+    pub fn new(kind: SubjectKind, cameras: usize, size: (u32, u32), optics: Optics) -> Self {
         let ours = match optics {
-            Optics::Pinholes => Scene::new(who, cameras, size),
-            Optics::Lenses => Scene::through_lenses(who, cameras, size),
+            Optics::Pinholes => Scene::new(kind, cameras, size),
+            Optics::Lenses => Scene::through_lenses(kind, cameras, size),
         };
-        Self { rivals: ours.undistorted(), ours }
+        Self { peers: ours.undistorted(), ours }
     }
 }
 
@@ -167,7 +168,7 @@ fn pinholes(count: usize, size: (u32, u32)) -> Vec<Camera> {
     layout::staggered(count, RADIUS, &HEIGHTS, TARGET, size, FIELD_OF_VIEW).expect("a valid layout")
 }
 
-/// The camera with a lens in front of it.
+/// The camera with the lens of [`K1`].
 fn with_lens(camera: &Camera) -> Camera {
     let lens = Distortion::from_opencv(&[K1, 0.0, 0.0, 0.0]).expect("four finite coefficients");
     Camera::new(camera.name(), camera.size(), *camera.intrinsics(), lens, *camera.cam_from_world())
@@ -184,24 +185,24 @@ fn barrel() -> Subject {
     Subject::new(vec![Placed::new(solid, Isometry3::translation(0.0, 0.0, 0.87), Texture::plain([200; 3]))])
 }
 
-/// Equal boxes, scattered.
+/// Equal boxes at random poses.
 #[derive(Debug, Clone)]
 pub struct Bodies {
-    /// Of one box, in its own frame.
+    /// Samples of one box, in its own frame.
     pub samples: Samples,
-    /// Where the boxes are: world from box.
+    /// Poses of the boxes: world from box.
     pub poses: Vec<Isometry3<f64>>,
 }
 
 impl Bodies {
-    /// `count` boxes at random around a person, a quarter of which touches it, with samples of `min_feature`. A larger
-    /// count adds boxes to those of a smaller one.
+    /// `count` random boxes around a person, with samples of `min_feature` metres. A quarter of them touches the
+    /// person. A larger `count` adds boxes to those of a smaller one.
     pub fn scattered(count: usize, min_feature: f64) -> Self {
         let samples = sample::box_(BOX, min_feature).expect("a box that can be sampled");
-        let about = Aabb { min: point![-0.45, -0.6, 0.1], max: point![0.45, 0.6, 1.7] };
+        let around = Aabb { min: point![-0.45, -0.6, 0.1], max: point![0.45, 0.6, 1.7] };
         let mut random = Random(7);
         let mut pose = || {
-            let at = random.point(about.min, about.max);
+            let at = random.point(around.min, around.max);
             Isometry3::from_parts(Translation3::from(at.coords), random.rotation())
         };
         Self { samples, poses: (0..count).map(|_| pose()).collect() }
@@ -209,14 +210,14 @@ impl Bodies {
 
     /// The samples of all bodies in the world, body by body.
     pub fn world_points(&self) -> Vec<Point3<f64>> {
-        let of = |pose: &Isometry3<f64>| {
+        let points_of = |pose: &Isometry3<f64>| {
             let pose = *pose;
             self.samples.points().iter().map(move |sample| pose * sample.point)
         };
-        self.poses.iter().flat_map(of).collect()
+        self.poses.iter().flat_map(points_of).collect()
     }
 
-    /// Half the boxes' lengths.
+    /// Half the boxes' side lengths, in metres.
     pub fn half_lengths(&self) -> Vector3<f64> {
         vector![BOX.x / 2.0, BOX.y / 2.0, BOX.z / 2.0]
     }

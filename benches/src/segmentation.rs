@@ -1,6 +1,6 @@
-//! Colour images to silhouettes, beside OpenCV's mixture of Gaussians (MOG2) in a process of its own.
+//! Segmentation of colour images, compared with OpenCV's mixture of Gaussians (MOG2) in a process of its own.
 //!
-//! The two take turns on the same images, each on one thread, by the clock of that thread.
+//! The two take turns on the same images. Each runs on one thread and is timed by the CPU time of that thread.
 
 use crate::session::{Session, StartTime};
 use crate::timing::thread_seconds;
@@ -16,14 +16,15 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// Number of times that the images are segmented in a turn.
+/// How often all images are segmented in a round.
 const REPEATS: usize = 4;
 
-pub fn measure(session: &mut Session) {
+pub fn run_group(session: &mut Session) {
     let Capture { empty, images } = captured().unwrap_or_else(rendered);
     let mut plate = CleanPlate::new(&empty, Thresholds::default()).expect("thresholds in range");
     let mut gaussian = RunningGaussian::new(Learning::default()).expect("numbers in range");
     gaussian.learn(&empty).expect("an image");
+
     let mut peer = match Peer::start(&empty, &images) {
         Ok(peer) => Some(peer),
         Err(problem) => {
@@ -31,8 +32,10 @@ pub fn measure(session: &mut Session) {
             None
         }
     };
+
     let (mut ours, mut plates, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
     let mut theirs = Vec::new();
+
     for _ in 0..session.rounds() {
         plates.push(milliseconds(&mut plate, &images));
         ours.push(milliseconds(&mut gaussian, &images));
@@ -58,7 +61,7 @@ pub fn measure(session: &mut Session) {
     }
 }
 
-/// Milliseconds for an image.
+/// Milliseconds per image.
 fn milliseconds(segmenter: &mut dyn Segmenter, images: &[RgbImage]) -> f64 {
     let mut mask = GrayImage::default();
     let mut run = || {
@@ -67,20 +70,20 @@ fn milliseconds(segmenter: &mut dyn Segmenter, images: &[RgbImage]) -> f64 {
             black_box(&mask);
         }
     };
-    // Not timed: the other candidate has filled the caches with its data.
+    // An untimed run first: the other candidate has filled the caches.
     run();
     let start = thread_seconds();
     (0..REPEATS).for_each(|_| run());
     1e3 * (thread_seconds() - start) / (REPEATS * images.len()) as f64
 }
 
-/// Images of one camera.
+/// Images of one camera, and of its background.
 struct Capture {
     empty: RgbImage,
     images: Vec<RgbImage>,
 }
 
-/// The first camera of the capture `seated_person`, where it is present.
+/// The first camera of the capture of the seated person; `None` where the capture is absent.
 fn captured() -> Option<Capture> {
     let recording = Recording::open(captures::find("seated_person")?).ok()?;
     let frames = recording.image_frames().iter();
@@ -89,7 +92,7 @@ fn captured() -> Option<Capture> {
     Some(Capture { empty: recording.background(0).ok()?, images })
 }
 
-/// A rendered person that walks, at the size of the capture's images.
+/// A synthetic walking person, at the size of the real capture.
 fn rendered() -> Capture {
     let target = nalgebra::Point3::new(0.0, 0.0, 0.9);
     let camera = &layout::ring(1, 3.5, 0.9, target, (644, 486), 0.9).expect("a layout")[0];
@@ -97,31 +100,35 @@ fn rendered() -> Capture {
         add_noise(&mut image, 3.0, seed).expect("a deviation");
         image
     };
-    let room = clean_plate(camera, &Scene::default().room);
+
+    let background = clean_plate(camera, &Scene::default().room);
     let image = |frame: u64| {
         let scene = Scene { subject: Subject::person_at(0.2 * frame as f64), ..Scene::default() };
-        noisy(render_over(camera, &scene, &room).expect("a room of that size"), frame)
+        noisy(render_over(camera, &scene, &background).expect("a background of that size"), frame)
     };
-    Capture { images: (0..5).map(image).collect(), empty: noisy(room, 99) }
+    Capture { images: (0..5).map(image).collect(), empty: noisy(background, 99) }
 }
 
-/// A Python process with OpenCV that segments the images whenever it gets a line.
+/// A Python process with OpenCV, which runs a round for each line that it reads.
 struct Peer {
     process: Child,
-    orders: ChildStdin,
-    answers: BufReader<ChildStdout>,
+    input: ChildStdin,
+    output: BufReader<ChildStdout>,
 }
 
 impl Peer {
-    /// Installs OpenCV below `target` if it is missing, starts Python and hands the images over.
+    /// Starts Python with the images, after installing OpenCV below `target` if it is missing.
     fn start(empty: &RgbImage, images: &[RgbImage]) -> Result<Self, String> {
         let crate_dir = Path::new(env!("CARGO_MANIFEST_DIR"));
         let folder = crate_dir.join("../target/mog2");
         let python = python(&folder)?;
+
+        // The images cross to Python as a file of raw bytes.
         let frames = folder.join("frames.rgb");
         let bytes: Vec<u8> =
             [empty].into_iter().chain(images).flat_map(|image| image.as_raw()).copied().collect();
         std::fs::write(&frames, bytes).map_err(|e| format!("{}: {e}", frames.display()))?;
+
         let (width, height) = empty.dimensions();
         let mut process = Command::new(&python)
             .arg(crate_dir.join("mog2.py"))
@@ -131,20 +138,20 @@ impl Peer {
             .stdout(Stdio::piped())
             .spawn()
             .map_err(|e| format!("{}: {e}", python.display()))?;
-        let (orders, answers) = (process.stdin.take(), process.stdout.take());
-        let (Some(orders), Some(answers)) = (orders, answers) else {
+
+        let (input, output) = (process.stdin.take(), process.stdout.take());
+        let (Some(input), Some(output)) = (input, output) else {
             return Err("expected pipes to Python, found none".into());
         };
-
-        Ok(Self { process, orders, answers: BufReader::new(answers) })
+        Ok(Self { process, input, output: BufReader::new(output) })
     }
 
-    /// Milliseconds for an image; `None` if Python has stopped.
+    /// Runs a round and returns the milliseconds per image; `None` if Python has stopped.
     fn milliseconds(&mut self) -> Option<f64> {
-        writeln!(self.orders, "go").ok()?;
-        let mut answer = String::new();
-        self.answers.read_line(&mut answer).ok()?;
-        answer.trim().parse().ok()
+        writeln!(self.input, "go").ok()?;
+        let mut line = String::new();
+        self.output.read_line(&mut line).ok()?;
+        line.trim().parse().ok()
     }
 }
 
@@ -155,14 +162,14 @@ impl Drop for Peer {
     }
 }
 
-/// The Python of a virtual environment in `folder` that has OpenCV.
+/// The path of Python in a virtual environment in `folder` that has OpenCV installed.
 fn python(folder: &Path) -> Result<PathBuf, String> {
     let python = folder.join("bin/python");
     let run = |command: &mut Command| match command.output() {
         Ok(output) if output.status.success() => Ok(()),
         Ok(output) => {
-            let stderr = String::from_utf8_lossy(&output.stderr);
-            Err(format!("{command:?}: {}", stderr.lines().last().unwrap_or_default()))
+            let message = String::from_utf8_lossy(&output.stderr);
+            Err(format!("{command:?}: {}", message.lines().last().unwrap_or_default()))
         }
         Err(error) => Err(format!("{command:?}: {error}")),
     };

@@ -1,29 +1,29 @@
-//! One run of the program: its number of rounds, its results, and its progress bar.
+//! One run of the program: its number of rounds, its figures so far, and its progress bar.
 
 use crate::timing::{PairedBench, Times};
 use indicatif::{ProgressBar, ProgressStyle};
 use ode_visual_hull_testing::figure::{Bound, Figure};
 use std::path::{Path, PathBuf};
 
-/// The input at which a figure's clock starts.
+/// The stage from which on a figure's time counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StartTime {
-    /// Colour images: segmentation is included.
+    /// From colour images: the time includes segmentation.
     Images,
-    /// Masks: preparing the frame is included.
+    /// From masks: the time includes preparing the frame.
     Masks,
-    /// A prepared frame: only queries are timed.
+    /// From a prepared frame: the time of the queries alone.
     Frame,
-    /// A step of a simulation, whose frame is prepared before.
+    /// A step of a simulation whose frame is prepared already.
     Step,
 }
 
-/// A figure and its description.
+/// A figure with its description.
 #[derive(Debug, Clone)]
 pub struct Row {
     pub figure: Figure,
     pub start: StartTime,
-    /// The description, without a full stop.
+    /// A phrase for the table: what was measured.
     pub what: &'static str,
 }
 
@@ -36,7 +36,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// A run of comparisons with `rounds` rounds each, and plots below the folder `docs`.
+    /// A session of `rounds` rounds a comparison, which writes its plots below the folder `docs`.
     pub fn new(rounds: usize, docs: PathBuf) -> Self {
         let style = ProgressStyle::with_template("{msg:28} [{bar:40}] {pos}/{len} rounds, {elapsed}")
             .expect("a valid template")
@@ -45,12 +45,12 @@ impl Session {
         Self { rounds, docs, bar, rows: Vec::new() }
     }
 
-    /// Shows the group that is measured next.
+    /// Shows the name of the next group beside the progress bar.
     pub fn start_group(&self, name: &str) {
         self.bar.set_message(name.to_owned());
     }
 
-    /// Lets the candidates take turns.
+    /// Times the candidates, which take turns in each round.
     pub fn run(&self, bench: PairedBench<'_>) -> Times {
         bench.run(self.rounds, &self.bar)
     }
@@ -60,12 +60,12 @@ impl Session {
         self.rounds
     }
 
-    /// Prints that something is left out.
+    /// Prints that a measurement is left out, and why.
     pub fn leave_out(&self, what: &str) {
         self.bar.println(format!("left out: {what}"));
     }
 
-    /// Adds a figure, with a bound or without.
+    /// Adds a figure with or without a bound.
     pub fn figure(
         &mut self,
         name: &str,
@@ -90,12 +90,12 @@ impl Session {
         self.rows.push(Row { figure: Figure::reported(name, value), start, what });
     }
 
-    /// The folder of the documentation.
+    /// The folder that documentation is written to.
     pub fn docs(&self) -> &Path {
         &self.docs
     }
 
-    /// All figures.
+    /// All figures, in the order of measurement.
     pub fn into_rows(self) -> Vec<Row> {
         self.bar.finish_and_clear();
         self.rows
@@ -103,7 +103,7 @@ impl Session {
 }
 
 impl StartTime {
-    /// The name in tables.
+    /// The name in the table of figures.
     pub fn name(self) -> &'static str {
         match self {
             Self::Images => "images",

@@ -1,10 +1,10 @@
-//! The comparison is fair: every candidate answers the same question.
+//! Tests that the comparisons are fair: all candidates compute the same thing.
 
 use crate::carve::Grid;
 use crate::literal::{LiteralBodies, LiteralHull, Vec3};
 use crate::nets::Mesh;
 use crate::ours::{Boxes, Frame, Rig};
-use crate::scene::{Bodies, Given, Optics, SAMPLES_400, SAMPLES_4000, Scene, VGA, Who};
+use crate::scene::{Bodies, Inputs, Optics, SAMPLES_400, SAMPLES_4000, Scene, SubjectKind, VGA};
 use crate::{ode, parry};
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::contact::BodyContacts;
@@ -16,13 +16,13 @@ fn plain(p: &Point3<f64>) -> Vec3 {
 }
 
 fn person() -> (Scene, Frame) {
-    let scene = Scene::new(Who::Person, 7, VGA);
+    let scene = Scene::new(SubjectKind::Person, 7, VGA);
     let frame = Rig::new(&scene).publish(&scene.masks);
     (scene, frame)
 }
 
 /// Metres between two vectors, one of them in `f32`.
-fn apart(a: &Vec3, b: &Vector3<f64>) -> f64 {
+fn distance(a: &Vec3, b: &Vector3<f64>) -> f64 {
     (Vector3::from(*a).cast::<f64>() - b).norm()
 }
 
@@ -45,8 +45,8 @@ fn boxes_have_400_or_4000_samples_and_a_quarter_touches_the_person() {
     }
 }
 
-/// `f32` moves a projection by up to 0.0002 pixels here, so that about one point in a thousand within a pixel of an edge
-/// falls on its other side.
+/// Rounding to `f32` moves a projection by up to 0.0002 pixels, so that about one in a thousand points within a pixel
+/// of an edge falls on its other side.
 #[test]
 fn the_literal_program_and_the_reference_agree_on_what_is_inside() {
     let (scene, frame) = person();
@@ -61,31 +61,33 @@ fn the_literal_program_and_the_reference_agree_on_what_is_inside() {
 
 /// Where two views are equally near, or the point lies on a pixel's border, rounding may choose another edge.
 #[test]
-fn the_literal_program_and_the_reference_respond_alike() {
-    for who in [Who::Person, Who::Barrel] {
-        let scene = Scene::new(who, 7, VGA);
+fn the_literal_program_and_the_reference_give_the_same_responses() {
+    for kind in [SubjectKind::Person, SubjectKind::Barrel] {
+        let scene = Scene::new(kind, 7, VGA);
         let frame = Rig::new(&scene).publish(&scene.masks);
         let literal = LiteralHull::new(&scene, frame.aabb());
         let mut random = Random(7);
+
         let points = std::iter::repeat_with(|| random.point(frame.aabb().min, frame.aabb().max));
         let points = points.filter(|p| reference::inside(frame.hull(), p)).take(1_000);
+
         let (mut all, mut agree) = (0, 0);
         for p in points {
             let expected = reference::respond(frame.hull(), &p).expect("a point inside");
             let quarter_pixel = 0.25 * frame.hull().pixel_size(&p);
             let same = literal.respond(&plain(&p)).is_some_and(|found| {
                 found.view == expected.view
-                    && apart(&found.w(), &(expected.normal * expected.depth)) <= quarter_pixel
+                    && distance(&found.w(), &(expected.normal * expected.depth)) <= quarter_pixel
             });
             all += 1;
             agree += usize::from(same);
         }
-        assert!(agree as f64 >= 0.999 * f64::from(all), "{who:?}: {agree} of {all} agree");
+        assert!(agree as f64 >= 0.999 * f64::from(all), "{kind:?}: {agree} of {all} agree");
     }
 }
 
-/// A body's vector is as long as its longest exit, which an edge that is just missed by rounding changes: so most
-/// bodies agree to a quarter of a pixel, not all. Responses that nearly cancel leave no direction to agree on.
+/// A body's vector is as long as its longest exit, which changes where rounding misses an edge. So most bodies, but not
+/// all, agree to a quarter of a pixel. Where the responses nearly cancel, the direction is not determined.
 #[test]
 fn the_literal_program_and_the_library_give_the_same_body_vectors() {
     let (scene, frame) = person();
@@ -93,31 +95,33 @@ fn the_literal_program_and_the_library_give_the_same_body_vectors() {
     let (mut expected, mut found) = (Vec::new(), Vec::new());
     frame.body_vectors(&Boxes::new(&bodies), &mut expected);
     LiteralBodies::new(&bodies).vectors(&LiteralHull::new(&scene, frame.aabb()), &mut found);
+
     let touching = expected.iter().filter(|expected| expected.colliding > 0).count();
     let pairs = expected.iter().zip(&found).filter(|(expected, _)| expected.colliding > 0);
     let same = pairs.filter(|(expected, found)| {
-        expected.colliding.abs_diff(found.colliding) <= 1 && apart(&found.vector, &expected.vector) <= 0.0015
+        expected.colliding.abs_diff(found.colliding) <= 1
+            && distance(&found.vector, &expected.vector) <= 0.0015
     });
     let same = same.count();
     assert!(same as f64 >= 0.98 * touching as f64, "{same} of {touching} bodies agree");
 }
 
-/// Behind lenses the rivals are given undistorted masks, and ours starts from the masks as the lenses saw them. Both
-/// find the same bodies in contact, but for those that touch in less than a pixel, which covers 6 mm: the literal
-/// program decides by whole pixels, in `f32`; ours, where undistorting leaves bytes between 0 and 255, by the edge
-/// that these put inside the pixels.
+/// Where the cameras have lenses, the peers get undistorted masks, and the library starts from the distorted ones. Both
+/// find the same bodies in contact, except some that penetrate by less than a pixel, which covers 6 mm. The literal
+/// program tests whole pixels in `f32`, while the library interpolates the edge within a pixel where undistorting
+/// leaves bytes between 0 and 255.
 #[test]
 fn the_literal_program_and_the_library_find_the_same_bodies_in_contact_also_behind_lenses() {
     let bodies = Bodies::scattered(600, SAMPLES_400);
     for optics in [Optics::Pinholes, Optics::Lenses] {
-        let given = Given::new(Who::Person, 7, VGA, optics);
+        let inputs = Inputs::new(SubjectKind::Person, 7, VGA, optics);
         let has_lens = |scene: &Scene| scene.cameras.iter().any(|camera| !camera.lens().is_none());
-        assert_eq!((has_lens(&given.ours), has_lens(&given.rivals)), (optics == Optics::Lenses, false));
+        assert_eq!((has_lens(&inputs.ours), has_lens(&inputs.peers)), (optics == Optics::Lenses, false));
 
-        let frame = Rig::new(&given.ours).publish(&given.ours.masks);
+        let frame = Rig::new(&inputs.ours).publish(&inputs.ours.masks);
         let (mut contacts, mut vectors) = (Vec::new(), Vec::new());
         frame.contacts(&Boxes::new(&bodies), &mut contacts);
-        LiteralBodies::new(&bodies).vectors(&LiteralHull::new(&given.rivals, frame.aabb()), &mut vectors);
+        LiteralBodies::new(&bodies).vectors(&LiteralHull::new(&inputs.peers, frame.aabb()), &mut vectors);
 
         let touching = contacts.iter().filter(|contacts| !contacts.points.is_empty()).count();
         assert!((120..=180).contains(&touching), "{optics:?}: {touching} of 600 bodies touch");
@@ -125,15 +129,15 @@ fn the_literal_program_and_the_library_find_the_same_bodies_in_contact_also_behi
         let differ = pairs.filter(|(ours, literal)| ours.points.is_empty() != (literal.colliding == 0));
         let deepest = |ours: &BodyContacts| ours.points.iter().map(|point| point.depth).fold(0.0, f64::max);
         let depths: Vec<_> = differ
-            .map(|(ours, literal)| deepest(ours).max(apart(&literal.vector, &Vector3::zeros())))
+            .map(|(ours, literal)| deepest(ours).max(distance(&literal.vector, &Vector3::zeros())))
             .collect();
         assert!(depths.len() <= 6, "{optics:?}: only one finds a contact {depths:?} m deep");
         assert!(depths.iter().all(|depth| *depth < 0.006), "{optics:?}: {depths:?} m deep");
     }
 }
 
-/// The library's own comparisons are of the same question too: the bodies that touch the person by one kind of mask
-/// or camera touch it by the other, but for those that touch in less than a pixel or two, as noise moves an outline.
+/// The comparisons of the library with itself are fair too: nearly the same bodies touch the person with each kind of
+/// mask and camera. The others penetrate by less than a pixel or two, as noise moves an outline.
 #[test]
 fn lenses_abstaining_views_and_coverage_find_nearly_the_same_bodies_in_contact() {
     let boxes = Boxes::new(&Bodies::scattered(600, SAMPLES_400));
@@ -144,9 +148,9 @@ fn lenses_abstaining_views_and_coverage_find_nearly_the_same_bodies_in_contact()
     };
     let differ = |a: &[bool], b: &[bool]| a.iter().zip(b).filter(|(a, b)| a != b).count();
 
-    let scene = Scene::new(Who::Person, 7, VGA);
-    let lens = Scene::through_lenses(Who::Person, 7, VGA);
-    let segmented = Scene::segmented(Who::Person, 7, VGA);
+    let scene = Scene::new(SubjectKind::Person, 7, VGA);
+    let lens = Scene::through_lenses(SubjectKind::Person, 7, VGA);
+    let segmented = Scene::segmented(SubjectKind::Person, 7, VGA);
     let expected = touching(Rig::new(&scene), &scene);
     let count = expected.iter().filter(|touches| **touches).count();
 
@@ -161,13 +165,13 @@ fn lenses_abstaining_views_and_coverage_find_nearly_the_same_bodies_in_contact()
     }
 }
 
-/// The routes over voxels collide what we collide: of some 150 boxes that we find in contact, the meshes miss at most 3
-/// and find at most 2 more, the voxels, which stick out by up to half a voxel, at most 10 more. The sets differ only
-/// where a box and the hull meet in less than a voxel: a voxel is inside or not by its centre, and a box's faces between
-/// its samples are seen only by the peers. (A box that lies within the hull as a whole has no contact with a
-/// triangle mesh, which is hollow; none of these boxes is so small.)
+/// The peers with voxels find nearly the same boxes in contact. Of some 150 boxes, the meshes miss at most 3 and find
+/// at most 2 more; the voxels, which stick out by up to half a voxel, find at most 10 more. The sets differ only where
+/// a box penetrates by less than a voxel: a voxel is inside or outside by its centre, and only the peers test a box's
+/// faces between its samples. (A box entirely within the hull would have no contact with a triangle mesh, which is
+/// hollow, but none of these boxes is so small.)
 #[test]
-fn each_peer_finds_contacts_for_the_bodies_that_we_find_in_contact() {
+fn each_peer_finds_contacts_for_the_bodies_that_the_library_finds_in_contact() {
     let (_, frame) = person();
     let bodies = Bodies::scattered(600, SAMPLES_400);
     let mut contacts = Vec::new();
@@ -181,6 +185,7 @@ fn each_peer_finds_contacts_for_the_bodies_that_we_find_in_contact() {
         grid.carve(&frame);
         let mut mesh = Mesh::default();
         mesh.build(&grid);
+
         let mut counts = [Vec::new(), Vec::new(), Vec::new()];
         ode::mesh::Boxes::new(&bodies).unwrap().with_mesh(&mesh, &mut counts[0]);
         parry::Boxes::new(&bodies).with_mesh(&mesh, &mut counts[1]);
@@ -200,8 +205,10 @@ fn the_mesh_of_the_voxels_is_closed_and_faces_outwards() {
     let (_, frame) = person();
     let mut grid = Grid::new(0.02);
     grid.carve(&frame);
+
     let mut mesh = Mesh::default();
     mesh.build(&grid);
+
     let corner = |k: u32| Vector3::from(mesh.points[k as usize]).cast::<f64>();
     let six_volumes = mesh.triangles.iter().map(|t| corner(t[0]).dot(&corner(t[1]).cross(&corner(t[2]))));
     let volume = six_volumes.sum::<f64>() / 6.0;

@@ -1,19 +1,19 @@
-//! The bodies of one frame shared among threads.
+//! The bodies of one frame, divided among threads.
 
 use crate::session::{Session, StartTime};
 use crate::timing::PairedBench;
 use ode_visual_hull_bench::ours::{Boxes, Rig};
-use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, Who};
+use ode_visual_hull_bench::scene::{Bodies, FULL_HD, SAMPLES_400, Scene, SubjectKind};
 use ode_visual_hull_testing::figure::Bound;
 use rayon::ThreadPoolBuilder;
 
-pub fn measure(session: &mut Session) {
-    let scene = Scene::new(Who::Person, 7, FULL_HD);
+pub fn run_group(session: &mut Session) {
+    let scene = Scene::new(SubjectKind::Person, 7, FULL_HD);
     let frame = Rig::new(&scene).publish(&scene.masks);
     let boxes = Boxes::new(&Bodies::scattered(600, SAMPLES_400));
     let (frame, boxes) = (&frame, &boxes);
 
-    // Both wait for a pool's threads, so that handing work over costs both the same.
+    // Both candidates wait for a pool's threads, so that both pay for handing the work over.
     let run = |threads: usize| {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
         let mut contacts = Vec::new();

@@ -1,17 +1,17 @@
-//! Candidates that take turns: each round runs all of them, and only times of one round are compared.
+//! Paired timing: each round runs all candidates, and only times of one round are compared.
 //!
-//! The clock is the thread's own, which stands still while other programs have the core; where candidates start
-//! threads of their own, it is the wall clock.
+//! Times are CPU times of the thread, which leave out what other programs take. Candidates that start threads of their
+//! own are timed by the wall clock.
 
 use indicatif::ProgressBar;
 use ode_visual_hull_testing::median;
 use rustix::time::{ClockId, clock_gettime};
 use std::hint::black_box;
 
-/// Least time of a candidate in a round, in seconds, so that the clock's own time and interrupts do not matter.
+/// Minimum time of a candidate in a round, in seconds, so that reading the clock and an interrupt do not matter.
 const MIN_SECONDS: f64 = 4e-3;
 
-/// Candidates by name, compared within each round.
+/// Named candidates that are compared within each round.
 pub struct PairedBench<'a> {
     candidates: Vec<Candidate<'a>>,
     clock_id: ClockId,
@@ -19,7 +19,7 @@ pub struct PairedBench<'a> {
 
 struct Candidate<'a> {
     name: String,
-    /// Takes a number of repeats, and returns their time in seconds.
+    /// Runs the candidate a number of times and returns the seconds that this took.
     run: Box<dyn FnMut(u32, ClockId) -> f64 + 'a>,
     repeats: u32,
 }
@@ -29,12 +29,12 @@ impl<'a> PairedBench<'a> {
         Self { candidates: Vec::new(), clock_id: ClockId::ThreadCPUTime }
     }
 
-    /// A comparison of candidates that start threads of their own.
+    /// A comparison by wall-clock time, for candidates that start threads of their own.
     pub fn by_wall_clock() -> Self {
         Self { clock_id: ClockId::Monotonic, ..Self::new() }
     }
 
-    /// Adds a candidate; what `run` returns is not optimised away.
+    /// Adds a candidate. The optimiser keeps the result of `run`.
     pub fn with<T>(self, name: impl Into<String>, mut run: impl FnMut() -> T + 'a) -> Self {
         self.timed_by(name, move |repeats, clock| {
             let start = seconds(clock);
@@ -45,10 +45,10 @@ impl<'a> PairedBench<'a> {
         })
     }
 
-    /// Adds a candidate each of whose runs is on new input, which `prepare` makes off the clock just before.
+    /// Adds a candidate that takes new input in each run, made by `prepare` just before, which is not timed.
     ///
-    /// So nothing that queries store in a frame is there yet, while the frame lies in the caches as it does in a program.
-    /// Starting and stopping the clock costs less than a microsecond a run.
+    /// A new frame has no results cached from earlier queries, but lies in the processor's caches as it does in a
+    /// program. Reading the clock takes less than a microsecond a run.
     pub fn with_prepared<S, T>(
         self,
         name: impl Into<String>,
@@ -72,7 +72,7 @@ impl<'a> PairedBench<'a> {
         self
     }
 
-    /// Runs `rounds` rounds, after one that measures how many repeats each candidate needs.
+    /// Runs `rounds` rounds, after one more that finds how often each candidate has to run in a round.
     pub fn run(mut self, rounds: usize, bar: &ProgressBar) -> Times {
         bar.inc_length(rounds as u64);
         for candidate in &mut self.candidates {
@@ -84,6 +84,7 @@ impl<'a> PairedBench<'a> {
             names: self.candidates.iter().map(|candidate| candidate.name.clone()).collect(),
             rounds: Vec::new(),
         };
+
         for _ in 0..rounds {
             let seconds = self.candidates.iter_mut().map(|candidate| candidate.seconds(self.clock_id));
             times.rounds.push(seconds.collect());
@@ -95,8 +96,8 @@ impl<'a> PairedBench<'a> {
 }
 
 impl Candidate<'_> {
-    /// Seconds of one run, the mean over the repeats, after a run that is not timed: the last candidate has filled the
-    /// caches with its data.
+    /// Seconds of one run, as the mean over the repeats. An untimed run comes first, because the previous candidate has
+    /// filled the caches.
     fn seconds(&mut self, clock: ClockId) -> f64 {
         (self.run)(1, clock);
         (self.run)(self.repeats, clock) / f64::from(self.repeats)
@@ -110,13 +111,13 @@ pub struct Times {
 }
 
 impl Times {
-    /// The median over the rounds.
+    /// The median time of a candidate over the rounds, in seconds.
     pub fn seconds(&self, name: &str) -> f64 {
         let index = self.index(name);
         median(self.rounds.iter().map(|round| round[index]))
     }
 
-    /// How many times as long as `other` a candidate takes: the median over the rounds of the ratios within one.
+    /// The time of a candidate divided by the time of `other`: the median over the rounds of the ratio within a round.
     pub fn ratio(&self, name: &str, other: &str) -> f64 {
         let (index, other) = (self.index(name), self.index(other));
         median(self.rounds.iter().map(|round| round[index] / round[other]))
@@ -127,7 +128,7 @@ impl Times {
     }
 }
 
-/// Seconds that this thread has run, on any core.
+/// CPU time of this thread so far, in seconds.
 pub fn thread_seconds() -> f64 {
     seconds(ClockId::ThreadCPUTime)
 }

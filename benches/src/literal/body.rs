@@ -1,4 +1,4 @@
-//! Section 5: one vector for a body.
+//! The body vector of the paper's section 5.
 
 use super::view::{add, dot, scaled};
 use super::{LiteralHull, Vec3};
@@ -7,33 +7,33 @@ use crate::scene::Bodies;
 /// The boxes in plain `f32`.
 #[derive(Debug, Clone)]
 pub struct LiteralBodies {
-    /// Of one box, in its own frame.
+    /// Samples of one box, in its own frame.
     samples: Vec<Vec3>,
-    /// About the box's origin, in metres.
+    /// Bounding radius of a box about its origin, in metres.
     radius: f32,
     poses: Vec<Pose>,
-    /// Used again: a body's samples inside, each with its response and the view that decided.
+    /// Buffer for the samples of a body that are inside, each with its response vector and the deciding view.
     hits: Vec<(Vec3, Vec3, usize)>,
 }
 
-/// World from body.
+/// The transform from a body's frame to the world.
 #[derive(Debug, Clone, Copy)]
 struct Pose {
     rotation: [Vec3; 3],
     translation: Vec3,
 }
 
-/// The vector that moves a body out.
+/// The vector that moves a body out of the hull.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyVector {
-    /// In metres; zero where nothing collides.
+    /// The vector in metres; zero where no sample collides.
     pub vector: Vec3,
-    /// How many samples collide.
+    /// Number of colliding samples.
     pub colliding: usize,
 }
 
 impl LiteralBodies {
-    /// The boxes of `bodies`.
+    /// Converts the samples and poses of `bodies` to `f32`.
     pub fn new(bodies: &Bodies) -> Self {
         let vec3 = |v: nalgebra::Vector3<f64>| -> Vec3 { v.cast::<f32>().into() };
         let pose = |pose: &nalgebra::Isometry3<f64>| {
@@ -49,7 +49,7 @@ impl LiteralBodies {
         }
     }
 
-    /// The bodies' vectors in `hull`, written to `vectors`.
+    /// Writes the bodies' vectors in `hull` to `vectors`.
     pub fn vectors(&mut self, hull: &LiteralHull, vectors: &mut Vec<BodyVector>) {
         let Self { samples, radius, poses, hits } = self;
         let responses = poses.iter().map(|pose| hull.body_vector(samples, *radius, pose, hits));
@@ -66,8 +66,8 @@ impl Pose {
 }
 
 impl LiteralHull<'_> {
-    /// The mean of the colliding samples' responses gives the direction, the longest exit along it the length. Where
-    /// the responses cancel out, the deepest sample's stands in.
+    /// The body vector: its direction is the mean of the colliding samples' responses, and its length the longest exit
+    /// in that direction. Where the responses cancel out, the deepest sample's response gives the direction.
     fn body_vector(
         &self,
         samples: &[Vec3],
@@ -76,6 +76,7 @@ impl LiteralHull<'_> {
         hits: &mut Vec<(Vec3, Vec3, usize)>,
     ) -> BodyVector {
         hits.clear();
+
         let near = |axis: usize| {
             let x = pose.translation[axis];
             self.aabb[0][axis] - radius <= x && x <= self.aabb[1][axis] + radius
@@ -94,6 +95,7 @@ impl LiteralHull<'_> {
         let Some(deepest) = deepest else { return BodyVector { vector: [0.0; 3], colliding: 0 } };
         let along = if squared > 0.0 { sum } else { *deepest };
         let direction = scaled(&along, 1.0 / dot(&along, &along).sqrt());
+
         let exits = hits.iter().map(|(p, _, view)| self.exit(p, &direction, *view));
 
         BodyVector { vector: scaled(&direction, exits.fold(0.0, f32::max)), colliding: hits.len() }

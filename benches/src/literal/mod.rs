@@ -1,13 +1,13 @@
-//! The paper's algorithm to the letter, as one would write it for speed: the yardstick.
+//! The paper's algorithm, implemented literally and written for speed: the baseline of the benchmarks.
 //!
-//! Everything is in `f32` and reads the masks' bytes. A point is projected by each view's matrix and looked up; the
-//! search for the nearest edge grows a window ring by ring, and scans only what is new; the exit is walked pixel by
-//! pixel along the ray's image. Of the culls those are kept that help: the hull's box, and in each view the
-//! silhouette's bounding rectangle, which also stands for the image's borders. (The four planes of a frustum cost more
-//! than the projection that they would save.)
+//! All numbers are `f32`, and masks are read as bytes. A point is projected by each view's matrix and looked up. The
+//! search for the nearest edge grows a window ring by ring and scans only the new ring. The exit is found by traversing
+//! the ray's image pixel by pixel. Two culls are used because they help: the hull's bounding box, and in each view the
+//! silhouette's bounding rectangle, which also replaces the test of the image's borders. (Testing a frustum's four
+//! planes costs more than the projection that it saves.)
 //!
-//! Section 4 of the design decides where the paper is silent, as in `ode_visual_hull::hull::reference`. A view that
-//! does not see a point makes it outside, as in the paper.
+//! Where the paper leaves a detail open, this follows `ode_visual_hull::hull::reference`. A point that some view does
+//! not see is outside, as in the paper.
 
 mod body;
 mod line_walk;
@@ -25,33 +25,33 @@ use view::scaled;
 /// A point or vector of the world, in metres.
 pub type Vec3 = [f32; 3];
 
-/// The most views: sightings of a point fit into an array.
+/// Maximum number of views, so that the search windows of a point fit into an array.
 pub const MAX_VIEWS: usize = 32;
 
-/// One frame.
+/// The hull of one frame.
 #[derive(Debug, Clone)]
 pub struct LiteralHull<'a> {
     views: Vec<LiteralView<'a>>,
-    /// A box around the hull.
+    /// Bounding box of the hull.
     aabb: [Vec3; 2],
     /// The work volume.
     bounds: [Vec3; 2],
 }
 
-/// The paper's response of a point inside.
+/// The paper's response of a point inside the hull.
 #[derive(Debug, Clone, Copy)]
 pub struct LiteralResponse {
-    /// Index of the view that decides.
+    /// Index of the deciding view.
     pub view: usize,
     /// Unit outward normal.
     pub normal: Vec3,
-    /// Metres along it to the exit.
+    /// Metres along the normal to the exit.
     pub depth: f32,
 }
 
 impl<'a> LiteralHull<'a> {
-    /// Prepares a frame: finds each silhouette's rectangle. `aabb` is the box around the hull that the paper takes
-    /// from the frustums; the caller has it already.
+    /// Prepares a frame: finds each silhouette's bounding rectangle. `aabb` is the hull's bounding box, which the paper
+    /// computes from the frustums.
     pub fn new(scene: &'a Scene, aabb: &Aabb) -> Self {
         assert!(scene.cameras.len() <= MAX_VIEWS, "{} views, at most {MAX_VIEWS}", scene.cameras.len());
         let views =
@@ -59,17 +59,18 @@ impl<'a> LiteralHull<'a> {
         Self { views: views.collect(), aabb: corners(aabb), bounds: corners(&scene.bounds) }
     }
 
-    /// Section 4.1: the point projects to a subject pixel in every view.
+    /// Whether the point projects to a subject pixel in every view (section 4.1).
     pub fn inside(&self, p: &Vec3) -> bool {
         within(&self.aabb, p) && self.views.iter().all(|view| view.sees_subject(p))
     }
 
-    /// Section 4.2: from the point along the normal of the nearest edge to the exit; `None` outside.
+    /// The response of a point along the normal of the nearest edge to the exit (section 4.2); `None` outside.
     pub fn respond(&self, a: &Vec3) -> Option<LiteralResponse> {
         if !self.inside(a) {
             return None;
         }
         let NearestEdge { view, pixel, b } = self.nearest_edge(a)?;
+
         let deciding = &self.views[view];
         let tangent = deciding.normal_2d(b).unwrap_or_else(|| {
             let (du, dv) = ((b.0 - pixel.0) as f32, (b.1 - pixel.1) as f32);
@@ -80,8 +81,8 @@ impl<'a> LiteralHull<'a> {
         Some(LiteralResponse { view, normal, depth: self.exit(a, &normal, view) })
     }
 
-    /// Metres from `a` along `direction` to where some view first sees background, or the work volume ends. The view
-    /// asked `first` is likely to decide, so that the others need not walk far.
+    /// Metres from `a` along `direction` to the first background pixel of any view, or to the end of the work volume.
+    /// The search starts with the view `first`: if it gives the nearest exit, the traversals of the others are short.
     pub fn exit(&self, a: &Vec3, direction: &Vec3, first: usize) -> f32 {
         let mut nearest = bounds_face(&self.bounds, a, direction);
         let others = (0..self.views.len()).filter(|&view| view != first);
@@ -107,11 +108,11 @@ fn within([min, max]: &[Vec3; 2], p: &Vec3) -> bool {
     (0..3).all(|axis| min[axis] <= p[axis] && p[axis] <= max[axis])
 }
 
-/// Where the half-line leaves the box.
+/// Metres along the half-line to where it leaves the box.
 fn bounds_face([min, max]: &[Vec3; 2], a: &Vec3, direction: &Vec3) -> f32 {
     let along = |axis: usize| {
-        let wall = if direction[axis] > 0.0 { max[axis] } else { min[axis] };
-        if direction[axis] == 0.0 { f32::INFINITY } else { (wall - a[axis]) / direction[axis] }
+        let face = if direction[axis] > 0.0 { max[axis] } else { min[axis] };
+        if direction[axis] == 0.0 { f32::INFINITY } else { (face - a[axis]) / direction[axis] }
     };
     along(0).min(along(1)).min(along(2)).max(0.0)
 }

@@ -1,34 +1,36 @@
-//! The search for the nearest silhouette edge by windows that grow, each view's at its own speed.
+//! The search for the nearest silhouette edge, with a growing window in each view.
 
 use super::{LiteralHull, LiteralView, MAX_VIEWS, Vec3};
 use ode_visual_hull::silhouette::SUBJECT;
 
-/// The nearest edge of a point.
+/// The silhouette edge nearest to a point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NearestEdge {
-    /// Index of the view that decides.
+    /// Index of the deciding view.
     pub(super) view: usize,
-    /// The point's pixel in it.
+    /// The point's pixel in the deciding view.
     pub(super) pixel: (i32, i32),
-    /// The background pixel that is the projection of b.
+    /// The background pixel nearest to it, the projection of the paper's point b.
     pub(super) b: (i32, i32),
 }
 
-/// A view's window.
+/// The search window of a view.
 #[derive(Debug, Clone, Copy, Default)]
 struct Window {
     centre: (i32, i32),
-    /// How much faster it grows than the slowest.
+    /// Growth of the window's half-width per iteration, in pixels: 1 in the view in which a pixel covers most.
     growth: f32,
-    /// Half-width of what is scanned already.
+    /// Half-width of the part that is scanned already.
     scanned: i32,
 }
 
 impl LiteralHull<'_> {
-    /// The first background that a window meets; of views that meet one at the same iteration the first.
+    /// The first background pixel that a window reaches; the view of the lowest index among windows that reach one in
+    /// the same iteration.
     pub(super) fn nearest_edge(&self, a: &Vec3) -> Option<NearestEdge> {
         let mut windows = [Window::default(); MAX_VIEWS];
         let windows = &mut windows[..self.views.len()];
+
         let mut d_max = 0.0_f32;
         for (window, view) in windows.iter_mut().zip(&self.views) {
             (window.centre, window.growth) = view.project(a);
@@ -36,6 +38,7 @@ impl LiteralHull<'_> {
         }
 
         windows.iter_mut().for_each(|window| window.growth = d_max / window.growth);
+
         for k in 0..i32::MAX {
             for (index, (window, view)) in windows.iter_mut().zip(&self.views).enumerate() {
                 let half = 1 + (k as f32 * window.growth) as i32;
@@ -50,7 +53,7 @@ impl LiteralHull<'_> {
     }
 }
 
-/// Whether all bytes are [`SUBJECT`] or more, which is their highest bit: eight at a time.
+/// Whether all bytes are [`SUBJECT`] or more, tested by their highest bit, eight at a time.
 fn all_subject(bytes: &[u8]) -> bool {
     const { assert!(SUBJECT == 0x80) };
     const HIGH: u64 = u64::from_ne_bytes([SUBJECT; 8]);
@@ -59,11 +62,11 @@ fn all_subject(bytes: &[u8]) -> bool {
     words & HIGH == HIGH && rest.iter().fold(SUBJECT, |all, byte| all & byte) == SUBJECT
 }
 
-/// Squared distance in pixels, row, column: the order in which the nearest pixel is chosen.
+/// Squared distance in pixels, row and column of a background pixel. The smallest tuple is chosen.
 type Candidate = (i32, i32, i32);
 
 impl LiteralView<'_> {
-    /// The background pixel nearest to `centre` on the rings `first..=last` about it, where all within is subject.
+    /// The background pixel nearest to `centre` on the rings `first..=last` around it. All pixels within are subject.
     fn nearest_background(&self, centre: (i32, i32), first: i32, last: i32) -> Option<(i32, i32)> {
         let found = (first..=last).find(|&radius| self.ring_has_background(centre, radius))?;
         let mut best = self.nearest_on_ring(centre, found);
@@ -85,7 +88,7 @@ impl LiteralView<'_> {
         row(j - radius) || row(j + radius) || self.columns_have_background((i, j), radius)
     }
 
-    /// The ring's two columns between its rows.
+    /// Whether the ring's two columns, without its two rows, have a background pixel.
     fn columns_have_background(&self, (i, j): (i32, i32), radius: i32) -> bool {
         let (bytes, stride) = self.bytes_at((i - radius, j - radius));
         let (width, mut left, mut all) = (2 * radius as usize, stride, SUBJECT);

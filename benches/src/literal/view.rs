@@ -6,7 +6,7 @@ use nalgebra::Matrix3x4;
 use ode_visual_hull::camera::{Camera, MIN_DEPTH};
 use ode_visual_hull::silhouette::{Rect, SUBJECT};
 
-/// A mean of background vectors that is shorter, in pixels, has no direction.
+/// Minimum length, in pixels, of a mean of background vectors that counts as a direction.
 const SHORTEST_MEAN: f32 = 0.3;
 
 /// A camera, its mask and the silhouette's bounding rectangle.
@@ -19,8 +19,9 @@ pub struct LiteralView<'a> {
     width: i32,
     height: i32,
     pub(super) rect: Rect,
-    /// The rectangle as floats, to compare with a projection before it is rounded.
+    /// Lower corner of `rect`, compared with a projection before rounding.
     low: (f32, f32),
+    /// Upper corner of `rect`.
     high: (f32, f32),
 }
 
@@ -48,12 +49,12 @@ impl<'a> LiteralView<'a> {
         self.p.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3])
     }
 
-    /// How they change along a direction.
+    /// Change of the homogeneous image coordinates along a direction.
     pub(super) fn homogeneous_direction(&self, d: &Vec3) -> Vec3 {
         self.p.map(|r| r[0] * d[0] + r[1] * d[1] + r[2] * d[2])
     }
 
-    /// Whether the point appears at a subject pixel.
+    /// Whether the point projects to a subject pixel.
     #[inline]
     pub(super) fn sees_subject(&self, p: &Vec3) -> bool {
         let h = self.homogeneous(p);
@@ -67,7 +68,7 @@ impl<'a> LiteralView<'a> {
         in_rect && self.mask[v as usize * self.width as usize + u as usize] >= SUBJECT
     }
 
-    /// The pixel of a point that the view sees, and the metres that a pixel covers there.
+    /// The pixel of a visible point, and the metres that a pixel covers at its depth.
     pub(super) fn project(&self, p: &Vec3) -> ((i32, i32), f32) {
         let h = self.homogeneous(p);
         (((h[0] / h[2]) as i32, (h[1] / h[2]) as i32), h[2] * self.pixel_at_1m)
@@ -83,18 +84,18 @@ impl<'a> LiteralView<'a> {
         &self.mask[(y * self.width + x0) as usize..=(y * self.width + x1) as usize]
     }
 
-    /// The mask's bytes from a pixel inside the image on, and how many make a row.
+    /// The mask's bytes from a pixel inside the image on, and the number of bytes in a row.
     pub(super) fn bytes_at(&self, (i, j): (i32, i32)) -> (&'a [u8], usize) {
         (&self.mask[(j * self.width + i) as usize..], self.width as usize)
     }
 
-    /// Whether a pixel is subject; beyond the image none is.
+    /// Whether a pixel is subject; false beyond the image.
     pub(super) fn is_subject(&self, i: i32, j: i32) -> bool {
         self.rect.contains(i, j) && self.mask[(j * self.width + i) as usize] >= SUBJECT
     }
 
-    /// The mean vector from `b` to the background pixels of the 5x5 window around, of 7x7 or 9x9 where that is short;
-    /// `None` where all are.
+    /// The direction of the mean vector from `b` to the background pixels of the 5x5 window around it. Where the mean
+    /// is short, the window is 7x7 or 9x9; `None` where it is short in all three.
     pub(super) fn normal_2d(&self, b: (i32, i32)) -> Option<(f32, f32)> {
         [2, 3, 4].into_iter().find_map(|half| {
             let (mut du, mut dv, mut count) = (0, 0, 0);
@@ -106,6 +107,7 @@ impl<'a> LiteralView<'a> {
                     count += background;
                 }
             }
+
             let length = ((du * du + dv * dv) as f32).sqrt();
             (length >= SHORTEST_MEAN * count as f32).then(|| (du as f32 / length, dv as f32 / length))
         })
@@ -132,8 +134,8 @@ pub(super) fn scaled(a: &Vec3, by: f32) -> Vec3 {
     a.map(|x| x * by)
 }
 
-/// The rectangle of the subject pixels, in a single pass: whole rows are dismissed by their largest byte, and the
-/// others are searched only where they could widen the rectangle.
+/// The bounding rectangle of the subject pixels, in a single pass: rows without a subject pixel are skipped by their
+/// largest byte, and the others are searched only where they could widen the rectangle.
 fn bounding_rectangle(mask: &GrayImage) -> Rect {
     let width = mask.width() as usize;
     let (mut x0, mut x1, mut y0, mut y1) = (width, 0, i32::MAX, 0);
@@ -141,6 +143,7 @@ fn bounding_rectangle(mask: &GrayImage) -> Rect {
         if row.iter().fold(0, |most, &byte| most.max(byte)) < SUBJECT {
             continue;
         }
+
         y0 = y0.min(y as i32);
         y1 = y as i32 + 1;
         x0 = row[..x0].iter().position(|&byte| byte >= SUBJECT).unwrap_or(x0);

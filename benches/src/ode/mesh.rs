@@ -1,7 +1,7 @@
-//! A triangle mesh of ODE that is rebuilt in each frame, and the same boxes as ODE's own.
+//! A triangle mesh of ODE that is rebuilt in each frame, collided with boxes of ODE.
 //!
-//! It calls ODE without the library's wrapper, whose checks the peer need not pay for. Nothing is preprocessed, since
-//! boxes need none of it, and ODE reads the mesh's own arrays.
+//! ODE is called directly, so that the peer does not pay for the checks of the library's wrapper. The mesh is not
+//! preprocessed, since collision with boxes does not need it, and ODE reads the arrays in place.
 
 #![allow(unsafe_code)]
 
@@ -17,7 +17,7 @@ use ode_visual_hull::ode::Ode;
 use std::ffi::c_void;
 use std::ptr::null_mut;
 
-/// As many contacts for a pair as a hull gives by default.
+/// Maximum number of contacts of a pair, equal to the default of a hull.
 const MOST_CONTACTS: usize = 8;
 
 /// The boxes in a space of ODE.
@@ -30,10 +30,10 @@ pub struct Boxes {
 }
 
 impl Boxes {
-    /// The boxes of `bodies`.
+    /// Creates a geom for each box of `bodies`.
     ///
     /// # Errors
-    /// An ODE that cannot be opened.
+    /// ODE cannot be opened.
     pub fn new(bodies: &Bodies) -> ode_visual_hull::Result<Self> {
         let ode = Ode::init()?;
         // SAFETY: ODE is open. The space owns its boxes and destroys them.
@@ -41,6 +41,7 @@ impl Boxes {
             dAllocateODEDataForThread(dAllocateMaskAll as u32);
             dSimpleSpaceCreate(null_mut())
         };
+
         for (index, pose) in bodies.poses.iter().enumerate() {
             let p = pose.translation.vector;
             let [i, j, k, w]: [f64; 4] = pose.rotation.coords.into();
@@ -56,7 +57,7 @@ impl Boxes {
         Ok(Self { space, count: bodies.poses.len(), _ode: ode })
     }
 
-    /// Builds ODE's mesh and collides the boxes with it; how many contacts each has, written to `counts`.
+    /// Builds ODE's mesh, collides the boxes with it, and writes each box's number of contacts to `counts`.
     pub fn with_mesh(&mut self, mesh: &Mesh, counts: &mut Vec<usize>) {
         counts.clear();
         counts.resize(self.count, 0);
@@ -77,6 +78,7 @@ impl Boxes {
             let geom = dCreateTriMesh(null_mut(), data, None, None, None);
             let counts: *mut Vec<usize> = counts;
             dSpaceCollide2(geom, self.space.cast(), counts.cast(), Some(near_callback));
+
             dGeomDestroy(geom);
             dGeomTriMeshDataDestroy(data);
         }
@@ -93,8 +95,8 @@ impl Drop for Boxes {
 /// Counts the contacts of a pair whose boxes overlap: the mesh and a box.
 unsafe extern "C" fn near_callback(counts: *mut c_void, first: dGeomID, second: dGeomID) {
     let mut contacts = [dContactGeom::default(); MOST_CONTACTS];
-    // SAFETY: ODE passes two living geoms, and the pointer to the counts, which has a place for each index that was
-    // given to a box; the buffer holds as many contacts as are asked for.
+    // SAFETY: ODE passes two living geoms, and the pointer to the counts, which has an entry for each box's
+    // index; the buffer holds as many contacts as `dCollide` may write.
     unsafe {
         let counts = &mut *counts.cast::<Vec<usize>>();
         let skip = size_of::<dContactGeom>() as i32;

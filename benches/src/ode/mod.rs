@@ -1,3 +1,3 @@
-//! What calls ODE past the library's wrapper.
+//! Benchmarks that call ODE directly, without the library's wrapper.
 
 pub mod mesh;

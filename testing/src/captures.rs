@@ -1,4 +1,4 @@
-//! Real recordings that some tests and figures run on. They are not part of the repository.
+//! Real recordings for some tests and figures. They are not part of the repository.
 
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Camera;
@@ -12,12 +12,12 @@ pub const VARIABLE: &str = "ODE_VISUAL_HULL_DATA";
 /// The work volume of the capture `seated_person`.
 pub const SEATED: Aabb = Aabb { min: Point3::new(-0.5, -0.5, 0.0), max: Point3::new(1.5, 1.5, 2.0) };
 
-/// The box that the subject of the capture `dino` is known to fill.
+/// The known bounding box of the subject of the capture `dino`.
 pub const DINO: Aabb =
     Aabb { min: Point3::new(-0.0619, -0.0189, -0.0578), max: Point3::new(0.0109, 0.0682, 0.0155) };
 
 /// The file or folder at `path` among the captures: in the folder that [`VARIABLE`] names, else in `../shared/data`
-/// beside the repository. Where it is absent this prints so, and the test has nothing to test.
+/// beside the repository. Where it is absent, this prints that the test is skipped and returns `None`.
 pub fn find(path: &str) -> Option<PathBuf> {
     let default = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     let found = std::env::var_os(VARIABLE).map_or_else(default, PathBuf::from).join(path);
@@ -28,10 +28,11 @@ pub fn find(path: &str) -> Option<PathBuf> {
     None
 }
 
-/// Volume in cubic metres and bounding box of a hull, by a grid of points `spacing` metres apart.
+/// The volume of a hull in cubic metres and its bounding box, from a grid of points `spacing` metres apart.
 pub fn carve(hull: &Hull, spacing: f64) -> (f64, Aabb) {
     let bounds = hull.bounds();
     let counts = (bounds.max - bounds.min).map(|extent| (extent / spacing) as usize);
+
     let (mut count, mut aabb) = (0, Aabb::EMPTY);
 
     for k in 0..counts.z {
@@ -49,11 +50,11 @@ pub fn carve(hull: &Hull, spacing: f64) -> (f64, Aabb) {
     (count as f64 * spacing.powi(3), aabb)
 }
 
-/// The cameras of the capture `dino` by number, without the sixth, of which there is no usable mask.
+/// The numbered cameras of the capture `dino`, without the sixth, which has no usable mask.
 ///
 /// # Panics
 ///
-/// Where the calibration cannot be read.
+/// If the calibration cannot be read.
 pub fn dino_cameras(dir: &Path) -> Vec<(usize, Camera)> {
     let rig = Rig::load(dir.join("dinoSR_par.txt")).expect("a calibration");
     (1..).zip(rig.cameras().iter().cloned()).filter(|&(view, _)| view != 6).collect()

@@ -5,27 +5,27 @@ use std::fmt;
 /// A measured number.
 #[derive(Debug, Clone)]
 pub struct Figure {
-    /// Lower case, words joined by underscores, the unit last.
+    /// Name in lower case with underscores, with the unit last.
     pub name: String,
-    /// In the unit that the name ends with.
+    /// Value in the unit that the name ends with.
     pub value: f64,
-    /// `None` for a figure that is only reported.
+    /// Bound of the value; `None` for a figure that is only reported.
     pub bound: Option<Bound>,
 }
 
-/// The values that a number may have.
+/// The allowed range of a value.
 #[derive(Debug, Clone, Copy)]
 pub enum Bound {
     /// Up to and including the value.
     AtMost(f64),
-    /// From the value on.
+    /// At or above the value.
     AtLeast(f64),
     /// From the first to the second value, both included.
     Between(f64, f64),
 }
 
 impl Figure {
-    /// A figure that has to keep `bound`.
+    /// A figure whose value has to be within `bound`.
     pub fn bounded(name: &str, value: f64, bound: Bound) -> Self {
         Self { name: name.into(), value, bound: Some(bound) }
     }

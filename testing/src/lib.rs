@@ -1,17 +1,17 @@
-//! What tests, figures and benchmarks share. For development only.
+//! Code that tests, figures and benchmarks share. For development only.
 //!
 //! | module | what it holds |
 //! |---|---|
 //! | [`random`] | one repeatable random generator |
-//! | [`scene`] | a table whose hull is the table, its cameras and masks |
+//! | [`scene`] | a table that is its own visual hull, with cameras and masks |
 //! | `world` (feature `ode`) | worlds of ODE on that table |
-//! | `trajectories` (feature `ode`) | bodies on a hull beside the same bodies on ODE's own box |
-//! | [`quality`] | the hull from pixels beside the analytic hull of the same cameras |
+//! | `trajectories` (feature `ode`) | the motion of bodies on a hull, compared with that on ODE's box |
+//! | [`quality`] | the hull from pixels, compared with the analytic hull of its cameras |
 //! | [`captures`] | real recordings, where they are present |
 //! | [`figure`], [`figure_table`] | measured numbers, their bounds, and the file that they are written to |
 //!
-//! Unit tests of the library use [`random`] alone, by the package `ode-visual-hull-random`: this one stands on another build
-//! of the library, with types of its own.
+//! Unit tests of the library use the package of [`random`] alone, because this package links a second build of the
+//! library with distinct types.
 
 pub mod captures;
 pub mod figure;
@@ -25,11 +25,11 @@ pub mod world;
 
 pub use ode_visual_hull_random as random;
 
-/// The median: of an even count the mean of the two in the middle.
+/// The median; for an even count the mean of the two middle values.
 ///
 /// # Panics
 ///
-/// Without values.
+/// If there are no values.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);

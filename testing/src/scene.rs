@@ -1,4 +1,4 @@
-//! A table whose hull is the table, its cameras and its masks.
+//! A table that is its own visual hull, with cameras and masks.
 
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Vector3, point};
@@ -7,16 +7,16 @@ use ode_visual_hull::hull::{Aabb, HullData};
 use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
 use std::sync::{Arc, LazyLock};
 
-/// The table's full side lengths; its centre is the origin.
+/// The table's side lengths in metres; its centre is the origin.
 pub const TABLE: Vector3<f64> = Vector3::new(0.5, 0.5, 0.4);
 
-/// The height of the table's top.
+/// Height of the table's top, in metres.
 pub const TOP: f64 = 0.2;
 
 /// Size of a pixel of the table's cameras at the table, in metres: 0.45 rad over 640 pixels at about 3 m.
 pub const PIXEL: f64 = 0.0022;
 
-/// An orange box of full side lengths `sides`.
+/// An orange box with side lengths `sides`, in metres.
 pub fn cuboid(sides: Vector3<f64>, pose: Isometry3<f64>) -> Placed {
     Placed::new(Solid::cuboid(sides).unwrap(), pose, Texture::plain([200, 60, 40]))
 }
@@ -31,7 +31,7 @@ pub fn bounds() -> Aabb {
     Aabb::new(point![-0.6, -0.6, -0.3], point![0.6, 0.6, 0.8]).unwrap()
 }
 
-/// Data with `cameras` as views and without masks.
+/// Hull data with a view for each of `cameras`, without masks.
 pub fn data_with(cameras: &[Camera]) -> Arc<HullData> {
     let data = HullData::new();
     for camera in cameras {
@@ -46,12 +46,12 @@ pub fn masks_of(cameras: &[Camera], subject: &Subject) -> Vec<GrayImage> {
     cameras.iter().map(|camera| coverage(camera, subject)).collect()
 }
 
-/// Publishes masks of `subject` for all views as the frame of `time`.
+/// Publishes the masks of `subject` in all views as the frame at `time` seconds.
 pub fn show(data: &HullData, cameras: &[Camera], subject: &Subject, time: f64) {
     publish(data, &masks_of(cameras, subject), time);
 }
 
-/// Publishes a mask for each view as the frame of `time`.
+/// Publishes `masks`, one a view, as the frame at `time` seconds.
 pub fn publish(data: &HullData, masks: &[GrayImage], time: f64) {
     for (view, mask) in masks.iter().enumerate() {
         data.set_mask(view, mask).unwrap();
@@ -68,12 +68,12 @@ pub fn table_masks() -> &'static [GrayImage] {
     &MASKS
 }
 
-/// Publishes the table as the frame of `time`.
+/// Publishes the table as the frame at `time` seconds.
 pub fn show_table(data: &HullData, time: f64) {
     publish(data, table_masks(), time);
 }
 
-/// Data whose frame of time 0 is the table.
+/// Hull data with the table as its frame at time 0.
 pub fn table() -> Arc<HullData> {
     let data = data_with(&table_cameras());
     show_table(&data, 0.0);

@@ -1,4 +1,4 @@
-//! Worlds of ODE on the table of [`scene`](crate::scene).
+//! Worlds of ODE with the table of [`scene`](crate::scene).
 
 use crate::scene::{TOP, at};
 use nalgebra::{Isometry3, vector};
@@ -6,7 +6,7 @@ use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, SpaceKind, Surface, World};
 use std::sync::Arc;
 
-/// A world with gravity and the parameters that suit a hull.
+/// A world with gravity, and with solver parameters that suit a hull.
 pub fn world(kind: SpaceKind) -> World {
     let mut world = World::with_space(&Ode::init().unwrap(), kind).unwrap();
     world.set_gravity(&vector![0.0, 0.0, -9.81]).unwrap();
@@ -21,7 +21,7 @@ pub fn add_body(world: &mut World, shape: &Shape, pose: &Isometry3<f64>) -> (Bod
     add_body_of(world, shape, Amount::Total(1.0), pose)
 }
 
-/// Adds a body of `amount` with one geom.
+/// Adds a body with one geom and the mass `amount`.
 pub fn add_body_of(
     world: &mut World,
     shape: &Shape,
@@ -46,18 +46,18 @@ pub fn drop_box_on(data: &Arc<HullData>) -> (World, BodyId) {
     (world, body)
 }
 
-/// Collides and steps by `dt` seconds.
+/// Collides all geoms and advances the world by `dt` seconds.
 pub fn step(world: &mut World, dt: f64) {
     world.default_collide(&Surface::default(), 8).unwrap();
     world.quick_step(dt).unwrap();
 }
 
-/// A cube by the length of its edges in metres.
+/// A cube with edges of `side` metres.
 pub fn cube(side: f64) -> Shape {
     Shape::cuboid(side, side, side)
 }
 
-/// The z coordinate of a body's centre.
+/// The z coordinate of a body's centre, in metres.
 pub fn height(world: &World, body: BodyId) -> f64 {
     world.body(body).position().z
 }

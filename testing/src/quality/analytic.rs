@@ -1,4 +1,4 @@
-//! The visual hull of perfect silhouettes, the reference for the one from pixels.
+//! The visual hull of exact silhouettes, the reference for the hull from pixels.
 
 use super::contour::Contour;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
@@ -6,20 +6,20 @@ use ode_visual_hull::camera::Camera;
 use ode_visual_hull::synthetic::Placed;
 use std::f64::consts::TAU;
 
-/// Step of the search for an exit, in pixels of the finest view: far below any feature of the measured solids.
+/// Step of the search for an exit, in pixels of the finest view: far below any feature of the solids.
 const STEP_PX: f64 = 0.25;
 
-/// Pixels around an edge of the hull in which no normal is measured: the contact normal's window reaches 6.
+/// Distance from an edge of the hull, in pixels, below which no normal is compared: a contact normal's window reaches
+/// 6.
 const EDGE_PX: f64 = 7.0;
 
-/// The analytic visual hull: a point is inside iff in every camera the half-line from the camera through it meets the
-/// solid.
+/// The analytic visual hull: a point is inside iff each camera's half-line through it meets the solid.
 pub struct AnalyticHull {
     contours: Vec<Contour>,
 }
 
 impl AnalyticHull {
-    /// The hull of `solid`, all of which each camera has to see.
+    /// The hull of `solid`, which each camera has to see entirely.
     pub fn new(cameras: &[Camera], solid: &Placed) -> Self {
         Self { contours: cameras.iter().map(|camera| Contour::trace(camera, solid)).collect() }
     }
@@ -34,16 +34,16 @@ impl AnalyticHull {
         self.contours.iter().all(|contour| contour.sees(p))
     }
 
-    /// The depth of `p`, a point inside, in pixels of the view in which it is shallowest.
+    /// Depth of `p`, a point inside, in pixels of the view in which it is shallowest.
     pub fn depth_px(&self, p: &Point3<f64>) -> f64 {
         let depths = self.contours.iter().map(|contour| -contour.signed_distance_of(p));
         depths.fold(f64::INFINITY, f64::min)
     }
 
-    /// The distance of `p` from the hull in pixels of the view in which it is farthest outside; 0 inside.
+    /// Distance of `p` from the hull, in pixels of the view in which it is farthest outside; 0 inside.
     pub fn stray_px(&self, p: &Point3<f64>) -> f64 {
-        let deny = self.contours.iter().filter(|contour| !contour.sees(p));
-        deny.map(|contour| contour.signed_distance_of(p)).fold(0.0, f64::max)
+        let outside = self.contours.iter().filter(|contour| !contour.sees(p));
+        outside.map(|contour| contour.signed_distance_of(p)).fold(0.0, f64::max)
     }
 
     /// Whether `p` projects to within `reach` pixels of some view's contour.
@@ -58,16 +58,18 @@ impl AnalyticHull {
         contour.normal_in_world(&contour.nearest(&contour.project(p)?))
     }
 
-    /// Where the half-line from `p`, a point inside, along the unit `direction` first leaves the hull,
-    /// to a nanometre, and which view ends it.
+    /// Metres along the half-line from `p`, a point inside, in the unit `direction` to where it first leaves the hull,
+    /// to a nanometre; and the index of the view whose silhouette it leaves there.
     pub fn exit(&self, p: &Point3<f64>, direction: &Vector3<f64>) -> (f64, usize) {
         let finest = self.contours.iter().map(|contour| footprint(contour.camera(), p)).fold(1.0, f64::min);
         let at = |t: f64| p + direction * t;
         let step = STEP_PX * finest;
+
         let (mut inside, mut outside) = (0.0, step);
         while self.contains(&at(outside)) {
             (inside, outside) = (outside, outside + step);
         }
+
         while outside - inside > 1e-9 {
             let middle = 0.5 * (inside + outside);
             *(if self.contains(&at(middle)) { &mut inside } else { &mut outside }) = middle;
@@ -77,11 +79,12 @@ impl AnalyticHull {
         (outside, view.unwrap_or(0))
     }
 
-    /// Whether the hull's surface has an edge near the contour point `on` of view `view`, at `depth` metres from it.
+    /// Whether the hull's surface has an edge near the contour point `on` of view `view`, at `depth` metres from the
+    /// camera.
     ///
-    /// This is what "away from edges" means in the figures: the surface is smooth 7 px around. It is a cone from the
-    /// camera through the contour; so the contour must not bend within 7 px ([`Contour::bends_near`]), and on a circle
-    /// of 7 px on the cone all other views must see the subject: none cuts it off before.
+    /// In the figures, "away from edges" means that the surface is smooth within 7 px. The surface is a cone from the
+    /// camera through the contour. It is smooth if the contour does not bend within 7 px ([`Contour::bends_near`]) and
+    /// no other view cuts the cone off: all others have to see the subject at points of the cone on a circle of 7 px.
     pub fn near_edge(&self, view: usize, on: &Point2<f64>, depth: f64) -> bool {
         let contour = &self.contours[view];
         let smooth = |across: Vector2<f64>| {
@@ -98,7 +101,7 @@ impl AnalyticHull {
     }
 }
 
-/// The size of a pixel at `p`, in metres.
+/// The size of a pixel at the depth of `p`, in metres.
 pub fn footprint(camera: &Camera, p: &Point3<f64>) -> f64 {
     let depth = camera.project(p).map_or(f64::INFINITY, |pixel| pixel.depth);
     let k = camera.intrinsics();
@@ -134,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn an_exit_is_where_the_named_view_ends() {
+    fn an_exit_lies_on_the_silhouette_of_the_returned_view() {
         let hull = sphere_hull();
         for direction in [vector![0.3, -0.5, 0.1], vector![-0.2, 0.1, 0.9], vector![0.0, 0.8, -0.6]] {
             let direction = direction.normalize();

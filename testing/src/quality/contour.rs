@@ -3,7 +3,7 @@
 //! ```text
 //!   o---o---o---o      o background, # subject: rays through a lattice of half pixels
 //!   |   |  /|   |      where two neighbours differ, bisection finds the contour between them;
-//!   o---o-/-#---#      the crossings of a cell joined are a segment of the contour
+//!   o---o-/-#---#      the line between the crossings of a cell is a segment of the contour
 //!   |   |/  |   |
 //! ```
 
@@ -11,16 +11,17 @@ use nalgebra::{Point2, Point3, Vector2, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::synthetic::Placed;
 
-/// Distance of the rays in pixels. Rays at half a pixel include the pixels' centres, so that no pixel of a binary mask is
-/// missed, and their chords lie within 0.002 px of a contour of 20 px radius.
+/// Distance between rays in pixels. At half a pixel the lattice includes the pixels' centres, so that no subject or
+/// background pixel of a binary mask is missed, and chords lie within 0.002 px of a contour of 20 px radius.
 const LATTICE: f64 = 0.5;
 
-/// Pixels to both sides of a contour point between which its tangent is taken.
+/// Distance in pixels, to both sides of a contour point, of the two points that determine its tangent.
 const TANGENT_STEP: f64 = 0.1;
 
-/// The contour bends where it turns by more than `BEND_ANGLE` (radians) within `BEND_REACH` pixels: at corners, and
-/// where its radius falls below 14 px.
+/// Angle in radians by which a bend turns within [`BEND_REACH`]. So corners are bends, and radii below 14 px.
 const BEND_ANGLE: f64 = 8.0 * std::f64::consts::PI / 180.0;
+
+/// Distance in pixels within which a bend turns by [`BEND_ANGLE`].
 const BEND_REACH: f64 = 2.0;
 
 /// The silhouette of one solid in one camera.
@@ -28,7 +29,7 @@ pub struct Contour {
     camera: Camera,
     centre: Point3<f64>,
     solid: Placed,
-    /// Chord points by pixel row.
+    /// Segments of the contour by the pixel row of their middle.
     rows: Vec<Vec<Segment>>,
     bends: Vec<Point2<f64>>,
 }
@@ -42,7 +43,7 @@ struct Segment {
 }
 
 impl Contour {
-    /// The contour of `solid`, all of which `camera` has to see, without lens distortion.
+    /// The contour of `solid`, which `camera` has to see entirely and without lens distortion.
     pub fn trace(camera: &Camera, solid: &Placed) -> Self {
         let (camera, solid) = (camera.clone(), solid.clone());
         let centre = camera.centre();
@@ -54,7 +55,7 @@ impl Contour {
         contour
     }
 
-    /// The camera that sees it.
+    /// The camera of the contour.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
@@ -64,22 +65,23 @@ impl Contour {
         self.solid.is_hit(&Ray { origin: self.centre, direction: (p - self.centre).normalize() })
     }
 
-    /// The contour point nearest to `at`: bisected where a bracket of a fifth of a pixel holds it, else on the chord.
+    /// The contour point nearest to `at`, by bisection within 0.2 px of the nearest chord point; the chord point itself
+    /// where the contour is farther away.
     pub fn nearest(&self, at: &Point2<f64>) -> Point2<f64> {
         let (chord, segment) = self.nearest_on_chords(at);
         let towards = (chord - at).try_normalize(1e-3).unwrap_or(segment.normal);
         self.crossing(&chord, &towards, 0.2).unwrap_or(chord)
     }
 
-    /// Signed distance in pixels from the image of `p`, a point in front of the camera, to the contour, negative inside the
+    /// Distance in pixels from the image of `p`, a point in front of the camera, to the contour; negative inside the
     /// silhouette.
     pub fn signed_distance_of(&self, p: &Point3<f64>) -> f64 {
         let distance = self.project(p).map_or(f64::INFINITY, |at| (self.nearest(&at) - at).norm());
         if self.sees(p) { -distance } else { distance }
     }
 
-    /// The unit normal of the contour at `on`, a point of it, from the subject to the background; `None` where the
-    /// contour is not smooth there.
+    /// The unit normal of the contour at its point `on`, from the subject to the background; `None` where the contour
+    /// is not smooth.
     pub fn normal(&self, on: &Point2<f64>) -> Option<Vector2<f64>> {
         let across = self.nearest_on_chords(on).1.normal;
         let along = Vector2::new(-across.y, across.x);
@@ -97,7 +99,7 @@ impl Contour {
         Some(plane * plane.dot(&ray(on + across)?).signum())
     }
 
-    /// Whether `p` appears within `reach` pixels of the contour.
+    /// Whether `p` projects to within `reach` pixels of the contour.
     pub fn is_near(&self, p: &Point3<f64>, reach: f64) -> bool {
         self.project(p).is_some_and(|at| self.nearest_within(&at, reach).is_some())
     }
@@ -107,7 +109,7 @@ impl Contour {
         self.bends.iter().any(|bend| (bend - at).norm() < reach)
     }
 
-    /// Where `p` appears; `None` behind the camera.
+    /// The image position of `p` in pixels; `None` behind the camera.
     pub fn project(&self, p: &Point3<f64>) -> Option<Point2<f64>> {
         self.camera.project(p).map(|pixel| Point2::new(pixel.u, pixel.v))
     }
@@ -125,7 +127,7 @@ impl Contour {
         let middle = at.y.clamp(0.0, self.rows.len() as f64 - 1.0) as usize;
         let (mut nearest, mut distance) = (None, reach);
         for gap in 0..self.rows.len() {
-            // Rows at this distance hold nothing nearer.
+            // Farther rows hold no nearer segment.
             if gap as f64 - 1.0 > distance {
                 break;
             }
@@ -149,10 +151,10 @@ impl Contour {
         (first != last).then(|| self.bisect(ends[0], ends[1]))
     }
 
-    /// The contour point between two points of different verdict.
+    /// The contour point between two points of which one is subject.
     fn bisect(&self, mut from: Point2<f64>, mut to: Point2<f64>) -> Point2<f64> {
         let first = self.is_subject(&from);
-        // Thirty halvings of a pixel: a nanopixel.
+        // Thirty halvings of a pixel leave 1e-9 px.
         for _ in 0..30 {
             let middle = nalgebra::center(&from, &to);
             *(if self.is_subject(&middle) == first { &mut from } else { &mut to }) = middle;
@@ -164,16 +166,17 @@ impl Contour {
         let ([x0, y0], [x1, y1]) = self.lattice_rectangle();
         let node = |x: i32, y: i32| Point2::new(f64::from(x) * LATTICE, f64::from(y) * LATTICE);
         let row = |y: i32| (x0..=x1).map(|x| self.is_subject(&node(x, y))).collect::<Vec<_>>();
+
         let mut above = row(y0);
         let mut segments = Vec::new();
         for y in y0..y1 {
             let below = row(y + 1);
             for x in x0..x1 {
                 let k = (x - x0) as usize;
-                let verdicts = [above[k], above[k + 1], below[k + 1], below[k]];
-                if verdicts.contains(&true) && verdicts.contains(&false) {
+                let subject = [above[k], above[k + 1], below[k + 1], below[k]];
+                if subject.contains(&true) && subject.contains(&false) {
                     let nodes = [node(x, y), node(x + 1, y), node(x + 1, y + 1), node(x, y + 1)];
-                    self.cell(&nodes, &verdicts, &mut segments);
+                    self.add_cell(&nodes, &subject, &mut segments);
                 }
             }
             above = below;
@@ -182,13 +185,13 @@ impl Contour {
         segments
     }
 
-    /// Adds the segments in one cell of the lattice, whose nodes are given around it.
-    fn cell(&self, nodes: &[Point2<f64>; 4], verdicts: &[bool; 4], segments: &mut Vec<Segment>) {
-        let sides = (0..4).map(|k| (k, (k + 1) % 4)).filter(|&(a, b)| verdicts[a] != verdicts[b]);
+    /// Adds the segments in one cell of the lattice. `nodes` are its corners in order around it.
+    fn add_cell(&self, nodes: &[Point2<f64>; 4], subject: &[bool; 4], segments: &mut Vec<Segment>) {
+        let sides = (0..4).map(|k| (k, (k + 1) % 4)).filter(|&(a, b)| subject[a] != subject[b]);
         let crossings: Vec<_> = sides.map(|(a, b)| self.bisect(nodes[a], nodes[b])).collect();
         for ends in crossings.chunks_exact(2) {
             let along = ends[1] - ends[0];
-            // Shorter ones, at a node that the contour passes through, have no reliable direction.
+            // Shorter segments, where the contour passes through a node, have no reliable direction.
             if along.norm() > 1e-3 {
                 let across = Vector2::new(along.y, -along.x).normalize();
                 let beside = nalgebra::center(&ends[0], &ends[1]) + across * (0.2 * LATTICE);
@@ -198,14 +201,16 @@ impl Contour {
         }
     }
 
-    /// Lattice rectangle around the image of the solid's bounding ball.
+    /// The rectangle of lattice nodes around the image of the solid's bounding sphere: lower and upper corner.
     fn lattice_rectangle(&self) -> ([i32; 2], [i32; 2]) {
         let (width, height) = self.camera.size();
-        let middle = self.camera.project(&self.solid.centre()).expect("the solid is before the camera");
+        let middle = self.camera.project(&self.solid.centre()).expect("the solid is in front of the camera");
+
         let radius = self.solid.solid().bounding_radius();
         let k = self.camera.intrinsics();
-        // Off the axis the image of a ball is longer: by 1.1 at 18 degrees.
+        // Off the axis the image of a sphere is longer, by a factor of 1.1 at 18 degrees.
         let reach = 1.1 * k[(0, 0)].max(k[(1, 1)]) * radius / (middle.depth - radius);
+
         let low = |x: f64| ((x - reach).max(0.0) / LATTICE).floor() as i32;
         let high = |x: f64, size: u32| ((x + reach).min(f64::from(size)) / LATTICE).ceil() as i32;
         ([low(middle.u), low(middle.v)], [high(middle.u, width), high(middle.v, height)])
@@ -224,13 +229,13 @@ impl Segment {
     }
 }
 
-/// The centres of the segments at which the contour bends.
+/// Middles of the segments at which the contour bends.
 fn bends(segments: &[Segment]) -> Vec<Point2<f64>> {
-    let parted = |a: &Segment, b: &Segment| {
+    let bend = |a: &Segment, b: &Segment| {
         (a.middle() - b.middle()).norm_squared() < BEND_REACH * BEND_REACH
             && a.normal.dot(&b.normal) < BEND_ANGLE.cos()
     };
-    let bent = |segment: &&Segment| segments.iter().any(|other| parted(segment, other));
+    let bent = |segment: &&Segment| segments.iter().any(|other| bend(segment, other));
     segments.iter().filter(bent).map(Segment::middle).collect()
 }
 
@@ -252,6 +257,7 @@ mod tests {
         let contour = contour(Solid::sphere(0.25).unwrap());
         let to_centre = contour.solid.centre() - contour.centre;
         let half_angle = (0.25 / to_centre.norm()).asin();
+
         for (u, v) in [(100.0, 100.0), (200.0, 90.0), (170.0, 180.0), (162.0, 110.0)] {
             let on = contour.nearest(&point![u, v]);
             let ray = contour.camera.ray(on.x, on.y).unwrap().direction;
@@ -273,6 +279,7 @@ mod tests {
             contour.project(&(contour.solid.world_from_solid() * Point3::from(local))).unwrap()
         };
         let off_outline = |at: &Point2<f64>| (contour.nearest(at) - at).norm();
+
         let corners: Vec<_> = (0..8).map(corner).filter(|corner| off_outline(corner) < 0.3).collect();
 
         assert_eq!(corners.len(), 6);
@@ -280,8 +287,7 @@ mod tests {
 
         let beside = |bend: &Point2<f64>| corners.iter().any(|corner| (corner - bend).norm() < BEND_REACH);
         assert!(contour.bends.iter().all(beside));
-
-        // The convex hull of the corners is the silhouette: on the line between two of them or beside it.
+        // The silhouette is convex: each corner is joined to two others by lines along the outline.
         for a in &corners {
             let next = |b: &&Point2<f64>| off_outline(&nalgebra::center(a, b)) < 1e-6;
             assert_eq!(corners.iter().filter(|b| *b != a).filter(next).count(), 2);
@@ -300,7 +306,7 @@ mod tests {
                 let p = eye + ray * t;
                 (p.x.hypot(p.y) - 0.25).hypot(p.z)
             };
-            // The ray nears the tube twice at most; steps of a tenth of a millimetre find the depth to a nanometre.
+            // Steps of 0.1 mm along the ray find its smallest distance to the circle within the tube to a nanometre.
             let nearest = (0..10_000).map(|k| from_circle(2.0 + f64::from(k) * 1e-4)).fold(1.0, f64::min);
             assert!((nearest - 0.09).abs() < 1e-7, "{on}: {nearest}");
         }

@@ -1,10 +1,10 @@
-//! The hull from pixels beside the analytic hull of the same cameras.
+//! The hull from pixels, compared with the analytic hull of its cameras.
 //!
 //! ```text
 //!   contour    a solid's exact outline in a camera's image
 //!   analytic   the hull of such outlines
-//!   scene      solids and cameras, their analytic hull and the one from pixels
-//!   accuracy   how far the one is from the other
+//!   scene      solids and cameras, their analytic hull and their hull from pixels
+//!   accuracy   errors of the hull from pixels
 //! ```
 
 pub mod accuracy;

@@ -1,4 +1,4 @@
-//! The solids and cameras that the hull is measured on.
+//! The solids and cameras of the accuracy figures.
 
 use super::analytic::AnalyticHull;
 use image::GrayImage;
@@ -13,7 +13,7 @@ const SIZE: (u32, u32) = (640, 480);
 const FIELD_OF_VIEW: f64 = 0.55;
 const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.5);
 
-/// Heights of the seven cameras in metres, from below the subject's middle to far above its top.
+/// Heights of the seven cameras in metres, from below the middle of the solid to far above its top.
 const HEIGHTS: [f64; 7] = [0.15, 1.1, 0.45, 1.7, 0.0, 1.35, 0.8];
 
 /// The names of the solids, each half a metre wide.
@@ -21,23 +21,23 @@ pub const SHAPES: [&str; 3] = ["sphere", "box", "torus"];
 
 /// A solid in front of cameras: its analytic hull, and its hulls from pixels.
 pub struct Scene {
-    /// Shape and number of cameras, as in `torus_7`.
+    /// Name made of the shape and the number of cameras, as in `torus_7`.
     pub name: String,
-    /// From the exact contours.
+    /// Hull of the exact contours.
     pub analytic: AnalyticHull,
-    /// From binary masks.
+    /// Hull of binary masks.
     pub binary: Hull,
-    /// From masks that carry coverage.
+    /// Hull of masks with coverage.
     pub coverage: Hull,
 }
 
-/// Sphere, box and torus, half a metre wide, in front of five cameras on a hemisphere and seven on a ring at several
+/// Scenes of a sphere, a box and a torus, each with five cameras on a hemisphere and with seven around at various
 /// heights.
 pub fn all() -> impl Iterator<Item = Scene> {
     SHAPES.into_iter().flat_map(|shape| [5, 7].map(|n| scene(shape, n)))
 }
 
-/// The scene of `shape` (sphere, box or torus) with `n` (5 or 7) cameras.
+/// The scene of `shape` (sphere, box or torus) and `n` (5 or 7) cameras.
 pub fn scene(shape: &str, n: usize) -> Scene {
     let solid = placed(shape);
     let cameras = cameras(n);
@@ -57,7 +57,7 @@ pub fn placed(shape: &str) -> Placed {
         "box" => (Solid::cuboid(vector![0.5, 0.4, 0.3]), vector![0.35, -0.2, 0.6]),
         _ => (Solid::torus(0.25, 0.09), vector![0.5, 0.3, 0.0]),
     };
-    // A little off the cameras' target, so that no silhouette is symmetric about its image's middle.
+    // A little off the cameras' target, so that no silhouette is symmetric about the image's centre.
     let pose = Isometry3::new(vector![0.031, -0.017, 0.489], turn);
     Placed::new(solid.expect("positive lengths"), pose, Texture::plain([200; 3]))
 }

@@ -1,10 +1,10 @@
-//! The distance between runs on the hull and the references, and figures of it.
+//! Differences between runs on the hull and their references, and the figures made of them.
 
 use super::reference::Reference;
 use super::stage::{Ends, Scene, State, Support, run, run_for};
 use ode_visual_hull::ode::Shape;
 
-/// RMS over the reference's rows of the distance between body centres, of the worst body, in pixels of the rig.
+/// RMS distance between body centres over the reference's rows, for the worst body, in pixels of the rig.
 pub fn rms_px(reference: &Reference, states: &[Vec<State>]) -> f64 {
     let bodies = reference.rows[0].1.len();
     let mean_square = |body: usize| {
@@ -30,11 +30,11 @@ pub fn distance_px(reference: &Reference, states: &[Vec<State>]) -> f64 {
 pub struct Rolled {
     /// `sphere` or `cylinder`.
     pub shape: &'static str,
-    /// Its speed in the direction of the native body, divided by the native body's speed, at the end of the scene.
+    /// Its speed in the direction of the body on ODE's box, divided by that body's speed, at the end of the scene.
     pub over_native: f64,
 }
 
-/// The speeds of a scene in which a sphere or a cylinder rolls; `None` for the others.
+/// The relative speed in a scene in which a sphere or a cylinder rolls; `None` for other scenes.
 pub fn rolled(scene: &Scene) -> Option<Rolled> {
     let shape = match scene.bodies[..] {
         _ if scene.ends != Ends::OffSupport => return None,
@@ -45,6 +45,7 @@ pub fn rolled(scene: &Scene) -> Option<Rolled> {
         },
         _ => return None,
     };
+
     let native = run(scene, Support::Native);
     let hull = run_for(scene, Support::Hull, native.last);
     let (on_hull, on_box) = (&hull[native.last][0].velocity, &native.states[native.last][0].velocity);
@@ -52,20 +53,26 @@ pub fn rolled(scene: &Scene) -> Option<Rolled> {
     Some(Rolled { shape, over_native: on_hull.dot(on_box) / on_box.norm_squared() })
 }
 
-/// `trajectory_<scene>_px` of every scene; `trajectory_worst_px` and `trajectory_edge_first_px`, the worst of them; and
-/// `rolling_speed_over_native_sphere`, `_cylinder` and without either, those farthest from 1. `progress` takes the name of each
-/// scene.
+/// The figures of all scenes. `progress` is called with the name of each scene.
+///
+/// - `trajectory_<scene>_px` of every scene, and the largest of them as `trajectory_worst_px`, or as
+///   `trajectory_edge_first_px` for scenes in which a body falls on an edge;
+/// - `rolling_speed_over_native_sphere` and `_cylinder`: the speeds farthest from 1, and the farther of the two without
+///   suffix.
 pub fn figures(progress: &dyn Fn(&str)) -> Vec<(String, f64)> {
     let mut figures = Vec::new();
     let (mut worst, mut edge_first) = (0.0, 0.0);
     let mut rolling: [(&str, f64); 2] = [("sphere", 1.0), ("cylinder", 1.0)];
+
     for scene in &super::all() {
         progress(scene.name);
+
         let reference = Reference::read(scene);
-        let off = rms_px(&reference, &run_for(scene, Support::Hull, reference.last()));
-        figures.push((format!("trajectory_{}_px", scene.name), off));
-        let class = if scene.edge_first { &mut edge_first } else { &mut worst };
-        *class = f64::max(*class, off);
+        let rms = rms_px(&reference, &run_for(scene, Support::Hull, reference.last()));
+        figures.push((format!("trajectory_{}_px", scene.name), rms));
+        let largest = if scene.edge_first { &mut edge_first } else { &mut worst };
+        *largest = f64::max(*largest, rms);
+
         if let Some(Rolled { shape, over_native }) = rolled(scene) {
             let kept = rolling.iter_mut().find(|(name, _)| *name == shape);
             kept.into_iter().for_each(|(_, kept)| *kept = farther_from_one(*kept, over_native));

@@ -1,7 +1,7 @@
-//! Scenes of bodies that drop, slide, roll, are stacked and swing, on a table and on a ramp.
+//! Scenes of bodies that fall, slide, roll, are stacked and swing, on a table and on a ramp.
 //!
-//! A scene is built twice by the same code: on ODE's box, which gives the reference in the scene's file, and on the hull
-//! of that box.
+//! Each scene runs twice by the same code: on ODE's box, which gives the reference file of the scene's name, and on the
+//! hull of that box.
 
 pub mod compare;
 pub mod reference;
@@ -14,7 +14,7 @@ use rig::{RAMP, Rig, TABLE};
 use stage::{Ends, InitialState, Scene};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Height from which bodies are dropped, in metres.
+/// Height that bodies are dropped from, in metres.
 const DROP: f64 = 0.1;
 
 const CUBE: Shape = Shape::Box { sides: Vector3::new(0.2, 0.2, 0.2) };
@@ -32,7 +32,7 @@ pub fn all() -> Vec<Scene> {
     scenes
 }
 
-/// `shape` at rest, its centre `height` above the top of `rig` at `(x, y)` of it, turned by `turn`.
+/// A body at rest with its centre `height` metres above the top of `rig`, at `(x, y)` in the frame of the rig's box.
 fn above(rig: &Rig, shape: &Shape, x: f64, y: f64, height: f64, turn: UnitQuaternion<f64>) -> InitialState {
     let box_from_body = Isometry3::from_parts(Translation3::new(x, y, rig.top() + height), turn);
     let pose = rig.world_from_box * box_from_body;
@@ -43,7 +43,7 @@ fn euler(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_euler_angles(roll, pitch, yaw)
 }
 
-/// The axis along y of the box, so that the body rolls along x.
+/// Turns the z axis of a body to y of the box, so that the body rolls along x.
 fn lying() -> UnitQuaternion<f64> {
     euler(FRAC_PI_2, 0.0, 0.0)
 }
@@ -63,8 +63,10 @@ fn drop(name: &'static str, about: &'static str, body: InitialState) -> Scene {
 
 fn drops() -> Vec<Scene> {
     let onto = |shape: &Shape, half: f64, turn| above(&TABLE, shape, 0.03, -0.02, half + DROP, turn);
+
     let mut thrown = onto(&CUBE, 0.1, euler(0.0, 0.0, 0.3));
     thrown.velocity = vector![-0.6, 0.3, 0.0];
+
     let mut bouncing = drop(
         "sphere_bounces",
         "a sphere dropped from 10 cm, restitution one half",
@@ -100,15 +102,17 @@ fn drops() -> Vec<Scene> {
 }
 
 fn edge_first_drops() -> Vec<Scene> {
-    // The lowest point of each body starts 10 cm above the table.
+    // The lowest point of each body is 10 cm above the table.
     let onto = |shape: &Shape, lowest: f64, turn| above(&TABLE, shape, 0.02, -0.03, lowest + DROP, turn);
     let (sin, cos) = 0.5f64.sin_cos();
 
     // Cube: tilted by 30 degrees about y, then turned about z.
     let edge = euler(0.0, 30f64.to_radians(), 0.3);
     let edge_low = 0.1 * (30f64.to_radians().cos() + 0.5);
+
     let corner = euler(0.4, 0.5, 0.2);
     let corner_low = 0.1 * (corner.inverse() * Vector3::z()).abs().sum();
+
     let scenes = [
         drop(
             "box_edge_first",
@@ -143,6 +147,7 @@ fn slides() -> Vec<Scene> {
         ends,
         ..drop(name, about, on_ramp(-0.5))
     };
+
     let mut pushed = above(&TABLE, &CUBE, -0.12, 0.03, 0.1, euler(0.0, 0.0, 0.3));
     pushed.velocity = vector![1.0, 0.0, 0.0];
 
@@ -166,13 +171,16 @@ fn rolls() -> Vec<Scene> {
         ends: Ends::OffSupport,
         ..drop(name, about, above(&RAMP, shape, -0.6, 0.04, radius, turn))
     };
+
     let table = |name, about, shape: &Shape, radius: f64, turn| {
         let mut body = above(&TABLE, shape, -0.2, 0.03, radius, turn);
         body.velocity = vector![0.4, 0.0, 0.0];
         body.spin = vector![0.0, 0.4 / radius, 0.0];
         Scene { ends: Ends::OffSupport, ..drop(name, about, body) }
     };
+
     let none = UnitQuaternion::identity();
+
     vec![
         ramp("sphere_rolls_ramp", "a sphere rolls down the ramp from rest", &BALL, 0.08, none),
         ramp(
@@ -197,7 +205,7 @@ fn rolls() -> Vec<Scene> {
 fn stack() -> Scene {
     let bodies = (0..3).map(|k| {
         let k = f64::from(k);
-        // Each a centimetre above the one below, and turned against it.
+        // Each cube is a centimetre above the one below, and turned against it.
         above(&TABLE, &CUBE, 0.02, -0.01 * k, 0.11 + 0.21 * k, euler(0.0, 0.0, 0.2 * k))
     });
     Scene {
@@ -210,8 +218,8 @@ fn stack() -> Scene {
     }
 }
 
-/// A bob that hangs at the table's +x side, 0.7 m below its pivot, drawn back by 40 degrees.
-fn bob(shape: &Shape, half: f64) -> (InitialState, nalgebra::Point3<f64>) {
+/// A pendulum at the table's +x side, drawn back by 40 degrees: its bob, 0.7 m below the pivot, and the pivot.
+fn pendulum(shape: &Shape, half: f64) -> (InitialState, nalgebra::Point3<f64>) {
     let pivot = point![TABLE.lengths.x / 2.0 + half, 0.06, 0.75];
     let swing = Isometry3::rotation_wrt_point(
         UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -40f64.to_radians()),
@@ -224,7 +232,7 @@ fn bob(shape: &Shape, half: f64) -> (InitialState, nalgebra::Point3<f64>) {
 }
 
 fn pendulum_ball() -> Scene {
-    let (start, pivot) = bob(&BALL, 0.08);
+    let (start, pivot) = pendulum(&BALL, 0.08);
     Scene {
         joint: Some(JointKind::Ball { anchor: pivot }),
         ..drop(
@@ -237,7 +245,7 @@ fn pendulum_ball() -> Scene {
 
 fn pendulum_box() -> Scene {
     let sides = vector![0.16, 0.16, 0.16];
-    let (start, pivot) = bob(&Shape::Box { sides }, 0.08);
+    let (start, pivot) = pendulum(&Shape::Box { sides }, 0.08);
     Scene {
         joint: Some(JointKind::Hinge { anchor: pivot, axis: Vector3::y() }),
         ..drop("pendulum_box", "a cube on a hinge swings from 40 degrees into the table's side", start)

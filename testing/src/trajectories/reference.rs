@@ -1,33 +1,33 @@
-//! The reference files: for each scene a table of body poses, under comments that describe the scene.
+//! The reference files. Each has a table of body poses, under comments that describe the scene.
 
 use super::stage::{CONTACTS, DT, Run, SEED, Scene};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// A row is written for every fifth step, 25 ms.
+/// Steps from one row of a file to the next: 25 ms.
 pub const EVERY: usize = 5;
 
-/// Largest RMS distance of the worst body on the hull from the reference, in pixels of the rig.
+/// Largest allowed RMS distance of the worst body on the hull from the reference, in pixels of the rig.
 pub fn tolerance_px(scene: &Scene) -> f64 {
     if scene.edge_first { 4.0 } else { 2.0 }
 }
 
-/// Native poses at some steps, from the first impact to the end.
+/// Poses of bodies on ODE's own box, at some steps from the first impact to the end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
-    /// The rig's pixel in metres.
+    /// The size of a pixel of the rig, in metres.
     pub pixel: f64,
     /// Largest RMS distance of the hull's run from this one, in pixels.
     pub tolerance_px: f64,
-    /// Step numbers, and the poses of all bodies after the step.
+    /// Step numbers, and the poses of all bodies after each of these steps.
     pub rows: Vec<(usize, Vec<Isometry3<f64>>)>,
 }
 
 impl Reference {
-    /// The reference that `run`, on ODE's own box, gives.
+    /// The reference from `run` on ODE's own box.
     pub fn of(scene: &Scene, run: &Run) -> Self {
-        // From the first impact on, the last step too.
+        // The last step is included, whatever its number.
         let kept = (run.first..run.last).step_by(EVERY).chain([run.last]);
         let poses = |k: usize| run.states[k].iter().map(|state| state.pose).collect();
         Self {
@@ -46,7 +46,7 @@ impl Reference {
     ///
     /// # Panics
     ///
-    /// Where the file is missing or of another form.
+    /// If the file is missing or malformed.
     pub fn read(scene: &Scene) -> Self {
         let path = path(scene);
         let text = std::fs::read_to_string(&path).unwrap_or_else(|error| {
@@ -60,7 +60,7 @@ impl Reference {
     ///
     /// # Panics
     ///
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, scene: &Scene, run: &Run) {
         std::fs::write(path(scene), self.text(scene, run)).unwrap();
     }
@@ -91,7 +91,7 @@ impl Reference {
                 let (p, q) = (pose.translation.vector, pose.rotation);
                 write!(text, "{:.3},{body}", *k as f64 * DT).unwrap();
                 for number in [p.x, p.y, p.z, q.w, q.i, q.j, q.k] {
-                    // Adding zero removes the minus of a negative zero.
+                    // Adding zero turns -0 into 0.
                     write!(text, ",{:.12}", (number * 1e12).round() / 1e12 + 0.0).unwrap();
                 }
                 text.push('\n');
@@ -108,14 +108,18 @@ impl Reference {
                 .find_map(|line| line.strip_prefix("# ")?.strip_prefix(name)?.strip_prefix(" = "));
             line?.parse().ok()
         };
+
         let mut rows: Vec<(usize, Vec<Isometry3<f64>>)> = Vec::new();
         for line in text.lines().filter(|line| !line.starts_with(['#', 't'])) {
             let numbers: Vec<f64> = line.split(',').map(|field| field.parse().ok()).collect::<Option<_>>()?;
             let [t, body, x, y, z, w, i, j, k] = numbers[..] else { return None };
+
             let step = (t / DT).round() as usize;
-            // Not normalised, so that it is exactly what the file holds.
+
+            // Not normalised, so that the file is compared as it is.
             let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
             let pose = Isometry3::from_parts(Translation3::new(x, y, z), rotation);
+
             if body == 0.0 {
                 rows.push((step, Vec::new()));
             }

@@ -1,4 +1,4 @@
-//! Two supports and their cameras: a table upright, and a ramp, box and cameras turned together.
+//! The two supports and their cameras: an upright table, and a ramp, whose box and cameras are tilted together.
 //!
 //! ```text
 //!          c ---------.-----.          each camera looks along the top and along one side, so that
@@ -12,24 +12,24 @@ use ode_visual_hull::hull::{Aabb, HullData};
 use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
 use std::sync::{Arc, LazyLock, OnceLock};
 
-/// A box to fall on, and the four cameras that see it.
+/// A support in the form of a box, with the four cameras that see it.
 pub struct Rig {
-    /// Its name in the files.
+    /// Name in the reference files.
     pub name: &'static str,
-    /// The box's full side lengths.
+    /// Side lengths of the box, in metres.
     pub lengths: Vector3<f64>,
-    /// The box's pose.
+    /// Pose of the box in the world.
     pub world_from_box: Isometry3<f64>,
     /// Four pinhole cameras.
     pub cameras: Vec<Camera>,
     data: OnceLock<Arc<HullData>>,
 }
 
-/// A table of 0.5 x 0.5 x 0.4 m around the origin, 2.2 mm a pixel.
+/// A table of 0.5 x 0.5 x 0.4 m around the origin, seen at 2.2 mm a pixel.
 pub static TABLE: LazyLock<Rig> =
     LazyLock::new(|| Rig::new("table", vector![0.5, 0.5, 0.4], Isometry3::identity(), 2.8, 0.45));
 
-/// A ramp of 1.5 x 0.5 x 0.3 m that goes down towards x at 20 degrees, 3.8 mm a pixel.
+/// A ramp of 1.5 x 0.5 x 0.3 m that descends in x by 20 degrees, seen at 3.8 mm a pixel.
 pub static RAMP: LazyLock<Rig> = LazyLock::new(|| {
     let down = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 20f64.to_radians());
     Rig::new(
@@ -49,18 +49,18 @@ impl Rig {
         distance: f64,
         horizontal_fov: f64,
     ) -> Self {
-        // Rolled by 0.2 rad and its multiples: edges cross the pixels at a slant, as they do in a real studio.
+        // Cameras are rolled by multiples of 0.2 rad, so that edges are oblique to the pixels as in a real studio.
         let cameras =
             layout::face_on(lengths, &world_from_box, distance, 0.2, (640, 480), horizontal_fov).unwrap();
         Self { name, lengths, world_from_box, cameras, data: OnceLock::new() }
     }
 
-    /// The box as a solid for rendering.
+    /// The box as the solid that the cameras see.
     pub fn placed(&self) -> Placed {
         Placed::new(Solid::cuboid(self.lengths).unwrap(), self.world_from_box, Texture::plain([200, 60, 40]))
     }
 
-    /// Size of a pixel at the support's centre in metres, in the camera of the highest resolution there.
+    /// The size of a pixel at the box's centre in metres, in the camera of the finest resolution.
     pub fn pixel(&self) -> f64 {
         let centre = Point3::from(self.world_from_box.translation.vector);
         let footprint =
@@ -68,12 +68,12 @@ impl Rig {
         self.cameras.iter().map(footprint).fold(f64::INFINITY, f64::min)
     }
 
-    /// The hull data of the box, from masks with coverage.
+    /// The hull of the box from masks with coverage, computed once.
     pub fn hull_data(&self) -> Arc<HullData> {
-        self.data.get_or_init(|| self.see()).clone()
+        self.data.get_or_init(|| self.render()).clone()
     }
 
-    fn see(&self) -> Arc<HullData> {
+    fn render(&self) -> Arc<HullData> {
         let subject = Subject::new(vec![self.placed()]);
         let data = HullData::new();
         let reach = 0.5 * self.lengths.norm() + 0.05;
@@ -88,7 +88,7 @@ impl Rig {
         Arc::new(data)
     }
 
-    /// Height of the top above the box's centre.
+    /// Height of the box's top above its centre, in metres.
     pub fn top(&self) -> f64 {
         self.lengths.z / 2.0
     }

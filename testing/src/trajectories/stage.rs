@@ -1,4 +1,4 @@
-//! A scene built on ODE's box or on the hull of that box, and stepped.
+//! Building a scene on ODE's box or on the hull of that box, and running it.
 
 use super::rig::Rig;
 use nalgebra::{Isometry3, Vector3, vector};
@@ -8,13 +8,13 @@ use ode_visual_hull::ode::{
 };
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Duration of a step in seconds.
+/// Step size, in seconds.
 pub const DT: f64 = 0.005;
 
 /// The seed of ODE's random numbers, set before each run.
 pub const SEED: u32 = 1;
 
-/// Limit of the contacts of a pair, on both supports.
+/// Maximum number of contacts of a pair, on both supports.
 pub const CONTACTS: usize = 8;
 
 /// The support that the bodies fall on.
@@ -22,14 +22,14 @@ pub const CONTACTS: usize = 8;
 pub enum Support {
     /// ODE's own box.
     Native,
-    /// The hull of that box, from coverage masks.
+    /// The hull of ODE's box, from masks with coverage.
     Hull,
 }
 
-/// A body of 1 kg at the start, in the world's frame.
+/// The initial state of a body of 1 kg, in the world frame.
 #[derive(Debug, Clone)]
 pub struct InitialState {
-    /// Its only geom.
+    /// Shape of the only geom.
     pub shape: Shape,
     /// World from body.
     pub pose: Isometry3<f64>,
@@ -41,34 +41,34 @@ pub struct InitialState {
 
 /// One experiment.
 pub struct Scene {
-    /// Its name: of its file and its figure.
+    /// Name of the scene in its file name and its figure.
     pub name: &'static str,
-    /// A sentence on what happens.
+    /// Description of what happens.
     pub about: &'static str,
     /// The support and its cameras.
     pub rig: &'static Rig,
-    /// The bodies at the start.
+    /// Initial states of the bodies.
     pub bodies: Vec<InitialState>,
-    /// The joint between the first body and the world.
+    /// Joint between the first body and the world.
     pub joint: Option<JointKind>,
-    /// Of all contacts.
+    /// Surface parameters of all contacts.
     pub surface: Surface,
-    /// When the comparison ends.
+    /// Condition that ends the comparison.
     pub ends: Ends,
     /// Whether a body falls on an edge or a corner, where a small difference at the impact grows.
     pub edge_first: bool,
 }
 
-/// When a scene ends.
+/// The condition that ends a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ends {
-    /// At rest, or 2 s after the first impact.
+    /// All bodies are at rest, or 2 s have passed since the first impact.
     AtRest,
-    /// When a body leaves the support, or 1 s after it reached it.
+    /// No body touches the support any more, or 1 s has passed since the first contact.
     OffSupport,
 }
 
-/// A body after a step.
+/// The state of a body after a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
     /// World from body.
@@ -79,31 +79,32 @@ pub struct State {
     pub spin: Vector3<f64>,
 }
 
-/// A scene that runs.
+/// A running scene.
 pub struct Stage {
     /// The world of ODE.
     pub world: World,
-    /// The geom that the bodies fall on.
+    /// The geom of the support.
     pub support: GeomId,
-    /// The bodies in the scene's order.
+    /// The bodies, in the order of the scene.
     pub bodies: Vec<BodyId>,
     surface: Surface,
     _lock: MutexGuard<'static, ()>,
 }
 
-/// ODE's random numbers are one sequence for the whole process: scenes run one after the other.
-static RUNNING: Mutex<()> = Mutex::new(());
+/// Held by a running scene: ODE has one sequence of random numbers in a process, so that scenes must not overlap.
+static RANDOM_LOCK: Mutex<()> = Mutex::new(());
 
 impl Stage {
-    /// `scene` at its start, on `support`.
+    /// Builds `scene` on `support`, in its initial state.
     pub fn new(scene: &Scene, support: Support) -> Self {
-        let lock = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+        let lock = RANDOM_LOCK.lock().unwrap_or_else(PoisonError::into_inner);
         let mut world = World::new(&Ode::init().unwrap()).unwrap();
         world.set_gravity(&vector![0.0, 0.0, -9.81]).unwrap();
         world.set_cfm(1e-5).unwrap();
         world.set_erp(0.2).unwrap();
         world.set_contact_surface_layer(0.001).unwrap();
         world.set_quick_step_iterations(50).unwrap();
+
         let root = world.root_space();
         let support = match support {
             Support::Native => {
@@ -117,16 +118,16 @@ impl Stage {
                 geom
             }
         };
+
         let bodies: Vec<BodyId> = scene.bodies.iter().map(|start| add(&mut world, start)).collect();
         if let Some(joint) = &scene.joint {
             world.add_joint([Some(bodies[0]), None], joint).unwrap();
         }
         set_random_seed(SEED);
-
         Self { world, support, bodies, surface: scene.surface, _lock: lock }
     }
 
-    /// The bodies' states, in the scene's order.
+    /// The states of the bodies, in the order of the scene.
     pub fn states(&self) -> Vec<State> {
         let state = |&id: &BodyId| {
             let body = self.world.body(id);
@@ -135,9 +136,10 @@ impl Stage {
         self.bodies.iter().map(state).collect()
     }
 
-    /// Collides and steps. Returns whether a body touched the support.
+    /// Collides and advances the world by a step. Returns whether a body touched the support.
     pub fn step(&mut self) -> bool {
         let (support, surface) = (self.support, self.surface);
+
         let mut touched = false;
         let collide = |pair: &ode_visual_hull::ode::Pair<'_>| {
             if pair.bodies() == [None, None] {
@@ -161,6 +163,7 @@ fn add(world: &mut World, start: &InitialState) -> BodyId {
     let root = world.root_space();
     let geom = world.add_geom(root, &start.shape).unwrap();
     world.geom_mut(geom).set_body(Some(body)).unwrap();
+
     let mut view = world.body_mut(body);
     view.set_mass(&Mass::of(&start.shape, Amount::Total(1.0)).unwrap()).unwrap();
     view.set_pose(&start.pose).unwrap();
@@ -169,30 +172,30 @@ fn add(world: &mut World, start: &InitialState) -> BodyId {
     body
 }
 
-/// The course of a scene: the states before the first step and after each step.
+/// The course of a scene.
 pub struct Run {
-    /// By step, the start first; then by body.
+    /// States by step and body, beginning with the initial states.
     pub states: Vec<Vec<State>>,
-    /// The step in which a body first touched the support.
+    /// Step in which a body first touched the support.
     pub first: usize,
-    /// The last step to be compared.
+    /// Last step of the comparison.
     pub last: usize,
-    /// A word on why it ends there.
+    /// Reason why the scene ends there.
     pub ending: &'static str,
 }
 
-/// A scene whose bodies are slower than this for 0.1 s is at rest, in m/s; ten times the number in rad/s, for bodies of
-/// about 0.1 m.
+/// Speed in m/s below which a body counts as at rest, if it stays so for 0.1 s; the limit of the spin in rad/s is ten
+/// times as large, as bodies are about 0.1 m in size.
 const REST: f64 = 1e-3;
 
-/// A body without a contact in this many steps has left the support.
+/// Steps without a contact after which the bodies count as off the support.
 const OFF: usize = 3;
 
 /// Runs a scene to its end.
 pub fn run(scene: &Scene, support: Support) -> Run {
     let mut stage = Stage::new(scene, support);
     let mut states = vec![stage.states()];
-    let (mut first, mut still, mut off) = (None, 0, 0);
+    let (mut first, mut at_rest, mut without_contact) = (None, 0, 0);
     let steps = |seconds: f64| (seconds / DT).round() as usize;
 
     for k in 1..=steps(5.0) {
@@ -202,16 +205,19 @@ pub fn run(scene: &Scene, support: Support) -> Run {
             first.get_or_insert(k);
         }
         let Some(first) = first else { continue };
+
         let slow = |state: &State| state.velocity.norm() < REST && state.spin.norm() < 10.0 * REST;
-        still = if states[k].iter().all(slow) { still + 1 } else { 0 };
-        off = if touched { 0 } else { off + 1 };
+        at_rest = if states[k].iter().all(slow) { at_rest + 1 } else { 0 };
+        without_contact = if touched { 0 } else { without_contact + 1 };
+
         let ending = match scene.ends {
-            Ends::AtRest if still == steps(0.1) => Some((k, "at rest")),
+            Ends::AtRest if at_rest == steps(0.1) => Some((k, "at rest")),
             Ends::AtRest if k == first + steps(2.0) => Some((k, "2 s after the first impact")),
-            Ends::OffSupport if off == OFF => Some((k - OFF, "off the support")),
+            Ends::OffSupport if without_contact == OFF => Some((k - OFF, "off the support")),
             Ends::OffSupport if k == first + steps(1.0) => Some((k, "after 1 s")),
             _ => None,
         };
+
         if let Some((last, ending)) = ending {
             return Run { states, first, last, ending };
         }
@@ -220,7 +226,7 @@ pub fn run(scene: &Scene, support: Support) -> Run {
     panic!("{}: expected the bodies to reach the support within 3 s", scene.name)
 }
 
-/// Runs a scene for as long as another run of it lasted.
+/// Runs a scene for a number of steps and returns the states, beginning with the initial ones.
 pub fn run_for(scene: &Scene, support: Support, steps: usize) -> Vec<Vec<State>> {
     let mut stage = Stage::new(scene, support);
     let mut states = vec![stage.states()];

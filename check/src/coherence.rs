@@ -17,12 +17,12 @@ const INTERVAL_GAP: f64 = 1e-6;
 pub struct SilhouetteCoherence {
     /// Pixels of the view's silhouette that were examined.
     pub pixels: usize,
-    /// Those of them whose viewing ray meets the hull. A hull of silhouettes that fit one another fills all of them.
+    /// Number of examined pixels whose viewing ray meets the hull. All do where the silhouettes fit one another.
     pub filled_pixels: usize,
     /// Pixels of the other views' silhouettes that are not filled because of this view alone.
     pub carved_pixels: usize,
-    /// By how many pixels this view's silhouette would have to be wider for half of the carved pixels to be filled. This
-    /// is a median, because a part that the mask has lost lies far from the rest.
+    /// By how many pixels this view's silhouette would have to be wider for half of the carved pixels to be filled.
+    /// This is a median, because a part that the mask has lost lies far from the rest.
     pub carved_depth_px: f64,
 }
 
@@ -83,7 +83,7 @@ pub fn total_coherence(frames: &[Vec<SilhouetteCoherence>]) -> Vec<SilhouetteCoh
     (0..views).map(total).collect()
 }
 
-/// The hull of the other views.
+/// The hull of all views but `view`.
 fn without(hull: &Hull, view: usize) -> Hull {
     let views = hull.views().iter().cloned().enumerate();
     let views = views.map(|(k, v)| {
@@ -104,7 +104,7 @@ fn rays(view: &View, step: usize) -> impl Iterator<Item = Ray> {
     pixels.filter(subject).filter_map(|(i, j)| view.camera().ray(f64::from(i) + 0.5, f64::from(j) + 0.5))
 }
 
-/// Points of `ray` inside the hull.
+/// Points of `ray` inside the hull, spread evenly over each interval.
 fn points_inside(hull: &Hull, ray: &Ray) -> Vec<Point3<f64>> {
     let (mut points, mut start) = (Vec::new(), 0.0);
     for _ in 0..MAX_INTERVALS {
@@ -117,7 +117,8 @@ fn points_inside(hull: &Hull, ray: &Ray) -> Vec<Point3<f64>> {
     points
 }
 
-/// The median over `carved`, the points of one ray each, of how far the ray passes from the view's silhouette, in pixels.
+/// The median over `carved`, the points of one ray each, of how far the ray passes from the view's silhouette, in
+/// pixels.
 fn carved_depth_px(view: &View, carved: &[Vec<Point3<f64>>]) -> f64 {
     let silhouette = view.silhouette();
     if carved.is_empty() || silhouette.rect().is_empty() {

@@ -9,7 +9,7 @@
 //!
 //! Two silhouettes of one subject lie between the same two planes, whatever its shape (the frontier points of Cipolla
 //! and Giblin, *Visual Motion of Curves and Surfaces*, 2000). Where they do not, one view cuts off what the other sees:
-//! its image is shifted by a wrong calibration, or its mask has lost a part. Many pairs and frames tell which.
+//! its image is shifted by a wrong calibration, or its mask has lost a part. Many pairs and frames show which.
 
 use crate::median;
 use crate::outline::{Corner, outline};
@@ -22,12 +22,12 @@ const MAX_SPAN: f64 = 2.5;
 /// Largest rotation of a plane for a pixel, in radians: beyond it the silhouette lies at the other camera.
 const MAX_SLOPE: f64 = 0.02;
 
-/// Tangency errors up to this, in pixels, count by their square, larger ones by their size. Pixels alone cause the small
-/// ones.
+/// Tangency errors up to this, in pixels, count by their square, larger ones by their size. Pixels alone cause the
+/// small ones.
 const HUBER_PX: f64 = 0.5;
 
-/// Cost of shifting a view by a pixel, relative to a tangency error of a pixel at one of its planes. Shifts of all views
-/// that follow a motion of the subject change no error: among those, the prior selects the fewest shifted views.
+/// Cost of shifting a view by a pixel, relative to a tangency error of a pixel at one of its planes. Shifts of all
+/// views that follow a motion of the subject change no error: among those, the prior selects the fewest shifted views.
 const SHIFT_PRIOR: f64 = 0.1;
 
 /// Limits of the iteration for the shifts: rounds, and the change in pixels below which it has converged.
@@ -61,15 +61,15 @@ pub struct ViewShift {
     pub gap: f64,
     /// The median disagreement after all views have been shifted, in pixels.
     pub gap_after: f64,
-    /// By how many pixels the mean disagreement would grow if this view alone were not shifted. Pairs of cameras tell
-    /// little of some shifts: a long one that gains little means nothing.
+    /// By how many pixels the mean disagreement would grow if this view alone were not shifted. Some shifts
+    /// are poorly determined by the pairs of cameras: a long shift that gains little means nothing.
     pub gain: f64,
     /// Number of planes that the result rests on; with none, nothing is known.
     pub planes: usize,
 }
 
 impl EpipolarTangency {
-    /// No frames yet.
+    /// A collection without frames.
     pub fn new() -> Self {
         Self::default()
     }
@@ -221,7 +221,7 @@ fn direction(view: &View, position: &Point2<f64>) -> Option<Vector3<f64>> {
     Some(camera.cam_from_world().inverse_transform_vector(&in_camera))
 }
 
-/// The planes that both silhouettes determine, of at most two.
+/// The tangent planes, at most two, that both silhouettes determine reliably.
 fn planes(views: [usize; 2], spans: &[[Tangent; 2]; 2]) -> impl Iterator<Item = Plane> {
     (0..2).filter_map(move |side| {
         let [a, b] = [spans[0][side], spans[1][side]];

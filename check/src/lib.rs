@@ -1,5 +1,5 @@
-//! Whether the silhouettes of a frame fit one another, which shows a wrong calibration or a wrong mask without any other
-//! reference.
+//! Whether the silhouettes of a frame fit one another, which shows a wrong calibration or a wrong mask without any
+//! other reference.
 //!
 //! - [`EpipolarTangency`]: the outermost planes through two cameras that touch the subject touch both silhouettes. Where
 //!   they do not, the image of a view is shifted.

@@ -66,7 +66,7 @@ fn row_ends(mask: &GrayImage) -> Vec<imageproc::point::Point<i32>> {
         }
     }
 
-    // `convex_hull` sorts by an order that is none where a point occurs twice.
+    // `convex_hull` sorts by a comparison that is no total order where a point occurs twice.
     points.sort_unstable();
     points.dedup();
     points.into_iter().map(|(x, y)| imageproc::point::Point::new(x, y)).collect()
@@ -83,8 +83,8 @@ fn is_at_border(view: &View, i: i32, j: i32) -> bool {
         || view.field_of_view().is_some_and(|field| i32::from(field.distance(i, j)) <= BORDER)
 }
 
-/// The parts of a mask that are no specks and of which the hull fills something. Where the hull fills nothing, all that
-/// are no specks. `is_filled` takes the centre of a pixel of `mask`.
+/// The parts of a mask that are not specks and that the hull fills at least in part; if the hull fills no part, all
+/// that are not specks. `is_filled` takes the centre of a pixel of `mask`.
 fn without_specks_and_others(mask: &GrayImage, is_filled: impl Fn(f64, f64) -> bool) -> GrayImage {
     let parts = connected_components(mask, Connectivity::Eight, Luma([0]));
     let count = parts.iter().max().map_or(0, |&most| most as usize) + 1;

@@ -28,15 +28,15 @@ fn coherence(cameras: &[Camera], masks: &[GrayImage]) -> Vec<SilhouetteCoherence
 #[test]
 fn the_hull_of_exact_silhouettes_fills_them() {
     let cameras = cameras();
-    for fit in coherence(&cameras, &masks(&cameras)) {
+    for view in coherence(&cameras, &masks(&cameras)) {
         // Rays of pixels at the very edge may pass a hull that is made of pixels.
-        assert!(fit.pixels > 2000 && fit.filled_share() > 0.96, "{fit:?}");
-        assert!(fit.carved_depth_px <= 2.0, "{fit:?}");
+        assert!(view.pixels > 2000 && view.filled_share() > 0.96, "{view:?}");
+        assert!(view.carved_depth_px <= 2.0, "{view:?}");
     }
 }
 
 #[test]
-fn the_view_that_lost_a_part_is_the_one_that_cuts() {
+fn the_view_that_lost_a_part_carves_the_others() {
     let cameras = cameras();
     let mut masks = masks(&cameras);
 
@@ -46,20 +46,24 @@ fn the_view_that_lost_a_part_is_the_one_that_cuts() {
     let from = last - (last - first) / 3;
     (from..=last).for_each(|y| (0..160).for_each(|x| masks[2].put_pixel(x, y, Luma([0]))));
 
-    let fits = coherence(&cameras, &masks);
-    assert!(fits[2].filled_share() > 0.9, "it still fits itself: {:?}", fits[2]);
-
+    let coherence = coherence(&cameras, &masks);
+    assert!(coherence[2].filled_share() > 0.9, "the hull fills it: {:?}", coherence[2]);
     for view in [0, 1, 3] {
         assert!(
-            fits[view].filled_share() < 0.9 && fits[view].carved_pixels < fits[2].carved_pixels / 4,
+            coherence[view].filled_share() < 0.9
+                && coherence[view].carved_pixels < coherence[2].carved_pixels / 4,
             "{:?}",
-            fits[view]
+            coherence[view]
         );
     }
 
     // Half of what is missing lies at least a few pixels inside the part, and none deeper than the part is high.
     let height = f64::from(last - from + 1);
-    assert!(fits[2].carved_depth_px > 2.0 && fits[2].carved_depth_px < height, "{:?}", fits[2]);
+    assert!(
+        coherence[2].carved_depth_px > 2.0 && coherence[2].carved_depth_px < height,
+        "{:?}",
+        coherence[2]
+    );
 }
 
 #[test]
@@ -67,8 +71,12 @@ fn an_empty_hull_fills_nothing() {
     let cameras = cameras();
     let mut masks = masks(&cameras);
     masks[1] = GrayImage::new(160, 160);
-    let fits = coherence(&cameras, &masks);
-    assert_eq!((fits[1].pixels, fits[1].filled_share()), (0, 1.0));
-    assert!([0, 2, 3].iter().all(|&view| fits[view].filled_pixels == 0 && fits[view].carved_pixels == 0));
-    assert!(fits[1].carved_pixels > 0, "without it the others agree");
+    let coherence = coherence(&cameras, &masks);
+    assert_eq!((coherence[1].pixels, coherence[1].filled_share()), (0, 1.0));
+    assert!(
+        [0, 2, 3]
+            .iter()
+            .all(|&view| coherence[view].filled_pixels == 0 && coherence[view].carved_pixels == 0)
+    );
+    assert!(coherence[1].carved_pixels > 0, "without it the others agree");
 }

@@ -22,7 +22,7 @@ fn moved(camera: &Camera, by: Vector2<f64>) -> Camera {
     Camera::new(camera.name(), camera.size(), k, Distortion::none(), pose).unwrap()
 }
 
-/// Hulls by `calibrated` cameras of what `real` ones see, of some moments of a walk.
+/// Hulls of a walking person at six times, from masks of the `real` cameras and the calibration of `calibrated`.
 fn hulls(real: &[Camera], calibrated: &[Camera]) -> Vec<Arc<Hull>> {
     let data = HullData::new();
     data.add_views(calibrated).unwrap();
@@ -39,9 +39,9 @@ fn hulls(real: &[Camera], calibrated: &[Camera]) -> Vec<Arc<Hull>> {
 }
 
 fn shifts(real: &[Camera], calibrated: &[Camera]) -> Vec<ViewShift> {
-    let mut tangents = EpipolarTangency::new();
-    hulls(real, calibrated).iter().for_each(|hull| tangents.add(hull));
-    tangents.shifts()
+    let mut tangency = EpipolarTangency::new();
+    hulls(real, calibrated).iter().for_each(|hull| tangency.add(hull));
+    tangency.shifts()
 }
 
 #[test]
@@ -71,7 +71,7 @@ fn a_view_whose_principal_point_is_off_is_distinguished_from_the_others() {
 }
 
 #[test]
-fn a_part_that_one_view_alone_sees_does_not_count() {
+fn a_part_that_only_one_view_sees_does_not_count() {
     let cameras = cameras();
     let data = HullData::new();
     data.add_views(&cameras).unwrap();
@@ -86,9 +86,9 @@ fn a_part_that_one_view_alone_sees_does_not_count() {
         data.set_mask(view, &mask).unwrap();
     }
 
-    let mut tangents = EpipolarTangency::new();
-    tangents.add(&data.update(0.0).unwrap());
-    assert!(tangents.shifts().iter().all(|shift| shift.gap < 1.0 && shift.shift.norm() < 1.0));
+    let mut tangency = EpipolarTangency::new();
+    tangency.add(&data.update(0.0).unwrap());
+    assert!(tangency.shifts().iter().all(|shift| shift.gap < 1.0 && shift.shift.norm() < 1.0));
 }
 
 #[test]
@@ -98,9 +98,9 @@ fn nothing_is_known_of_views_without_a_subject() {
     data.add_views(&cameras).unwrap();
     data.set_bounds(Aabb::new(Point3::new(-1.0, -1.0, 0.0), Point3::new(1.0, 1.0, 2.0)).unwrap()).unwrap();
     (0..5).for_each(|view| data.set_mask(view, &GrayImage::new(SIZE.0, SIZE.1)).unwrap());
-    let mut tangents = EpipolarTangency::new();
-    tangents.add(&data.update(0.0).unwrap());
-    for shift in tangents.shifts() {
+    let mut tangency = EpipolarTangency::new();
+    tangency.add(&data.update(0.0).unwrap());
+    for shift in tangency.shifts() {
         assert_eq!((shift.planes, shift.gap, shift.shift), (0, 0.0, Vector2::zeros()));
     }
     assert!(EpipolarTangency::new().shifts().is_empty());

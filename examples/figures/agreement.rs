@@ -1,4 +1,4 @@
-//! Whether responses equal those of the reference with distorting lenses, with views that abstain, and with both.
+//! Agreement of the hull's responses with the reference, with distorting lenses, with abstaining views, and with both.
 //!
 //! ```text
 //!   +---------+   +---------+   +---------+
@@ -18,13 +18,13 @@ use ode_visual_hull_testing::quality::scene;
 use ode_visual_hull_testing::random::Random;
 use std::sync::Arc;
 
-/// Small images, because the reference examines every pixel.
+/// Image size in pixels, small because the reference visits every pixel.
 const SIZE: (u32, u32) = (320, 240);
 const FIELD_OF_VIEW: f64 = 0.9;
 const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.5);
 const HEIGHTS: [f64; 7] = [0.15, 1.1, 0.45, 1.5, 0.0, 1.2, 0.8];
 
-/// Places of the target in the images, in turn: in the middle, and near a border.
+/// The target's position in the images of the cameras, in cyclic order: in the middle, and near a border.
 const TARGET_PX: [Point2<f64>; 4] = [
     Point2::new(160.0, 120.0),
     Point2::new(12.0, 130.0),
@@ -32,13 +32,14 @@ const TARGET_PX: [Point2<f64>; 4] = [
     Point2::new(170.0, 228.0),
 ];
 
-/// Number of points inside that are compared in each scene.
+/// Number of points inside in each scene.
 const POINTS: usize = 2000;
 
-/// Tolerance in metres, and of the difference of unit vectors: both find the same pixel border in closed form.
+/// Largest difference of depths in metres, and of unit normals: both implementations compute the same pixel border in
+/// closed form.
 const TOLERANCE: f64 = 1e-9;
 
-/// The kinds of cameras, by the names of figures.
+/// The kind of cameras of a figure.
 #[derive(Debug, Clone, Copy)]
 struct Kind {
     name: &'static str,
@@ -86,7 +87,7 @@ impl Optics {
     }
 }
 
-/// The results of one scene.
+/// The results in one scene.
 struct Measured {
     scene: String,
     agreement: f64,
@@ -94,8 +95,8 @@ struct Measured {
     unseen: f64,
 }
 
-/// The figures of all scenes and of the worst scene of each kind, which has a bound, and the share of points inside at
-/// which a view abstains.
+/// Figures of each kind of cameras: the agreement in the worst scene, with its bound, and in each scene; and where
+/// views abstain, the mean share of points inside that some view does not see.
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let mut figures = Vec::new();
     for kind in KINDS {
@@ -106,8 +107,10 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
                 measure_scene(kind, shape, n)
             })
             .collect();
+
         let worst = measured.iter().map(|measured| measured.agreement).fold(1.0, f64::min);
         figures.push(Figure::bounded(kind.name, worst, Bound::AtLeast(1.0)));
+
         for Measured { scene, agreement, .. } in &measured {
             figures.push(Figure::reported(&format!("{}_{scene}", kind.name), *agreement));
         }
@@ -125,26 +128,29 @@ fn measure_scene(kind: Kind, shape: &str, n: usize) -> Measured {
     let points = points(&hull, 5);
     let mut workspace = Workspace::new();
     let mut many = hull.respond_many(&points, &mut workspace).iter().peekable();
-    let agreement = share(points.iter().enumerate().map(|(place, p)| {
-        let many = many.next_if(|response| response.point == place);
+
+    let agreement = share(points.iter().enumerate().map(|(index, p)| {
+        let many = many.next_if(|response| response.point == index);
         hull.inside(p) == reference::inside(&hull, p) && agree(&hull, p, many, hull.respond(p))
     }));
+
     let is_unseen = |p: &Point3<f64>| hull.views().iter().any(|view| view.pixel(p).is_none());
     let unseen = share(points.iter().filter(|p| hull.inside(p)).map(is_unseen));
     Measured { scene: format!("{shape}_{n}"), agreement, unseen }
 }
 
-/// Whether the results of the batch and of the single query equal the reference's: verdict, view, b, normal and depth.
+/// Whether the results of the batch and of the single query equal the reference's: response or none, deciding view,
+/// pixel b, normal and depth.
 fn agree(hull: &Hull, p: &Point3<f64>, many: Option<&PointResponse>, single: Option<Response>) -> bool {
     match (many, single, reference::respond(hull, p)) {
         (None, None, None) => true,
         (Some(many), Some(single), Some(expected)) => {
             let view = &hull.views()[expected.view];
-            let answers = [(many.normal, many.depth), (single.normal, single.depth)];
+            let results = [(many.normal, many.depth), (single.normal, single.depth)];
             many.view == expected.view
                 && std::ptr::eq(single.nearest.view, view)
                 && single.nearest.b == expected.b
-                && answers.iter().all(|(normal, depth)| {
+                && results.iter().all(|(normal, depth)| {
                     (normal - expected.normal).norm() <= TOLERANCE
                         && (depth - expected.depth).abs() <= TOLERANCE
                 })
@@ -153,7 +159,7 @@ fn agree(hull: &Hull, p: &Point3<f64>, many: Option<&PointResponse>, single: Opt
     }
 }
 
-/// Random points in and around the hull, of which `count` are inside by the reference.
+/// Random points in and around the hull, of which [`POINTS`] are inside by the reference.
 fn points(hull: &Hull, seed: u64) -> Vec<Point3<f64>> {
     let mut random = Random(seed);
     let around = hull.aabb().grown(0.02);
@@ -166,12 +172,13 @@ fn points(hull: &Hull, seed: u64) -> Vec<Point3<f64>> {
     points
 }
 
-/// The hull of `shape` by `n` cameras with their lenses.
+/// The hull of `shape` seen by `n` cameras of `kind`.
 fn hull(kind: Kind, shape: &str, n: usize) -> Arc<Hull> {
     let subject = Subject::new(vec![scene::placed(shape)]);
     let cameras = cameras(kind.optics, n);
     let data = HullData::new();
-    let set_up = || {
+
+    let update = || {
         data.set_bounds(Aabb::new(point![-0.45, -0.45, 0.05], point![0.45, 0.45, 0.95])?)?;
         data.set_unseen(kind.unseen)?;
         data.add_views(&cameras)?;
@@ -180,13 +187,13 @@ fn hull(kind: Kind, shape: &str, n: usize) -> Arc<Hull> {
         }
         data.update(0.0)
     };
-
-    set_up().expect("valid cameras and masks")
+    update().expect("valid cameras and masks")
 }
 
-/// Cameras around the target, each turned until it sees the target at its place in the image.
+/// Cameras around the target, each turned to see the target at its position of [`TARGET_PX`].
 fn cameras(optics: Optics, n: usize) -> Vec<Camera> {
     let around = layout::staggered(n, 1.6, &HEIGHTS, TARGET, SIZE, FIELD_OF_VIEW).expect("a valid layout");
+
     let with_pose = |camera: &Camera, cam_from_world: Isometry3<f64>| {
         let (name, size, mut k) = (camera.name(), camera.size(), *camera.intrinsics());
         k[(0, 0)] *= optics.focal_share();

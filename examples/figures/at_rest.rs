@@ -1,5 +1,5 @@
-//! A box at rest on noisy silhouettes: how still it lies, compared with ODE's own box, other contact modes and the
-//! literal paper.
+//! The jitter of a box at rest on noisy silhouettes, compared with ODE's own box, with other modes and with the paper's
+//! method.
 
 use crate::studio::*;
 use image::GrayImage;
@@ -12,15 +12,19 @@ use ode_visual_hull::synthetic::{flip_boundary, silhouette};
 use ode_visual_hull_testing::figure::{Bound::AtMost, Figure};
 use std::sync::Arc;
 
-/// Duration of settling and of the measurement after it, in seconds.
+/// Seconds of settling before the measurement.
 const SETTLE: f64 = 3.0;
+
+/// Seconds of the measurement.
 const MEASURE: f64 = 5.0;
 
-/// Shares of boundary pixels that are flipped: constant in time, and anew in each frame.
+/// Share of boundary pixels that are flipped once for all frames.
 const CONSTANT_FLIPS: f64 = 0.37;
+
+/// Share of boundary pixels that are flipped anew in each frame.
 const LIVE_FLIPS: f64 = 0.05;
 
-/// Frames a second of a live camera.
+/// Frame rate of the live cameras, in frames a second.
 const LIVE_HZ: f64 = 30.0;
 
 const BOX: Vector3<f64> = Vector3::new(0.2, 0.2, 0.2);
@@ -30,8 +34,10 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let still: Vec<f64> = SEEDS.map(|seed| on_still_masks(seed, Mode::Clustered)).collect();
     let single = median(SEEDS.map(|seed| on_still_masks(seed, Mode::Single)));
     let worst = still.iter().copied().fold(0.0, f64::max);
+
     progress("a box on live masks");
     let live = median(SEEDS.map(on_live_masks));
+
     let multi = median(still);
 
     vec![
@@ -39,7 +45,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
         Figure::bounded("rest_rms_mm_s_worst_seed", worst, AtMost(10.0)),
         Figure::reported("rest_rms_mm_s_native", median(SEEDS.map(on_native))),
         Figure::bounded("rest_live_rms_mm_s", live, AtMost(2.0)),
-        // Avoids a division by zero where a box does not move at all.
+        // A box that does not move at all counts as moving by a nanometre a second, to avoid a division by zero.
         Figure::reported("single_over_multi_jitter", single / multi.max(1e-6)),
         Figure::reported("literal_rest_rms_mm_s", median(SEEDS.map(literal))),
     ]
@@ -73,7 +79,7 @@ fn box_above(seed: u64, layer: f64, hull: Option<(&Arc<HullData>, Mode)>) -> (Wo
     (world, body)
 }
 
-/// RMS speed in mm/s after settling; `before` runs ahead of each step with the time.
+/// RMS speed in mm/s after settling. `before` is called with the time before each step.
 fn rms_speed(world: &mut World, body: BodyId, mut before: impl FnMut(f64)) -> f64 {
     let mut speeds = Vec::new();
     let steps = ((SETTLE + MEASURE) / DT) as usize;
@@ -107,8 +113,10 @@ fn on_live_masks(seed: u64) -> f64 {
     let clean = masks(&cameras, &table(), silhouette);
     publish(&data, &noisy(&clean, LIVE_FLIPS, seed), 0.0);
     let (mut world, body) = box_above(seed, 0.5 * pixel(), Some((&data, Mode::Clustered)));
+
     let hull = world.geoms().next().expect("the hull came first");
     world.hull_mut(hull).set_min_feature(0.015).expect("positive");
+
     let mut frame = 0;
 
     rms_speed(&mut world, body, |time| {
@@ -120,17 +128,19 @@ fn on_live_masks(seed: u64) -> f64 {
     })
 }
 
-/// The paper's section 3 to the letter, without a solver: move the box by its response vector and flip its velocity
-/// over the tangent plane.
+/// RMS speed in mm/s by the paper's section 3, without a solver: the box moves by its response vector, and its velocity
+/// is reflected at the tangent plane.
 fn literal(seed: u64) -> f64 {
     let cameras = level_ring(TOP);
     let data = data(&cameras);
     publish(&data, &noisy(&masks(&cameras, &table(), silhouette), CONSTANT_FLIPS, seed), 0.0);
     let (_, hull) = data.latest().expect("published");
+
     let samples = sample::box_(BOX, 0.03).expect("positive sizes");
     let mut position = vector![0.02, -0.03, TOP + 0.101];
     let mut velocity = Vector3::zeros();
     let mut speeds = Vec::new();
+
     for k in 0..((SETTLE + MEASURE) / DT) as usize {
         velocity.z -= 9.81 * DT;
         position += velocity * DT;

@@ -1,4 +1,4 @@
-//! The cost of a query through the C functions, relative to the same query in Rust.
+//! The cost of calls of the C functions, compared with the same queries in Rust.
 
 use crate::studio::{add_body, at, data, level_ring, masks, median, publish, table, world};
 use nalgebra::{Point3, Vector3, point};
@@ -31,17 +31,17 @@ unsafe extern "C" {
     fn dGeomVisualHullBodyResponse(g: dGeomID, body: dGeomID, v: *mut f64) -> c_int;
 }
 
-/// Number of interleaved rounds on each scene. The figure is the median of all ratios.
+/// Interleaved rounds on each scene. The figures are medians over all rounds.
 const ROUNDS: usize = 21;
 
-/// Number of scenes, each in memory of its own: the place of the data in memory matters more than the call.
+/// Number of scenes, each in memory of its own, because the place of the data in memory matters more than the calls.
 const SCENES: u64 = 8;
 
 const POINTS: usize = 2000;
 const BODIES: usize = 20;
 
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
-    progress("calls through the C face");
+    progress("calls of the C functions");
     let scenes: Vec<Scene> = (0..SCENES).map(Scene::new).collect();
     let mut figures = Vec::new();
     let mut worst: f64 = 0.0;
@@ -61,14 +61,14 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     figures
 }
 
-/// Median nanoseconds a call in C and in Rust, and the median of the rounds' ratios.
+/// Median nanoseconds of a call in C and in Rust, and the median of the rounds' ratios.
 fn compare(scenes: &[Scene], calls: usize, c: fn(&Scene), rust: fn(&Scene)) -> (f64, f64, f64) {
     let ns = |run: fn(&Scene), scene: &Scene| {
         let start = Instant::now();
         run(scene);
         start.elapsed().as_nanos() as f64 / calls as f64
     };
-    // Each goes first in every other round.
+    // C and Rust alternate in going first.
     let round = |k: usize| {
         let scene = &scenes[k / ROUNDS];
         if k.is_multiple_of(2) {
@@ -79,13 +79,13 @@ fn compare(scenes: &[Scene], calls: usize, c: fn(&Scene), rust: fn(&Scene)) -> (
             (ns(c, scene), first)
         }
     };
-    let rounds: Vec<(f64, f64)> = (0..scenes.len() * ROUNDS).map(round).collect();
-    let pick = |of: fn(&(f64, f64)) -> f64| median(rounds.iter().map(of));
 
-    (pick(|round| round.0), pick(|round| round.1), pick(|round| round.0 / round.1))
+    let rounds: Vec<(f64, f64)> = (0..scenes.len() * ROUNDS).map(round).collect();
+    let median_of = |of: fn(&(f64, f64)) -> f64| median(rounds.iter().map(of));
+    (median_of(|round| round.0), median_of(|round| round.1), median_of(|round| round.0 / round.1))
 }
 
-/// The table in front of seven cameras, twice: in a world of the Rust wrapper, and made through the C functions.
+/// The table seen by seven cameras, as a hull in a world of Rust and as a hull of the C functions.
 struct Scene {
     world: World,
     hull: GeomId,
@@ -93,7 +93,7 @@ struct Scene {
     c_data: DataId,
     c_hull: dGeomID,
     c_cube: dGeomID,
-    /// About half of them inside.
+    /// Points to query, about half of them inside.
     points: Vec<Point3<f64>>,
 }
 
@@ -103,6 +103,7 @@ impl Scene {
         let masks = masks(&cameras, &table(), coverage);
         let rust_data = data(&cameras);
         publish(&rust_data, &masks, 0.0);
+
         let mut world = world(0, 0.0);
         let root = world.root_space();
         let hull = world.add_hull(root, &rust_data).expect("room for the class");
@@ -130,6 +131,7 @@ impl Scene {
             dGeomSetPosition(cube, 0.03, 0.01, 0.25);
             (dCreateVisualHull(null_mut(), c_data), cube)
         };
+
         let around = Aabb::new(point![-0.3, -0.3, -0.25], point![0.3, 0.3, 0.25]).expect("a box");
         let mut random = Random(seed);
         let points = (0..POINTS).map(|_| random.point(around.min, around.max)).collect();

@@ -1,4 +1,4 @@
-//! The geometric figures: the hull from pixels compared with the analytic hull of the same cameras.
+//! The geometric figures: the hull from pixels, compared with the analytic hull of its cameras.
 
 use Bound::{AtLeast, AtMost};
 use ode_visual_hull::hull::EdgeModel;
@@ -7,7 +7,7 @@ use ode_visual_hull_testing::quality::accuracy::{self, NormalError, Probe, mean,
 use ode_visual_hull_testing::quality::scene::{self, Scene};
 use std::collections::BTreeMap;
 
-/// The figures and the bounds of the worst scene.
+/// The figures of a scene, with the bounds on the worst scene.
 const BOUNDS: [(&str, Option<Bound>); 15] = [
     ("inside_agreement", Some(AtLeast(1.0))),
     ("culls_agree", Some(AtLeast(1.0))),
@@ -26,7 +26,7 @@ const BOUNDS: [(&str, Option<Bound>); 15] = [
     ("contact_normal_error_coverage_everywhere_deg_mean", None),
 ];
 
-/// Every figure of each scene, as `name_torus_7`, and as `name` the worst of them with its bound.
+/// Every figure of each scene, as `name_torus_7`, and the worst over all scenes as `name`, with its bound.
 pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let mut by_scene = Vec::new();
     for scene in scene::all() {
@@ -48,7 +48,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     figures
 }
 
-/// The value that is worst for the bound, NaN if there is one; without a bound the mean.
+/// The worst value with respect to the bound, or the mean where there is no bound; NaN if any value is NaN.
 fn worst(values: impl Iterator<Item = f64>, bound: Option<Bound>) -> f64 {
     let values: Vec<f64> = values.collect();
     if values.iter().any(|value| value.is_nan()) {
@@ -66,6 +66,7 @@ fn measure_scene(scene: &Scene) -> BTreeMap<&'static str, f64> {
     let paper = accuracy::paper_normal_errors(scene, &probes);
     let contact = accuracy::contact_normal_errors(scene, &scene.binary, &probes);
     let contact_coverage = accuracy::contact_normal_errors(scene, &scene.coverage, &probes);
+
     let mut figures = BTreeMap::from([
         ("inside_agreement", accuracy::inside_agreement(scene, 100_000, 2)),
         ("culls_agree", accuracy::culls_agree(scene, 4000, 3)),
@@ -79,6 +80,7 @@ fn measure_scene(scene: &Scene) -> BTreeMap<&'static str, f64> {
         ("contact_normal_error_everywhere_deg_mean", everywhere(&contact)),
         ("contact_normal_error_coverage_everywhere_deg_mean", everywhere(&contact_coverage)),
     ]);
+
     figures.extend(exit_figures(scene, &probes));
 
     figures

@@ -1,4 +1,4 @@
-//! Bodies deep in the hull, pierced by it, and held by it.
+//! Bodies deep inside the hull, pierced by it, and held by it.
 
 use crate::studio::*;
 use nalgebra::{UnitQuaternion, Vector3, vector};
@@ -18,6 +18,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
         Texture::plain([210, 160, 130]),
     );
     let plate = cuboid(vector![0.8, 0.5, 0.03], at(0.0, 0.0, 0.0));
+
     let swallowed = exit_speed(&table(), 0.15, vector![0.03, 0.01, 0.0]);
     let pierced = exit_speed(&Subject::new(vec![arm]), 0.2, vector![0.0, 0.02, 0.01]);
     let cut = exit_speed(&Subject::new(vec![plate]), 0.2, vector![0.0, 0.0, 0.02]);
@@ -31,17 +32,18 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     ]
 }
 
-/// Eight cameras around the centre, every other one level with it, of which two look through between the hands. Without
-/// these the hull would bulge into the gap from either side, and hold the body between two wedges.
+/// Eight cameras around the origin, every other one at its height, of which two look through the gap between the hands.
+/// Without such cameras, the hull bulges into the gap from both sides and would hold a body between two wedges.
 fn cameras() -> Vec<Camera> {
     layout::staggered(8, 3.0, &[0.0, 1.0], ORIGIN, (640, 480), 0.5).expect("a ring")
 }
 
-/// The greatest speed, m/s, within two seconds of a cube that appears at `place` in `subject`; the median over seeds.
-/// There is no gravity, so that all speed comes from the hull.
+/// The greatest speed, in m/s, within two seconds of a cube that appears at `place` inside `subject`, as the median
+/// over seeds. There is no gravity, so that the hull alone accelerates the cube.
 fn exit_speed(subject: &Subject, side: f64, place: Vector3<f64>) -> f64 {
     let cameras = cameras();
     let masks = masks(&cameras, subject, coverage);
+
     let once = |seed| {
         let data = data(&cameras);
         publish(&data, &masks, 0.0);
@@ -49,8 +51,10 @@ fn exit_speed(subject: &Subject, side: f64, place: Vector3<f64>) -> f64 {
         world.set_gravity(&Vector3::zeros()).expect("finite");
         let root = world.root_space();
         world.add_hull(root, &data).expect("room for the class");
+
         let cube = Shape::cuboid(side, side, side);
         let (body, _) = add_body(&mut world, &cube, &at(place.x, place.y, place.z));
+
         let mut fastest = 0.0_f64;
         for _ in 0..(2.0 / DT) as usize {
             step(&mut world);
@@ -61,21 +65,23 @@ fn exit_speed(subject: &Subject, side: f64, place: Vector3<f64>) -> f64 {
     median(SEEDS.map(once))
 }
 
-/// Whether two hands hold a box for three seconds that is 4 mm wider than the gap between them.
+/// Whether two hands hold a box for three seconds, if the gap between them is 4 mm narrower than the box.
 fn pinch_holds() -> bool {
-    let wide = 0.2;
+    let width = 0.2;
     let hand =
-        |side: f64| cuboid(vector![0.08, 0.12, 0.16], at(side * (0.5 * wide + 0.04 - 0.002), 0.0, 0.0));
+        |side: f64| cuboid(vector![0.08, 0.12, 0.16], at(side * (0.5 * width + 0.04 - 0.002), 0.0, 0.0));
     let subject = Subject::new(vec![hand(-1.0), hand(1.0)]);
     let cameras = cameras();
     let masks = masks(&cameras, &subject, coverage);
+
     let holds = |seed| {
         let data = data(&cameras);
         publish(&data, &masks, 0.0);
         let mut world = world(seed, 0.0005);
         let root = world.root_space();
         world.add_hull(root, &data).expect("room for the class");
-        let (body, _) = add_body(&mut world, &Shape::cuboid(wide, 0.15, 0.15), &at(0.0, 0.0, 0.0));
+        let (body, _) = add_body(&mut world, &Shape::cuboid(width, 0.15, 0.15), &at(0.0, 0.0, 0.0));
+
         for _ in 0..(3.0 / DT) as usize {
             step(&mut world);
         }

@@ -1,5 +1,5 @@
-//! Measures how good the hull is. Writes the figures to `target/figures.json`: one flat object, name to number, which holds
-//! the figures of `make bench` too.
+//! Measures the accuracy of the hull and the quality of simulations, and writes the figures into `target/figures.json`:
+//! one flat object, name to number, which also holds the figures of `make bench`.
 //!
 //! `cargo run --release --example figures [-- GROUP...]` measures the named groups, all of them by default, and
 //! prints a table of values and bounds. It fails where a bound is missed.
@@ -18,7 +18,7 @@ use ode_visual_hull_testing::figure::Figure;
 use ode_visual_hull_testing::figure_table;
 use std::process::ExitCode;
 
-/// Measures the figures of a group. The argument takes a word on each step.
+/// Measures a group's figures. The argument is called with the name of each step, to show progress.
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
@@ -34,17 +34,17 @@ const GROUPS: [(&str, Measure); 8] = [
 ];
 
 fn main() -> ExitCode {
-    let wanted: Vec<String> = std::env::args().skip(1).collect();
+    let groups: Vec<String> = std::env::args().skip(1).collect();
     let names = GROUPS.map(|(name, _)| name);
-    if let Some(unknown) = wanted.iter().find(|name| !names.contains(&name.as_str())) {
+    if let Some(unknown) = groups.iter().find(|name| !names.contains(&name.as_str())) {
         eprintln!("usage: figures [GROUP...], groups: {}; found {unknown}", names.join(", "));
         return ExitCode::from(2);
     }
 
     let mut figures = Vec::new();
     for (name, measure) in GROUPS {
-        if wanted.is_empty() || wanted.iter().any(|wanted| wanted == name) {
-            figures.extend(measure(&|at| eprintln!("{name}: {at}")));
+        if groups.is_empty() || groups.iter().any(|group| group == name) {
+            figures.extend(measure(&|step| eprintln!("{name}: {step}")));
         }
     }
 

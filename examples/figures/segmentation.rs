@@ -1,5 +1,5 @@
-//! The figures of segmentation: real captures compared with the masks that came with them, and synthetic images with exact
-//! silhouettes.
+//! The figures of segmentation: real captures compared with the masks that came with them, and synthetic images
+//! compared with exact silhouettes.
 
 use image::{GrayImage, RgbImage, imageops};
 use nalgebra::{Point3, Vector3};
@@ -15,7 +15,7 @@ use ode_visual_hull_testing::captures::{self, DINO, SEATED, carve, dino_cameras}
 use ode_visual_hull_testing::figure::{Bound, Figure};
 use std::path::Path;
 
-/// Number of frames of the empty background that a clean plate is made of.
+/// Frames of the background that a plate is made of.
 const EMPTY_FRAMES: u32 = 24;
 
 /// The figures of all captures that are present, and of the synthetic studio.
@@ -29,6 +29,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
             figures.extend(capture(&dir, &mut coded));
         }
     }
+
     figures.extend(coded_sizes(&coded));
     progress("a moving shadow");
     figures.push(Figure::bounded("segment_iou_mean", moving_shadow(), Bound::AtLeast(0.98)));
@@ -36,7 +37,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     figures
 }
 
-/// Measures the capture in a folder, and appends the sizes of its masks as run lengths.
+/// Measures the capture in a folder, and appends the size of its masks as run lengths.
 type Capture = fn(&Path, &mut Vec<Coded>) -> Vec<Figure>;
 
 /// Mean size of the masks of a capture as run lengths, in bytes.
@@ -60,7 +61,7 @@ impl Coded {
     }
 }
 
-/// Size of seven masks in bytes, each the mean of those of two persons, as segmentation makes them.
+/// The figures of the size of seven masks as run lengths, from the means over the captures of a person.
 fn coded_sizes(captures: &[Coded]) -> Vec<Figure> {
     if captures.is_empty() {
         return Vec::new();
@@ -76,12 +77,13 @@ fn coded_sizes(captures: &[Coded]) -> Vec<Figure> {
     ]
 }
 
-/// A man on a chair, in a room that was also filmed empty: videos, lenses from the XML files, and refined poses. The masks
-/// that came with it are a little too wide, and contain the shadow below the chair.
+/// A man on a chair, with videos of the background, the lenses of the XML files, and poses that were estimated
+/// anew. The masks that came with the capture are a little wide, and contain the shadow beneath the chair.
 fn seated(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     let recording = Recording::open(dir).expect("a recording");
     let cameras = seated_cameras(dir, recording.rig());
     let frames = recording.image_frames();
+
     let clips = |camera: &Camera| {
         let clip = |name, frames: &[u32]| {
             decoded(&dir.join("original").join(camera.name()).join(name), camera.size(), frames)
@@ -91,6 +93,7 @@ fn seated(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
         (plate, clip("video.avi", frames))
     };
     let (mut segmenters, clips): (Vec<_>, Vec<_>) = cameras.iter().map(clips).unzip();
+
     let (mut overlaps, mut volume, mut found) = (Vec::new(), f64::NAN, Vec::new());
 
     for (k, &frame) in frames.iter().enumerate() {
@@ -112,7 +115,7 @@ fn seated(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     ]
 }
 
-/// Cameras with the lenses of the XML files, whose unit is a millimetre, and the poses of `refined`.
+/// Cameras with the poses of `refined` and the lenses of the XML files, whose unit is a millimetre.
 fn seated_cameras(dir: &Path, refined: &Rig) -> Vec<Camera> {
     let size = refined.cameras()[0].size();
     let hints = Hints { size: Some(size), metres_per_unit: Some(1e-3) };
@@ -125,7 +128,7 @@ fn seated_cameras(dir: &Path, refined: &Rig) -> Vec<Camera> {
     refined.cameras().iter().map(camera).collect()
 }
 
-/// Some frames of a video, in its order.
+/// The frames of a video whose numbers are in `frames`, in ascending order.
 fn decoded(path: &Path, size: (u32, u32), frames: &[u32]) -> Vec<RgbImage> {
     let mut video = Video::open(path, ReadOptions { size: Some(size), ..ReadOptions::default() })
         .expect("a video, and ffmpeg");
@@ -135,8 +138,8 @@ fn decoded(path: &Path, size: (u32, u32), frames: &[u32]) -> Vec<RgbImage> {
     wanted.into_iter().map(|frame| frame.image).collect()
 }
 
-/// A person that balances in a full laboratory. The only photograph without that person shows another one, which the
-/// recording itself reveals: clean plates are refined with it.
+/// A person who balances in a crowded laboratory. The only photograph of the background shows another person, so that
+/// the plate is refined with frames of the recording.
 fn balancing(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
     let recording = Recording::open(dir).expect("a recording");
     let frames: Vec<_> = recording.image_frames().iter().map(|&frame| images(&recording, frame)).collect();
@@ -145,12 +148,14 @@ fn balancing(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
         let photograph = image::open(path).expect("a photograph").into_rgb8();
         imageops::thumbnail(&photograph, camera.size().0, camera.size().1)
     });
-    let refined_plates = photographs.enumerate().map(|(view, photograph)| {
+
+    let refined = photographs.enumerate().map(|(view, photograph)| {
         let frames: Vec<_> = frames.iter().map(|images| images[view].clone()).collect();
         default_plate(&photograph).refined_with(&frames).expect("ten frames")
     });
-    let (mut refined_plates, mut given): (Vec<_>, Vec<_>) =
-        (refined_plates.collect(), backgrounds(&recording).iter().map(default_plate).collect());
+    let (mut refined, mut unrefined): (Vec<_>, Vec<_>) =
+        (refined.collect(), backgrounds(&recording).iter().map(default_plate).collect());
+
     let overlap = |segmenters: &mut [CleanPlate]| {
         let frames = recording.image_frames().iter().zip(&frames);
         let overlaps = frames.flat_map(|(&frame, images)| {
@@ -158,32 +163,35 @@ fn balancing(dir: &Path, coded: &mut Vec<Coded>) -> Vec<Figure> {
         });
         mean(&overlaps.collect::<Vec<_>>())
     };
-    let found: Vec<_> = frames.iter().flat_map(|images| segment(&mut refined_plates, images)).collect();
+
+    let found: Vec<_> = frames.iter().flat_map(|images| segment(&mut refined, images)).collect();
     coded.push(Coded::of(found.iter()));
 
     vec![
-        Figure::bounded("balancing_iou_mean", overlap(&mut refined_plates), Bound::AtLeast(0.85)),
-        Figure::reported("balancing_plate_with_ghost_iou_mean", overlap(&mut given)),
+        Figure::bounded("balancing_iou_mean", overlap(&mut refined), Bound::AtLeast(0.85)),
+        Figure::reported("balancing_plate_with_ghost_iou_mean", overlap(&mut unrefined)),
     ]
 }
 
-/// A plaster dinosaur in the dark, lit from one side.
+/// A plaster dinosaur in front of a black background, lit from one side.
 fn dino(dir: &Path, _: &mut Vec<Coded>) -> Vec<Figure> {
     let views = dino_cameras(dir).into_iter().map(|(number, camera)| {
         let image =
             image::open(dir.join(format!("image/dinoSR{number:04}.png"))).expect("an image").into_rgb8();
-        let mask = in_the_dark(image.dimensions()).segment(&image).expect("an image of that size");
+        let mask = black_background(image.dimensions()).segment(&image).expect("an image of that size");
         (camera, mask)
     });
+
     let data = hull_data(views);
     data.set_unseen(Unseen::ABSTAIN).expect("a policy");
     data.set_bounds(DINO.grown(0.008)).expect("a volume");
-    let (volume, aabb) = carve(&data.update(0.0).expect("masks in all views"), 0.001);
 
-    // All cameras look down on it, so that the hull extends below the dinosaur's box like an upside-down tent. Points up to
-    // 6.5 mm below it are bright in every view, so no silhouette excludes them.
+    let (volume, aabb) = carve(&data.update(0.0).expect("masks in all views"), 0.001);
+    // All cameras look down, so that the hull ends in a wedge below the box of the dinosaur. Points up to 6.5 mm below the
+    // box project to bright pixels in every view, so that exact silhouettes contain them too.
     let (below, above) = ((DINO.min - aabb.min) * 1e3, (aabb.max - DINO.max) * 1e3);
     let five_sides = below.x.max(below.z).max(above.max());
+
     vec![
         Figure::bounded("dino_volume_e4_m3", 1e4 * volume, Bound::Between(0.97 * 1.28, 1.03 * 1.28)),
         Figure::bounded("dino_beyond_five_sides_of_its_box_mm", five_sides, Bound::AtMost(2.0)),
@@ -191,8 +199,9 @@ fn dino(dir: &Path, _: &mut Vec<Coded>) -> Vec<Figure> {
     ]
 }
 
-/// The mask by the recipe that came with the images: brighter than 0.19, dilated by 10 pixels, eroded by 7.
-fn in_the_dark((width, height): (u32, u32)) -> CleanPlate {
+/// A segmenter for a black background, by the method that came with the images: the threshold is 0.19, and the result
+/// is dilated by 10 pixels and eroded by 7.
+fn black_background((width, height): (u32, u32)) -> CleanPlate {
     let thresholds = Thresholds { difference: 0.19 * 255.0, ..Thresholds::default() };
     let cleanup = Cleanup {
         close_px: 7,
@@ -207,23 +216,27 @@ fn in_the_dark((width, height): (u32, u32)) -> CleanPlate {
         .expect("numbers in range")
 }
 
-/// The mean overlap with exact silhouettes of a walking person, with noise of 3 grey levels and a soft shadow that moves
-/// over the background.
+/// The mean overlap with exact silhouettes of a walking person, with noise of 3 grey levels and a soft shadow that
+/// moves over the background.
 fn moving_shadow() -> f64 {
     let target = Point3::new(0.0, 0.0, 0.9);
+
     let cameras = layout::staggered(5, 3.5, &[0.9, 2.4, 1.5], target, (640, 480), 0.9).expect("a layout");
     let mut overlaps = Vec::new();
     for (view, camera) in cameras.iter().enumerate() {
-        let room = clean_plate(camera, &Scene::default().room);
-        let empty: Vec<_> = (0..5).map(|k| noisy(&room, 1000 + 10 * view as u64 + k)).collect();
+        let background = clean_plate(camera, &Scene::default().room);
+        let empty: Vec<_> = (0..5).map(|k| noisy(&background, 1000 + 10 * view as u64 + k)).collect();
+
         let mut segmenter = CleanPlate::from_empty(&empty, Thresholds::default())
             .and_then(|plate| plate.with_shadows(Shadows::DEEP))
             .expect("frames of one size");
+
         for frame in 0..6u32 {
             let time = 0.23 * f64::from(frame);
-            let shaded = shade(&room, camera, time, 0.30 + 0.03 * f64::from(frame));
+            let shaded = shade(&background, camera, time, 0.30 + 0.03 * f64::from(frame));
             let scene = Scene { subject: Subject::person_at(time), ..Scene::default() };
-            let image = render_over(camera, &scene, &shaded).expect("a room of the camera's size");
+
+            let image = render_over(camera, &scene, &shaded).expect("a background of the camera's size");
             let mask =
                 segmenter.segment(&noisy(&image, 100 * view as u64 + u64::from(frame))).expect("a size");
             overlaps.push(overlap(&mask, &silhouette(camera, &scene.subject)));
@@ -233,14 +246,15 @@ fn moving_shadow() -> f64 {
     mean(&overlaps)
 }
 
-/// The background darkened by the share `depth` in a soft blob beside the subject, which moves with time.
-fn shade(room: &RgbImage, camera: &Camera, time: f64, depth: f64) -> RgbImage {
+/// The background with a soft shadow beside the subject, which moves with time and darkens by the share `depth`.
+fn shade(background: &RgbImage, camera: &Camera, time: f64, depth: f64) -> RgbImage {
     let centre = Point3::origin() + Vector3::new((2.0 * time).cos(), (2.0 * time).sin(), 0.0) * 0.5;
     let centre = camera.project(&centre).expect("in front of every camera");
-    let mut shaded = room.clone();
+
+    let mut shaded = background.clone();
     for (x, y, pixel) in shaded.enumerate_pixels_mut() {
         let (dx, dy) = ((f64::from(x) - centre.u) / 140.0, (f64::from(y) - centre.v) / 70.0);
-        // Uniform in the middle, soft at the rim.
+        // Constant in the middle, and smooth at the border.
         let inside = (1.5 - dx.hypot(dy)).clamp(0.0, 1.0);
         let light = 1.0 - depth * inside * inside * (3.0 - 2.0 * inside);
         pixel.0 = pixel.0.map(|value| (f64::from(value) * light).round() as u8);
@@ -281,13 +295,13 @@ fn hull_data(views: impl Iterator<Item = (Camera, GrayImage)>) -> HullData {
     data
 }
 
-fn compare<'a>(masks: &'a [GrayImage], given: &'a [GrayImage]) -> Vec<f64> {
-    masks.iter().zip(given).map(|(mask, given)| overlap(mask, given)).collect()
+fn compare<'a>(masks: &'a [GrayImage], expected: &'a [GrayImage]) -> Vec<f64> {
+    masks.iter().zip(expected).map(|(mask, expected)| overlap(mask, expected)).collect()
 }
 
-/// Intersection over union.
-fn overlap(mask: &GrayImage, given: &GrayImage) -> f64 {
-    let pairs = mask.iter().zip(given.iter()).map(|(&a, &b)| (a >= 128, b >= 128));
+/// Intersection over union of two masks.
+fn overlap(mask: &GrayImage, expected: &GrayImage) -> f64 {
+    let pairs = mask.iter().zip(expected.iter()).map(|(&a, &b)| (a >= 128, b >= 128));
     let both = pairs.clone().filter(|&(a, b)| a && b).count();
     both as f64 / pairs.filter(|&(a, b)| a || b).count() as f64
 }

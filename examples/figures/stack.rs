@@ -1,4 +1,4 @@
-//! Five boxes on the table: how far the top one creeps, compared with ODE's own table.
+//! The creep of the top box of a stack of five on the table, compared with ODE's own table.
 
 use crate::studio::*;
 use nalgebra::{Vector2, vector};
@@ -19,7 +19,7 @@ pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
     ]
 }
 
-/// Millimetres that the top box moves sideways from 5 to 30 s.
+/// Horizontal motion of the top box from 5 to 30 s, in millimetres.
 fn creep(seed: u64, on_hull: bool) -> f64 {
     let mut world = world(seed, 0.001);
     let root = world.root_space();
@@ -36,17 +36,18 @@ fn creep(seed: u64, on_hull: bool) -> f64 {
     let boxes: Vec<BodyId> = (0..5)
         .map(|k| add_body(&mut world, &cube, &at(0.0, 0.0, TOP + SIDE * (f64::from(k) + 0.5) + 0.0005)).0)
         .collect();
-    let aside = |world: &World| {
+
+    let horizontal = |world: &World| {
         let p = world.body(boxes[4]).position();
         Vector2::new(p.x, p.y)
     };
+
     let mut at_five = Vector2::zeros();
     for k in 0..(30.0 / DT) as usize {
         step(&mut world);
         if k == (5.0 / DT) as usize {
-            at_five = aside(&world);
+            at_five = horizontal(&world);
         }
     }
-
-    1000.0 * (aside(&world) - at_five).norm()
+    1000.0 * (horizontal(&world) - at_five).norm()
 }

@@ -1,4 +1,4 @@
-//! Subjects, cameras, masks and worlds of the physical figures.
+//! Subjects, cameras, masks and worlds that the figures of simulations share.
 
 use image::GrayImage;
 use nalgebra::{Isometry3, point, vector};
@@ -12,10 +12,10 @@ use std::sync::Arc;
 pub use ode_visual_hull_testing::median;
 pub use ode_visual_hull_testing::scene::{ORIGIN, TABLE, TOP, at, cuboid, publish};
 
-/// Seeds over which medians are taken, of ODE's random numbers and of the masks' noise alike.
+/// Seeds over which medians are taken, both of ODE's random numbers and of the masks' noise.
 pub const SEEDS: std::ops::Range<u64> = 0..8;
 
-/// The step of all simulations, in seconds: what most programs of ODE use.
+/// Step size of all simulations, in seconds, as in most programs with ODE.
 pub const DT: f64 = 0.01;
 
 /// Seven cameras of 640x480 pixels on a ring of 3 m, level with `height`: about 4 mm a pixel.
@@ -24,7 +24,7 @@ pub fn level_ring(height: f64) -> Vec<Camera> {
     layout::ring(7, 3.0, height, target, (640, 480), 0.8).expect("a ring of seven")
 }
 
-/// Size of a pixel of [`level_ring`] at the centre, in metres.
+/// The size of a pixel of [`level_ring`] at the middle of the ring, in metres.
 pub fn pixel() -> f64 {
     3.0 * 2.0 * (0.8_f64 / 2.0).tan() / 640.0
 }
@@ -40,7 +40,7 @@ pub fn data(cameras: &[Camera]) -> Arc<HullData> {
     Arc::new(data)
 }
 
-/// The masks of `subject` in all cameras, drawn by `draw`.
+/// The masks of `subject` in each camera, rendered by `draw`.
 pub fn masks(
     cameras: &[Camera],
     subject: &Subject,
@@ -54,7 +54,7 @@ pub fn table() -> Subject {
     Subject::new(vec![cuboid(TABLE, Isometry3::identity())])
 }
 
-/// A world as callers of a hull set it up.
+/// A world with parameters that suit a hull.
 pub fn world(seed: u64, surface_layer: f64) -> World {
     set_random_seed(seed as u32 + 1);
     let ode = Ode::init().expect("ODE in double precision");
@@ -77,7 +77,7 @@ pub fn step(world: &mut World) {
     world.quick_step(DT).expect("finite states");
 }
 
-/// The speed of `body` in m/s.
+/// The speed of `body`, in m/s.
 pub fn speed(world: &World, body: BodyId) -> f64 {
     world.body(body).linear_velocity().norm()
 }

@@ -1,5 +1,5 @@
-//! How closely bodies on the hull of a box follow those on ODE's own box, and how fast they roll: the scenes of the tests
-//! as figures.
+//! Differences between the motion of bodies on the hull of a box and on ODE's own box, and the speed of rolling, in the
+//! scenes of the tests.
 
 use ode_visual_hull_testing::figure::{
     Bound::{AtMost, Between},

@@ -1,4 +1,5 @@
-//! Finds ODE with pkg-config, binds `<ode/ode.h>`, and tells dependants the precision (`DEP_ODE_PRECISION`).
+//! Finds ODE with pkg-config, generates bindings of `<ode/ode.h>`, and passes the precision to dependants
+//! (`DEP_ODE_PRECISION`).
 
 use std::env;
 use std::panic;
@@ -26,7 +27,7 @@ fn build() -> Result<(), Problem> {
     let ode = pkg_config::Config::new()
         .range_version("0.16.2".."0.17")
         .probe("ode")
-        .map_err(|error| Problem::Missing(words(&error)))?;
+        .map_err(|error| Problem::Missing(reason(&error)))?;
     let configured = pkg_config::get_variable("ode", "precision").ok();
 
     let bindings = bind(&ode.include_paths)?;
@@ -47,8 +48,8 @@ fn build() -> Result<(), Problem> {
     Ok(())
 }
 
-/// The output of pkg-config, where it could be run.
-fn words(error: &pkg_config::Error) -> String {
+/// The output of pkg-config on stderr, or the reason why it did not run.
+fn reason(error: &pkg_config::Error) -> String {
     match error {
         pkg_config::Error::Failure { output, .. } | pkg_config::Error::ProbeFailure { output, .. } => {
             String::from_utf8_lossy(&output.stderr).into_owned()
@@ -59,10 +60,10 @@ fn words(error: &pkg_config::Error) -> String {
 
 /// The bindings as Rust source. bindgen panics where it cannot load libclang, so that is caught here.
 fn bind(include_paths: &[PathBuf]) -> Result<String, Problem> {
-    let silent = panic::take_hook();
+    let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| ()));
     let loaded = panic::catch_unwind(bindgen::clang_version);
-    panic::set_hook(silent);
+    panic::set_hook(hook);
     if loaded.is_err() {
         return Err(Problem::NoClang);
     }
@@ -75,9 +76,9 @@ fn bind(include_paths: &[PathBuf]) -> Result<String, Problem> {
         .allowlist_function("d[A-Z].*")
         .allowlist_type("d[A-Z].*")
         .allowlist_var("_?d[A-Z].*|CONTACTS_UNIMPORTANT")
-        // They refuse by unwinding out of a debug handler: a full table of user classes, a closed ODE.
+        // Where they fail (a full table of user classes, a closed ODE), the debug handler unwinds out of them.
         .override_abi(bindgen::Abi::CUnwind, "dCreateGeomClass|dAllocateODEDataForThread")
-        // C's own types are the crate libc's, so that a FILE opened through libc can be handed to ODE.
+        // C's types come from the crate libc, so that a FILE opened through libc can be passed to ODE.
         .ctypes_prefix("libc")
         .blocklist_type("FILE|_IO_.*")
         .raw_line("use libc::FILE;")

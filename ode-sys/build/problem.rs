@@ -4,23 +4,23 @@
 
 use std::fmt;
 
-/// The Debian packages that the build needs.
+/// The command that installs everything needed on Debian.
 const INSTALL: &str = "apt-get install libode-dev libclang-dev pkg-config";
 
-/// Why no bindings could be made.
+/// The reason why no bindings could be generated.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Problem {
-    /// pkg-config finds no ODE of a suitable version; its message.
+    /// pkg-config finds no ODE of a suitable version; with its output.
     Missing(String),
     /// libclang cannot be loaded.
     NoClang,
-    /// bindgen failed; its message.
+    /// bindgen failed; with its message.
     Bindings(String),
     /// pkg-config and the header name different precisions.
     Disagree { configured: String, header: &'static str },
-    /// The precision is known, but it is not double.
+    /// ODE is built with a precision other than double.
     NotDouble(&'static str),
-    /// The header defines `dReal` as an unknown type.
+    /// The header defines `dReal` as neither `f64` nor `f32`.
     NoReal,
 }
 
@@ -33,28 +33,33 @@ impl fmt::Display for Problem {
                  On Debian: {INSTALL}\n\npkg-config said: {}",
                 why.trim()
             ),
+
             Self::NoClang => write!(
                 f,
                 "ode-sys reads ODE's headers with libclang, which could not be loaded.\n\
                  On Debian: {INSTALL} (or set LIBCLANG_PATH to the folder of libclang.so)"
             ),
+
             Self::Bindings(why) => write!(
                 f,
                 "ode-sys could not make bindings from <ode/ode.h>.\n\
                  On Debian, both the headers and clang's own are in: {INSTALL}\n\nbindgen said: {}",
                 why.trim()
             ),
+
             Self::Disagree { configured, header } => write!(
                 f,
                 "pkg-config says that the installed ODE is built with {configured}, but the header found says {header}.\n\
                  Two versions of ODE are mixed: remove the other one from the include path (CPATH, BINDGEN_EXTRA_CLANG_ARGS),\n\
                  then on Debian: {INSTALL}"
             ),
+
             Self::NotDouble(found) => write!(
                 f,
                 "ode-sys needs an ODE of double precision (dDOUBLE), but the installed one is {found}.\n\
                  Build ODE with --enable-double-precision, or on Debian (amd64, arm64): {INSTALL}"
             ),
+
             Self::NoReal => write!(
                 f,
                 "ode-sys found no type dReal in <ode/ode.h>, so this is not an ODE it knows.\n\
@@ -66,8 +71,8 @@ impl fmt::Display for Problem {
 
 /// The precision of the installed ODE, `"double"`.
 ///
-/// `configured` is pkg-config's variable `precision` (older builds of ODE have none), `bindings` what bindgen
-/// made of the header that it found: the header decides, since the code is compiled against it.
+/// `configured` is pkg-config's variable `precision`, which older builds of ODE lack, and `bindings` are those that
+/// bindgen generated from the header. The header decides, since code is compiled against it.
 ///
 /// # Errors
 ///

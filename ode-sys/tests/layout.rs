@@ -9,7 +9,8 @@ use std::process::Command;
 
 use ode_sys::{dContact, dContactGeom, dGeomClass, dJointFeedback, dMass, dReal, dSurfaceParameters};
 
-/// Adds the size of a structure and the offsets of its fields, as C source and as Rust's values.
+/// Appends the size of a structure and the offsets of its fields: to `$c` as source that prints them, and to `$rust` as
+/// the values in Rust.
 macro_rules! layout {
     ($c:ident, $rust:ident, $name:ident { $($field:ident),* $(,)? }) => {
         writeln!($c, "print(\"{0}\", sizeof({0}));", stringify!($name)).unwrap();
@@ -28,6 +29,7 @@ fn c_and_rust_agree_on_sizes_and_offsets() {
          static void print(const char *name, size_t n) { printf(\"%s %lu\\n\", name, (unsigned long)n); }\n\
          int main(void) {\n",
     );
+
     let mut rust = String::new();
     layout!(c, rust, dReal {});
     layout!(c, rust, dContactGeom { pos, normal, depth, g1, g2, side1, side2 });
@@ -56,23 +58,27 @@ fn c_and_rust_agree_on_sizes_and_offsets() {
     );
     layout!(c, rust, dMass { mass, c, I });
     layout!(c, rust, dJointFeedback { f1, t1, f2, t2 });
+
     c.push_str("return 0;\n}\n");
 
     assert_eq!(compiled_output("layout", &c), rust);
 }
 
-/// The output of the program `source`, compiled with the system's C compiler against the bound headers.
+/// The output of the program `source`, compiled by the system's C compiler against the bound headers.
 fn compiled_output(name: &str, source: &str) -> String {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let (file, program) = (folder.join(format!("{name}.c")), folder.join(name));
     fs::write(&file, source).unwrap();
+
     let mut build = cc::Build::new();
     build.target(env!("ODE_SYS_TARGET")).host(env!("ODE_SYS_HOST")).opt_level(0).cargo_metadata(false);
     for include in env::split_paths(env!("ODE_SYS_INCLUDE")).filter(|path| !path.as_os_str().is_empty()) {
         build.include(include);
     }
+
     let status = build.get_compiler().to_command().arg(&file).arg("-o").arg(&program).status().unwrap();
     assert!(status.success(), "the C compiler refused {}", file.display());
+
     let output = Command::new(&program).output().unwrap();
     String::from_utf8(output.stdout).unwrap()
 }

@@ -1,4 +1,4 @@
-//! The build script recognises an unsuitable ODE.
+//! The build script's check of the installed ODE.
 
 #[path = "../build/problem.rs"]
 mod problem;
@@ -9,7 +9,7 @@ const DOUBLE: &str = "pub type dReal = f64;";
 const SINGLE: &str = "pub type dReal = f32;";
 
 #[test]
-fn agreeing_double_is_accepted() {
+fn double_precision_in_both_places_is_accepted() {
     assert_eq!(precision(Some("dDOUBLE"), DOUBLE), Ok("double"));
 }
 
@@ -29,7 +29,7 @@ fn a_header_of_another_precision_is_refused() {
 }
 
 #[test]
-fn single_precision_is_refused_even_where_all_agree() {
+fn single_precision_in_both_places_is_refused() {
     assert_eq!(precision(Some("dSINGLE"), SINGLE), Err(Problem::NotDouble("dSINGLE")));
 }
 
@@ -48,6 +48,7 @@ fn every_problem_says_what_to_install() {
         Problem::NotDouble("dSINGLE"),
         Problem::NoReal,
     ];
+
     for problem in problems {
         assert!(
             problem.to_string().contains("apt-get install libode-dev libclang-dev pkg-config"),

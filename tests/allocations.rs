@@ -1,4 +1,4 @@
-//! A running program allocates nothing once all buffers have grown to their size.
+//! A running program does not allocate, once all buffers have grown to their final size.
 
 use nalgebra::{Isometry3, Point3, Vector3, point};
 use ode_visual_hull::camera::{Camera, Distortion};
@@ -14,7 +14,7 @@ fn pinholes() -> Vec<Camera> {
     layout::staggered(7, 3.2, &[0.2, 1.6, 0.8, 2.3], target, (640, 480), 1.1).unwrap()
 }
 
-/// A walking person at three moments, as the pinholes see them.
+/// Masks of a walking person at three times in the pinhole cameras.
 static MOMENTS: LazyLock<Vec<Vec<image::GrayImage>>> = LazyLock::new(|| {
     let masks = |time: f64| {
         let person = Subject::person_at(time);
@@ -23,19 +23,20 @@ static MOMENTS: LazyLock<Vec<Vec<image::GrayImage>>> = LazyLock::new(|| {
     [0.0, 0.2, 0.4].map(masks).into()
 });
 
-/// Data of the pinholes, or of these cameras with a lens, for masks of a walking person. The masks are those of the pinholes
-/// in both cases, since allocations depend on their size and shape only.
+/// Cameras around a walking person, with or without lenses. Masks are always those of the pinhole cameras: allocation
+/// depends only on their size and shape.
 struct Studio {
     data: HullData,
 }
 
 impl Studio {
     fn new(distortion: Distortion) -> Self {
-        let behind_lens = |camera: &Camera| {
+        let with_lens = |camera: &Camera| {
             let (intrinsics, pose) = (*camera.intrinsics(), *camera.cam_from_world());
             Camera::new(camera.name(), camera.size(), intrinsics, distortion, pose).unwrap()
         };
-        let cameras: Vec<_> = pinholes().iter().map(behind_lens).collect();
+        let cameras: Vec<_> = pinholes().iter().map(with_lens).collect();
+
         let data = HullData::new();
         for camera in &cameras {
             data.add_view(camera.clone()).unwrap();
@@ -58,12 +59,14 @@ fn frames_and_batches_allocate_nothing_in_the_steady_state() {
     let samples = sample::box_(Vector3::new(0.1, 0.2, 0.25), 0.03).unwrap();
     let cloud: Vec<Point3<f64>> = samples.points().iter().map(|sample| sample.point).collect();
     let points = Points::new(&cloud);
+
     let (mut workspace, mut contacts, mut responses) = (Workspace::new(), Vec::new(), Vec::new());
     let pose = |k: usize| Isometry3::translation(0.0, 0.1 * (k % 4) as f64 - 0.2, 0.3 * (k % 6) as f64);
     let body = |k| SampledBody { samples: &samples, hull_from_body: pose(k), last_escape: None };
     let bodies: Vec<_> = (0..24).map(body).collect();
     let placed: Vec<Vec<Point3<f64>>> =
         (0..6).map(|k| cloud.iter().map(|point| pose(k) * point).collect()).collect();
+
     let mut colliding = 0;
     let mut run = |frame: usize| {
         let hull = studio.show(frame);
@@ -75,7 +78,7 @@ fn frames_and_batches_allocate_nothing_in_the_steady_state() {
         contact::body_responses(&hull, &bodies, &mut responses);
     };
 
-    // The history fills up, and each buffer grows to the largest silhouette.
+    // The ring of past frames fills up, and each buffer grows to the largest silhouette.
     (0..150).for_each(&mut run);
     let allocated = allocation_counter::measure(|| (150..210).for_each(&mut run));
 
@@ -94,7 +97,7 @@ fn masks_of_lenses_allocate_nothing_in_the_steady_state() {
 }
 
 #[test]
-fn a_frame_works_in_less_than_half_the_memory_of_its_masks() {
+fn a_frame_takes_less_than_half_the_memory_of_its_masks() {
     let studio = Studio::new(Distortion::none());
     let hull = studio.show(0);
     let working: usize = hull.views().iter().map(|view| view.silhouette().working_memory()).sum();
@@ -119,7 +122,9 @@ fn a_simulation_on_a_hull_allocates_nothing_in_the_steady_state() {
         (world::cube(0.1), scene::at(0.15, -0.12, scene::TOP + 0.06)),
         (Shape::Cylinder { radius: 0.04, length: 0.1 }, lying),
     ];
+
     let bodies = shapes.each_ref().map(|(shape, pose)| world::add_body(&mut simulated, shape, pose).0);
+
     let mut step = |k: usize| {
         scene::show_table(&data, 0.01 * k as f64);
         world::step(&mut simulated, 0.01);
@@ -128,6 +133,7 @@ fn a_simulation_on_a_hull_allocates_nothing_in_the_steady_state() {
             "all rest on the table"
         );
     };
+
     (1..100).for_each(&mut step);
     let allocated = allocation_counter::measure(|| (100..150).for_each(&mut step));
 

@@ -1,4 +1,4 @@
-//! Real calibration files of OpenCV's family, written by other programs.
+//! Real calibration files of OpenCV and related tools are read, and survive a round trip through the crate's format.
 
 use nalgebra::Point3;
 use ode_visual_hull::camera::Camera;
@@ -7,7 +7,7 @@ use ode_visual_hull_testing::captures;
 use ode_visual_hull_testing::random::Random;
 use std::path::Path;
 
-/// Hints for the files, which lack the image size and some the unit.
+/// Hints for files without an image size.
 const HD: Hints = Hints { size: Some((1920, 1080)), metres_per_unit: None };
 const SMALL_MM: Hints = Hints { size: Some((644, 486)), metres_per_unit: Some(1e-3) };
 
@@ -15,7 +15,8 @@ fn load(path: &Path, hints: &Hints) -> Calibration {
     Calibration::load(path, hints).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Asserts that a rig survives our own file format: 1000 points in front of each camera reproject within 1e-6 px.
+/// Asserts that the rig survives a round trip through the crate's format: 1000 points in front of each camera project
+/// to within 1e-6 px of their old places.
 fn assert_round_trip(rig: &Rig) {
     let again = Rig::from_toml(&rig.to_toml()).unwrap();
     assert_eq!(again.len(), rig.len());
@@ -31,13 +32,13 @@ fn assert_round_trip(rig: &Rig) {
     }
 }
 
-/// 1000 points that the camera sees, 0.5 to 10 m in front of it, from a fixed sequence.
+/// 1000 random points in the field of view, at depths of 0.5 to 10 m.
 fn points_before(camera: &Camera) -> impl Iterator<Item = Point3<f64>> {
     let mut random = Random(1);
     let (width, height) = (f64::from(camera.size().0), f64::from(camera.size().1));
     let point =
         move || camera.unproject(width * random.unit(), height * random.unit(), random.between(0.5, 10.0));
-    // Beyond the range of its model a lens sees nothing.
+    // Pixels beyond the range of the lens model have no viewing ray.
     std::iter::repeat_with(point).take(100_000).flatten().take(1000)
 }
 
@@ -48,8 +49,7 @@ fn easymocaps_cameras_surround_a_subject_and_keep_their_places_in_our_file() {
     let rig = &calibration.rig;
 
     assert_eq!(rig.cameras().iter().map(Camera::name).collect::<Vec<_>>(), ["2", "3", "4", "5", "6", "7"]);
-
-    // Its documentation: the world's z is up, the floor at 0, and the cameras stand around the origin.
+    // By its documentation, z points up, the floor is at 0, and the cameras stand around the origin.
     for camera in rig.cameras() {
         let centre = camera.centre();
         assert!((1.0..10.0).contains(&centre.coords.norm()) && centre.z > 0.0, "{}", rig.describe());
@@ -115,8 +115,9 @@ fn a_folder_per_camera_has_the_lenses_of_its_refined_rig() {
 
     for (camera, refined) in rig.cameras().iter().zip(refined.cameras()) {
         assert_eq!((camera.name(), camera.size()), (refined.name(), refined.size()));
-        // The file has single precision.
+        // The file stores numbers in single precision.
         assert!((camera.intrinsics() - refined.intrinsics()).abs().max() < 1e-4);
+
         let (a, b) = (camera.lens().coefficients(), refined.lens().coefficients());
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-8), "{a:?} {b:?}");
     }
@@ -126,16 +127,15 @@ fn a_folder_per_camera_has_the_lenses_of_its_refined_rig() {
         "{:?}",
         calibration.notes
     );
-
-    // The refined rig has another world and another scale, and the poses are some degrees better. How two cameras are
-    // turned against each other, and where one sees the other, depends on neither.
+    // The refined rig has another world frame and another scale, and its poses are some degrees better. The relative
+    // rotation of two cameras, and the direction from one to the other, do not depend on frame or scale.
     for (i, j) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
-        let seen = |rig: &Rig| {
+        let relative = |rig: &Rig| {
             let second_from_first =
                 rig.cameras()[j].cam_from_world() * rig.cameras()[i].cam_from_world().inverse();
             (second_from_first.rotation, second_from_first.translation.vector)
         };
-        let ((turn, place), (refined_turn, refined_place)) = (seen(rig), seen(&refined));
+        let ((turn, place), (refined_turn, refined_place)) = (relative(rig), relative(&refined));
         assert!(turn.angle_to(&refined_turn).to_degrees() < 6.0, "{i} {j}");
         assert!(place.angle(&refined_place).to_degrees() < 8.0, "{i} {j}");
     }

@@ -1,4 +1,5 @@
-//! Real calibration files of other tools: their cameras stand where they should, and survive this crate's own format.
+//! Real calibration files of other tools are read, give plausible cameras, and survive a round trip through the crate's
+//! format.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Distortion};
@@ -21,7 +22,7 @@ fn names(rig: &Rig) -> Vec<&str> {
     rig.cameras().iter().map(Camera::name).collect()
 }
 
-/// Up to a thousand points all over the camera's image, at depths of 0.3 to 8 m, without those outside its lens model.
+/// A thousand random points all over the camera's image, at depths of 0.3 to 8 m, without those beyond its lens model.
 fn points_before(camera: &Camera) -> Vec<Point3<f64>> {
     let mut random = Random(1);
     let (width, height) = (f64::from(camera.size().0), f64::from(camera.size().1));
@@ -35,7 +36,7 @@ fn distance(a: &Camera, b: &Camera, b_scale: f64, point: &Point3<f64>) -> f64 {
     (a.u - b_scale * b.u).hypot(a.v - b_scale * b.v)
 }
 
-/// Asserts that points in front of each camera appear at the same places after writing and reading the rig.
+/// Asserts that points in front of each camera project to the same places after writing and reading the rig.
 fn assert_survives_the_round_trip(rig: &Rig) {
     let again = Rig::from_toml(&rig.to_toml()).unwrap();
     for (a, b) in rig.cameras().iter().zip(again.cameras()) {
@@ -58,8 +59,8 @@ fn meeting_point(rig: &Rig) -> Point3<f64> {
     Point3::from(across.try_inverse().unwrap() * offset)
 }
 
-/// Asserts that the cameras stand upright above a floor at z = 0, at usual heights, and look at one place between them
-/// that is as high as a person.
+/// Asserts that the cameras are upright and 0.5 to 4 m above a floor at z = 0, and that all of them see the point
+/// nearest to their optical axes, at the height of people.
 fn assert_stands_around_people(rig: &Rig) {
     let meeting = meeting_point(rig);
     assert!((-0.5..2.5).contains(&meeting.z), "{meeting}");
@@ -86,7 +87,7 @@ fn a_calibration_by_anipose_is_read_and_written() {
 fn middleburys_dinosaur_is_read_and_written() {
     let Some(rig) = load("middlebury_par/dinoSR_par.txt", Some((640, 480))) else { return };
     assert_eq!((rig.len(), rig.cameras()[15].name()), (16, "dinoSR0016"));
-    // The gantry's arm, and the box that holds the dinosaur.
+    // Distances by the length of the gantry's arm, and the centre of the dinosaur's bounding box.
     let centre = Point3::new(-0.025, 0.025, -0.021);
     for camera in rig.cameras() {
         assert!((0.5..0.8).contains(&(camera.centre() - centre).norm()), "{}", camera.centre());
@@ -115,12 +116,12 @@ fn qualisys_export_is_read_and_written() {
     assert_survives_the_round_trip(&rig);
 }
 
-/// The published rig was made from the same export for images of half the size, without its lens distortion (the
-/// tool that made it divides the coefficients by 64 as if they had a unit; with them the hull of the recording is
-/// 0.1 to 0.7 % larger, so that they seem right). With that set aside all four cameras agree: the two videos that
-/// were encoded anew differ from their calibration, but that changes no calibration.
+/// The published rig was made from this export for images of half the size, without the lens distortion. (Its tool
+/// divides the coefficients by 64 as if they had a unit. With them, the hull of the recording is 0.1 to 0.7 % larger,
+/// so that they seem right.) Apart from the distortion, all four cameras agree. Two of the videos were encoded anew and
+/// differ from their calibration, but this does not change the calibration itself.
 #[test]
-fn qualisys_export_agrees_with_the_rig_that_was_published_of_it() {
+fn qualisys_export_agrees_with_the_rig_that_was_published_from_it() {
     let Some(rig) = load("qualisys_qca/Calib.qca.txt", None) else { return };
     let Some(published) = captures::find("balancing_person/rig_as_published.toml") else { return };
     let published = Rig::load(published).unwrap();
@@ -129,19 +130,21 @@ fn qualisys_export_agrees_with_the_rig_that_was_published_of_it() {
         assert_eq!(ours.size(), (2 * theirs.size().0, 2 * theirs.size().1));
         let (k, pose) = (*ours.intrinsics(), *ours.cam_from_world());
         let pinhole = Camera::new(ours.name(), ours.size(), k, Distortion::none(), pose).unwrap();
+
         let points = points_before(theirs);
         assert_eq!(points.len(), 1000);
         let most =
             |camera: &Camera| points.iter().map(|p| distance(camera, theirs, 2.0, p)).fold(0.0, f64::max);
-        let (straight, bent) = (most(&pinhole), most(ours));
-        println!("{}: {straight:.4} px, with its lens {bent:.1} px", ours.name());
-        assert!(straight < 0.01, "{}: {straight} px", ours.name());
-        assert!(bent < 10.0, "{}: {bent} px", ours.name());
+
+        let (without_lens, with_lens) = (most(&pinhole), most(ours));
+        println!("{}: {without_lens:.4} px, with its lens {with_lens:.1} px", ours.name());
+        assert!(without_lens < 0.01, "{}: {without_lens} px", ours.name());
+        assert!(with_lens < 10.0, "{}: {with_lens} px", ours.name());
     }
 }
 
 #[test]
-fn the_inputs_of_a_self_calibration_are_none() {
+fn the_inputs_of_a_self_calibration_are_refused() {
     let Some(folder) = sample("multicamselfcal") else { return };
     let message = Calibration::load(folder, &Hints::default()).unwrap_err().to_string();
     assert!(message.contains("expected camera1.Pmat.cal and so on, found only what"), "{message}");

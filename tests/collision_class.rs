@@ -1,4 +1,4 @@
-//! The hull as a geometry class of ODE: what a program may expect of any class, and what is special to the hull.
+//! The hull as a geometry class of ODE: the rules of every geometry class, and the properties of this one.
 
 use nalgebra::{Point3, UnitQuaternion, Vector3, point, vector};
 use ode_visual_hull::contact::Mode;
@@ -42,7 +42,7 @@ fn a_box_dropped_on_the_hull_comes_to_rest_on_it_in_every_kind_of_space() {
             step(&mut world, 0.005);
         }
         let at_rest = height(&world, body) - TOP - 0.1;
-        // The surface layer lets it sink by 1 mm, the hull by a third of a pixel more.
+        // The surface layer lets it sink by 1 mm, and the hull is exact to a third of a pixel.
         assert!((-0.001 - 0.33 * PIXEL..0.33 * PIXEL).contains(&at_rest), "{kind:?}: {at_rest}");
         assert!(world.body(body).linear_velocity().norm() < 0.01);
     }
@@ -64,7 +64,7 @@ fn normals_point_into_the_first_geom_whatever_the_order() {
 }
 
 #[test]
-fn the_callers_room_and_the_geoms_own_maximum_both_hold() {
+fn the_callers_limit_and_the_geoms_maximum_of_contacts_both_hold() {
     let (mut world, hull) = with_table(SpaceKind::default());
     assert_eq!(cube_contacts(&mut world, hull, 3).len(), 3);
     assert_eq!(cube_contacts(&mut world, hull, 1).len(), 1);
@@ -75,7 +75,7 @@ fn the_callers_room_and_the_geoms_own_maximum_both_hold() {
 }
 
 #[test]
-fn whether_they_touch_is_the_same_as_whether_there_are_contacts() {
+fn a_pair_touches_if_and_only_if_it_has_contacts() {
     let (mut world, _) = with_table(SpaceKind::default());
     for k in 0..20 {
         add_body(&mut world, &cube(0.1), &at(0.2, 0.0, TOP + 0.04 + 0.002 * f64::from(k)));
@@ -102,10 +102,12 @@ fn every_shape_comes_to_rest_on_the_hull() {
 
     // Faces of a cube, counter-clockwise from outside.
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+
     let triangles =
         faces.iter().flat_map(|f: &[u32; 4]| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect::<Vec<_>>();
     let polygons: Vec<Vec<u32>> = faces.iter().map(|face| face.to_vec()).collect();
     let convex = ode_visual_hull::ode::Convex::new(corners.clone(), &polygons).unwrap();
+
     let shapes = [
         (Shape::Sphere { radius: 0.08 }, 0.08),
         (Shape::Box { sides }, 0.08),
@@ -117,7 +119,7 @@ fn every_shape_comes_to_rest_on_the_hull() {
 
     for (shape, half) in shapes {
         let (mut world, _) = with_table(SpaceKind::default());
-        // A capsule stands on its cap only until something tips it over; it lands within half a second.
+        // Half a second is enough to land, and too short for a capsule on its cap to tip over.
         let (body, _) = add_body(&mut world, &shape, &at(0.01, 0.02, TOP + half + 0.01));
         for _ in 0..100 {
             step(&mut world, 0.005);
@@ -128,14 +130,15 @@ fn every_shape_comes_to_rest_on_the_hull() {
 }
 
 #[test]
-fn the_contacts_do_not_depend_on_how_the_geom_is_mounted() {
-    // A cube whose geom sits 0.3 m beside its body, and the same cube on its body.
+fn contacts_do_not_depend_on_the_offset_of_a_geom_from_its_body() {
+    // Two equal cubes at one place: one geom at its body, the other 0.3 m beside it.
     let (mut world, hull) = with_table(SpaceKind::default());
     let offset = at(0.3, 0.0, 0.0) * UnitQuaternion::from_euler_angles(0.0, 0.0, 0.4);
     let turned = at(0.0, 0.0, TOP + 0.096) * UnitQuaternion::from_euler_angles(0.0, 0.0, 0.4);
     let (_, plain) = add_body(&mut world, &cube(0.2), &turned);
     let (_, mounted) = add_body(&mut world, &cube(0.2), &at(-0.3, 0.0, TOP + 0.096));
     world.geom_mut(mounted).set_offset(&offset).unwrap();
+
     let a = world.collide_geoms(hull, plain, 8).unwrap();
     let b = world.collide_geoms(hull, mounted, 8).unwrap();
 
@@ -189,6 +192,7 @@ fn a_frame_published_between_two_collides_takes_effect_with_the_next() {
         let root = world.root_space();
         world.add_hull(root, &data).unwrap();
         let (_, cube) = add_body(&mut world, &cube(0.1), &at(0.0, 0.0, TOP + 0.2));
+
         let touching = |world: &mut World| {
             let mut found = 0;
             world
@@ -200,6 +204,7 @@ fn a_frame_published_between_two_collides_takes_effect_with_the_next() {
                 .unwrap();
             found
         };
+
         assert_eq!(touching(&mut world), 0);
         publish(&data, &lifted, 1.0);
         assert!(touching(&mut world) > 0, "{kind:?}");
@@ -208,7 +213,7 @@ fn a_frame_published_between_two_collides_takes_effect_with_the_next() {
     }
 }
 
-/// A cube asleep on the table.
+/// A world with a cube asleep on the table.
 fn asleep_on(data: &Arc<HullData>) -> (World, ode_visual_hull::ode::BodyId) {
     let mut world = world(SpaceKind::default());
     let root = world.root_space();
@@ -223,7 +228,7 @@ fn asleep_on(data: &Arc<HullData>) -> (World, ode_visual_hull::ode::BodyId) {
 }
 
 #[test]
-fn a_body_asleep_wakes_when_the_hull_at_it_changes_or_vanishes() {
+fn a_sleeping_body_wakes_when_the_hull_beneath_it_changes_or_vanishes() {
     let cameras = table_cameras();
     let (lifted, gone) = (Subject::new(vec![cuboid(TABLE, at(0.0, 0.0, 0.02))]), Subject::new(Vec::new()));
     for next in [&lifted, &gone] {
@@ -233,8 +238,7 @@ fn a_body_asleep_wakes_when_the_hull_at_it_changes_or_vanishes() {
         step(&mut world, 0.005);
         assert!(world.body(body).is_enabled());
     }
-
-    // A jump clear of the body: ODE's boxes no longer overlap.
+    // The hull moves so far away that its bounding box no longer overlaps that of the body.
     let data = table();
     let (mut world, body) = asleep_on(&data);
     show(&data, &cameras, &Subject::new(vec![cuboid(vector![0.1, 0.1, 0.1], at(0.0, 0.0, -0.14))]), 1.0);
@@ -244,7 +248,7 @@ fn a_body_asleep_wakes_when_the_hull_at_it_changes_or_vanishes() {
 }
 
 #[test]
-fn a_body_asleep_sleeps_on_when_the_same_silhouettes_come_again() {
+fn a_sleeping_body_stays_asleep_when_equal_silhouettes_are_published() {
     let data = table();
     let (mut world, body) = asleep_on(&data);
     for k in 1..20 {
@@ -258,25 +262,26 @@ fn a_body_asleep_sleeps_on_when_the_same_silhouettes_come_again() {
 fn a_ray_hits_the_hull_as_it_hits_the_box() {
     let (mut world, hull) = with_table(SpaceKind::default());
     let root = world.root_space();
+
     let table = world.add_geom(root, &Shape::Box { sides: TABLE }).unwrap();
     let ray = world.add_geom(root, &Shape::Ray { length: 2.0 }).unwrap();
-    let shots = [
+
+    let rays = [
         (point![0.1, 0.05, 1.0], vector![0.0, 0.0, -1.0]),
         (point![1.0, 0.05, 0.1], vector![-1.0, 0.1, -0.05]),
         (point![-0.3, -0.9, 0.5], vector![0.3, 0.8, -0.4]),
         (point![0.0, 0.1, 0.1], vector![0.1, 0.0, 1.0]),
         (point![1.0, 1.0, 1.0], vector![1.0, 0.0, 0.0]),
     ];
-
-    for (origin, direction) in shots {
+    for (origin, direction) in rays {
         world.geom_mut(ray).set_ray(&origin, &direction).unwrap();
-        for (first, second) in [(false, true), (true, false)] {
-            let of = |world: &mut World, geom| {
-                let (a, b) = if first { (ray, geom) } else { (geom, ray) };
+        for ray_is_first in [false, true] {
+            let hits = |world: &mut World, geom| {
+                let (a, b) = if ray_is_first { (ray, geom) } else { (geom, ray) };
                 world.collide_geoms(a, b, 4).unwrap()
             };
-            let (on_hull, on_box) = (of(&mut world, hull), of(&mut world, table));
-            let _ = second;
+
+            let (on_hull, on_box) = (hits(&mut world, hull), hits(&mut world, table));
             assert_eq!(on_hull.len(), on_box.len(), "from {origin} along {direction}");
             for (a, b) in on_hull.iter().zip(&on_box) {
                 assert!((a.depth - b.depth).abs() < 0.5 * PIXEL, "{} {}", a.depth, b.depth);
@@ -285,22 +290,24 @@ fn a_ray_hits_the_hull_as_it_hits_the_box() {
             }
         }
     }
-
-    // From inside, a ray that culls back faces sees nothing.
+    // From inside, a ray that culls back faces hits nothing.
     world.geom_mut(ray).set_ray(&point![0.0, 0.1, 0.1], &Vector3::z()).unwrap();
     world.geom_mut(ray).set_ray_flags(RayFlags { backface_cull: true, ..RayFlags::default() }).unwrap();
     assert!(world.collide_geoms(hull, ray, 1).unwrap().is_empty());
 }
 
 #[test]
-fn two_hulls_do_not_collide_with_each_other_but_with_a_body_between() {
+fn two_hulls_collide_with_a_body_between_them_and_not_with_each_other() {
     let (mut world, lower) = with_table(SpaceKind::default());
     let root = world.root_space();
     let upper = world.add_hull(root, &table()).unwrap();
+
     let flip =
         at(0.0, 0.0, 2.0 * TOP + 0.195) * UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
     world.geom_mut(upper).set_pose(&flip).unwrap();
+
     let (_, cube) = add_body(&mut world, &cube(0.2), &at(0.0, 0.0, TOP + 0.0975));
+
     assert!(world.collide_geoms(lower, upper, 8).unwrap().is_empty());
     let down = world.collide_geoms(lower, cube, 8).unwrap();
     let up = world.collide_geoms(upper, cube, 8).unwrap();
@@ -328,7 +335,7 @@ fn a_geom_bound_to_other_data_collides_with_that() {
 }
 
 #[test]
-fn samples_of_the_users_own_take_the_place_of_the_class() {
+fn samples_set_by_the_user_replace_those_of_the_shape() {
     let (mut world, hull) = with_table(SpaceKind::default());
     let (_, cube) = add_body(&mut world, &cube(0.2), &at(0.0, 0.0, TOP + 0.096));
     let middle = sample::from_points(&[point![0.0, 0.0, -0.1]], None).unwrap();
@@ -348,11 +355,11 @@ fn a_body_too_large_to_sample_is_reported_and_does_not_collide() {
     assert!(world.collide_geoms(hull, huge, 8).unwrap().is_empty());
     let error = world.hull(hull).take_error().expect("an error").to_string();
     assert!(error.contains("min_feature"), "{error}");
-    assert!(world.hull(hull).take_error().is_none(), "told once");
+    assert!(world.hull(hull).take_error().is_none(), "reported once");
 }
 
 #[test]
-fn all_modes_make_contacts_and_are_remembered() {
+fn all_modes_make_contacts_and_can_be_read_back() {
     let (mut world, hull) = with_table(SpaceKind::default());
     for mode in [Mode::Paper, Mode::Point, Mode::Single, Mode::Clustered] {
         world.hull_mut(hull).set_mode(mode);
@@ -363,7 +370,7 @@ fn all_modes_make_contacts_and_are_remembered() {
 }
 
 #[test]
-fn queries_answer_in_world_coordinates() {
+fn queries_take_and_return_world_coordinates() {
     let (mut world, hull) = with_table(SpaceKind::default());
     let (_, cube) = add_body(&mut world, &cube(0.2), &at(0.0, 0.0, TOP + 0.096));
     world.collide(|_| ()).unwrap();
@@ -371,13 +378,15 @@ fn queries_answer_in_world_coordinates() {
     let w = view.point_response(&point![0.05, 0.0, TOP - 0.01]).expect("inside");
     assert!((w - vector![0.0, 0.0, 0.01]).norm() < 2.0 * PIXEL, "{w}");
     assert_eq!(view.point_response(&point![0.0, 0.0, TOP + 0.01]), None);
+
     let response = view.body_response(cube).unwrap();
     assert!(response.colliding > 8 && (response.vector.z - 0.004).abs() < PIXEL, "{response:?}");
+
     assert!(world.get_hull(cube).is_err());
 }
 
 #[test]
-fn a_panic_in_the_closure_comes_out_of_collide_and_the_world_works_on() {
+fn a_panic_in_the_closure_leaves_collide_and_the_world_still_works() {
     let (mut world, hull) = with_table(SpaceKind::default());
     add_body(&mut world, &cube(0.2), &at(0.0, 0.0, TOP + 0.096));
     let outcome = catch_unwind(AssertUnwindSafe(|| world.collide(|_| panic!("in the closure"))));

@@ -1,10 +1,10 @@
-//! Simulations give the same bits in every run: in one process, over processes, in debug and in release.
+//! A simulation has equal bits in each run, in each process, and in debug and release builds.
 //!
-//! The golden numbers are hashes of all bits of all states of a scene. Floating point is IEEE 754 and nothing that
-//! reaches a contact uses fused or reordered arithmetic, so that they hold in both profiles. They were recorded in one
+//! The expected numbers are hashes of the bits of all states of a scene. Floating point is IEEE 754, and no computation
+//! of a contact uses fused or reordered arithmetic, so that they hold in both profiles. They were recorded in one
 //! profile and confirmed in the other, and with glibc's FMA variants switched off
-//! (`GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4`).
-//! They change only if simulations change, together with a "Behaviour" line in the changelog.
+//! (`GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4`). A change of these numbers is a change of behaviour, which
+//! needs a "Behaviour" line in the changelog.
 
 use nalgebra::UnitQuaternion;
 use ode_visual_hull::contact::Mode;
@@ -12,18 +12,19 @@ use ode_visual_hull::ode::{Shape, SpaceKind, set_random_seed};
 use ode_visual_hull_testing::scene::*;
 use ode_visual_hull_testing::world::*;
 
-/// FNV-1a over the bits.
+/// FNV-1a hash of the bits.
 fn hash(numbers: impl Iterator<Item = f64>) -> u64 {
     let bytes = numbers.flat_map(|number| number.to_bits().to_le_bytes());
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// A tilted box, a ball and a lying cylinder fall on the table and on one another.
+/// The hash of a scene in which a tilted box, a ball and a lying cylinder fall on the table and on one another.
 fn fall(mode: Mode) -> u64 {
     let mut world = world(SpaceKind::default());
     let root = world.root_space();
     let hull = world.add_hull(root, &table()).unwrap();
     world.hull_mut(hull).set_mode(mode);
+
     let tilted = at(0.05, 0.0, TOP + 0.2) * UnitQuaternion::from_euler_angles(0.3, 0.4, 0.5);
     let lying = at(-0.1, 0.05, TOP + 0.3) * UnitQuaternion::from_euler_angles(1.5, 0.1, 0.0);
     let bodies = [
@@ -31,8 +32,10 @@ fn fall(mode: Mode) -> u64 {
         add_body(&mut world, &Shape::Sphere { radius: 0.06 }, &at(0.06, 0.02, TOP + 0.45)).0,
         add_body(&mut world, &Shape::Cylinder { radius: 0.05, length: 0.15 }, &lying).0,
     ];
+
     set_random_seed(7);
     let mut states = Vec::new();
+
     for _ in 0..200 {
         step(&mut world, 0.005);
         for &body in &bodies {

@@ -1,5 +1,5 @@
-//! ODE has room for four user classes in a process and aborts at a fifth. The hull registers one class, once, and returns an
-//! error where no room is left. The test has a process of its own, because the classes of other tests would count.
+//! ODE has room for four user classes in a process and aborts at a fifth. The hull registers a single class and returns
+//! an error where no room is left. These tests have a process of their own, because classes of other tests would count.
 
 mod foreign_class;
 use ode_sys::{dCloseODE, dInitODE2};
@@ -8,15 +8,15 @@ use ode_visual_hull_testing::scene::*;
 use ode_visual_hull_testing::world::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The process has one table of classes, so these tests run one after the other, each from an empty table.
-fn in_a_process_of_its_own() -> MutexGuard<'static, ()> {
-    static TURN: Mutex<()> = Mutex::new(());
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+/// Lets the tests run one after the other, each from an empty table of classes, which is global in the process.
+fn lock_class_table() -> MutexGuard<'static, ()> {
+    static LOCK: Mutex<()> = Mutex::new(());
+    LOCK.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[test]
 fn a_hull_beside_four_other_classes_is_refused_and_the_process_lives() {
-    let _turn = in_a_process_of_its_own();
+    let _lock = lock_class_table();
     let data = table();
     {
         let mut world = World::new(&Ode::init().unwrap()).unwrap();
@@ -28,12 +28,12 @@ fn a_hull_beside_four_other_classes_is_refused_and_the_process_lives() {
                 assert!(refused.contains(part), "{refused}");
             }
         }
+
         let (body, _) = add_body(&mut world, &cube(0.2), &at(0.0, 0.0, 1.0));
         step(&mut world, 0.005);
         assert!(world.body(body).position().z.is_finite());
     }
-
-    // Opened again, ODE has room.
+    // ODE has room again after it was closed.
     let (mut world, body) = drop_box_on(&data);
     (0..200).for_each(|_| step(&mut world, 0.005));
     assert!((height(&world, body) - TOP - 0.1).abs() < 0.002);
@@ -41,7 +41,7 @@ fn a_hull_beside_four_other_classes_is_refused_and_the_process_lives() {
 
 #[test]
 fn beside_three_other_classes_there_is_room() {
-    let _turn = in_a_process_of_its_own();
+    let _lock = lock_class_table();
     let _ode = Ode::init().unwrap();
     (14..17).for_each(|number| assert_eq!(foreign_class::register(), number));
     let (mut world, body) = drop_box_on(&table());
@@ -51,7 +51,7 @@ fn beside_three_other_classes_there_is_room() {
 
 #[test]
 fn the_class_is_registered_once_over_many_worlds() {
-    let _turn = in_a_process_of_its_own();
+    let _lock = lock_class_table();
     let data = table();
     let ode = Ode::init().unwrap();
     for _ in 0..10 {
@@ -65,7 +65,7 @@ fn the_class_is_registered_once_over_many_worlds() {
 
 #[test]
 fn the_class_is_found_again_while_only_others_keep_ode_open() {
-    let _turn = in_a_process_of_its_own();
+    let _lock = lock_class_table();
     let data = table();
 
     // SAFETY: pairs with the dCloseODE below.
@@ -82,7 +82,7 @@ fn the_class_is_found_again_while_only_others_keep_ode_open() {
     // SAFETY: pairs with the dInitODE2 above.
     unsafe { dCloseODE() };
 
-    // With the last reference gone the number is free: another class takes it, and the hull another.
+    // After the last reference is gone, the number of the class is free: another class takes it, and the hull the next.
     let _ode = Ode::init().unwrap();
     assert_eq!(foreign_class::register(), 14);
 

@@ -1,4 +1,4 @@
-//! The hull from pixels compared with the analytic hull of the same cameras: the quick part of `examples/figures`.
+//! The hull from pixels compared with the analytic hull of its cameras: the quick part of `examples/figures`.
 
 use ode_visual_hull::hull::EdgeModel;
 use ode_visual_hull_testing::quality::accuracy::{self, exit_errors_px, mean, p99};
@@ -8,30 +8,31 @@ use std::sync::LazyLock;
 static SCENES: LazyLock<[Scene; 3]> =
     LazyLock::new(|| [("sphere", 5), ("box", 7), ("torus", 5)].map(|(shape, n)| scene::scene(shape, n)));
 
-/// Asserts that a measured value `holds` in every scene.
-fn everywhere(measure: impl Fn(&Scene) -> f64, holds: impl Fn(f64) -> bool) {
+/// Asserts that the figure of every scene holds. A failure names the scene.
+fn assert_everywhere(figure: impl Fn(&Scene) -> f64, holds: impl Fn(f64) -> bool) {
     for scene in SCENES.iter() {
-        let value = measure(scene);
+        let value = figure(scene);
         assert!(holds(value), "{}: {value}", scene.name);
     }
 }
 
 #[test]
-fn a_pixel_away_from_contours_every_verdict_is_the_analytic_one() {
-    everywhere(|scene| accuracy::inside_agreement(scene, 4000, 2), |share| share == 1.0);
+fn the_inside_test_agrees_with_the_analytic_hull_a_pixel_away_from_contours() {
+    assert_everywhere(|scene| accuracy::inside_agreement(scene, 4000, 2), |share| share == 1.0);
 }
 
 #[test]
-fn responses_are_the_references() {
-    everywhere(|scene| accuracy::reference_agree(scene, 50, 4), |share| share >= 0.999);
+fn responses_equal_the_references() {
+    assert_everywhere(|scene| accuracy::reference_agree(scene, 50, 4), |share| share >= 0.999);
 }
 
 #[test]
-fn points_moved_by_their_responses_have_left() {
-    everywhere(|scene| accuracy::response_leaves(scene, 2000, 5), |share| share >= 0.999);
+fn points_moved_by_their_responses_are_outside() {
+    assert_everywhere(|scene| accuracy::response_leaves(scene, 2000, 5), |share| share >= 0.999);
 }
 
-/// Binary masks know their edges to half a pixel's side, or half its diagonal; coverage knows them inside the pixel.
+/// Edges of binary masks are exact to half a pixel's side, or half its diagonal; coverage locates them within the
+/// pixel.
 #[test]
 fn exits_lie_on_the_analytic_surface() {
     for scene in SCENES.iter() {

@@ -1,6 +1,6 @@
 #!/bin/sh
-# `make install` into a tree of its own; both C examples build and run out of that tree by pkg-config alone, and
-# `make uninstall` leaves nothing. The examples' recording is skipped where the captures are absent.
+# `make install` installs into a temporary tree, both C examples build and run with that tree by pkg-config alone, and
+# `make uninstall` leaves no file. The example with a recording is skipped where the captures are absent.
 set -eu
 
 root=$(cd "$(dirname "$0")/.." && pwd)

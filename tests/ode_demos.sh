@@ -1,7 +1,7 @@
 #!/bin/sh
-# ODE's own demo_boxstack and demo_heightfield on their ground and on a hull in its place: nothing falls through, and
-# what lies lowest lies as low. The demos come from Debian's source package `ode`, or from ODE_SOURCE, a folder in which
-# it was unpacked; where there is neither, this says so and is skipped.
+# Runs ODE's demo_boxstack and demo_heightfield on their own ground and on a hull in its place: no body falls through the
+# hull, and the lowest point is as low. The demos come from Debian's source package `ode`, or from ODE_SOURCE, a folder
+# with the unpacked source; where neither is available, the test is skipped.
 #
 #     tests/ode_demos.sh [STEPS]
 set -eu
@@ -33,7 +33,7 @@ fi
 make -C "$root" --no-print-directory install DESTDIR="$tree" PREFIX=/usr >"$tree/install.log"
 export PKG_CONFIG_SYSROOT_DIR="$tree" PKG_CONFIG_PATH="$tree/usr/lib/pkgconfig" LD_LIBRARY_PATH="$tree/usr/lib"
 flags=$(pkg-config --cflags ode_visual_hull) libraries=$(pkg-config --libs ode_visual_hull)
-# The headers of drawstuff alone: those of ODE are the installed ones, of the library's precision.
+# Only the headers of drawstuff: those of ODE have to be the installed ones, of the library's precision.
 mkdir "$tree/include"
 cp -r "$source/include/drawstuff" "$tree/include"
 
@@ -48,7 +48,7 @@ build() {
 # shellcheck disable=SC2086
 cc -std=c99 -Wall -Wextra -Werror -O2 -c $flags "$root/tests/ode_demos/ground.c" -o "$tree/ground.o"
 
-# Words 2 to 4 of a run's last line: bodies beneath the ground, lowest point in metres at the end, lowest ever.
+# The numbers of a run's last line: bodies below the ground, lowest point in metres at the end, lowest point of all steps.
 result() { "$tree/$1" "$2" "$steps" | sed -n 's/^result //p'; }
 
 fell=0 off=0

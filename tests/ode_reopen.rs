@@ -1,5 +1,5 @@
-//! ODE closes with its last reference, and opens again. The test has a process of its own, because other tests would hold
-//! ODE open.
+//! ODE closes with its last reference, and opens again. This test has a process of its own, because other tests would
+//! hold ODE open.
 
 mod foreign_class;
 
@@ -15,8 +15,10 @@ fn simulate(ode: &Ode) -> f64 {
     world.set_gravity(&Vector3::new(0.0, 0.0, -9.81)).unwrap();
     let root = world.root_space();
     world.add_geom(root, &Shape::Plane { normal: Vector3::z(), offset: -0.1 }).unwrap();
+
     let (body, geom) = (world.add_body(), world.add_geom(root, &Shape::Sphere { radius: 0.1 }).unwrap());
     world.geom_mut(geom).set_body(Some(body)).unwrap();
+
     for _ in 0..50 {
         world.default_collide(&Surface::default(), 4).unwrap();
         world.quick_step(0.01).unwrap();
@@ -24,7 +26,8 @@ fn simulate(ode: &Ode) -> f64 {
     world.body(body).position().z
 }
 
-/// The height at which a box rests on the hull of `data`, whose class is registered after `others` foreign classes.
+/// The height at which a box comes to rest on the hull of `data`, whose class is registered after `others` other
+/// classes.
 fn rest_on_hull(data: &Arc<HullData>, others: usize) -> f64 {
     let _ode = Ode::init().unwrap();
     for _ in 0..others {
@@ -34,7 +37,7 @@ fn rest_on_hull(data: &Arc<HullData>, others: usize) -> f64 {
     (0..200).for_each(|_| step(&mut world, 0.005));
     let root = world.root_space();
     let second = world.add_hull(root, data).unwrap();
-    assert!(world.hull(second).frame().is_none(), "takes up its frame with the next collide");
+    assert!(world.hull(second).frame().is_none(), "adopts its frame with the next collide");
     height(&world, body)
 }
 
@@ -43,6 +46,7 @@ fn ode_closes_with_its_last_reference_and_opens_again() {
     for _ in 0..3 {
         let ode = Ode::init().unwrap();
         let first = foreign_class::register();
+
         let clone = ode.clone();
         drop(ode);
         assert_eq!(foreign_class::register(), first + 1, "a clone holds ODE open");
@@ -59,16 +63,16 @@ fn ode_closes_with_its_last_reference_and_opens_again() {
             "ODE was closed in between, and has forgotten the classes"
         );
         let here = simulate(&again);
-        // A thread that entered ODE when it was open before.
+        // Another thread enters the reopened ODE too.
         let there = std::thread::spawn(move || simulate(&again)).join().unwrap();
         assert_eq!(here, there);
     }
 
-    // Hulls register their class anew, each time under another number, and find contacts again.
+    // Hulls register their class anew, under another number each time, and have contacts again.
     let data = table();
     for others in [0, 1, 0, 3, 2, 0] {
         let above = rest_on_hull(&data, others) - TOP - 0.1;
-        assert!(above.abs() < 0.002, "{others} classes of others: rests {above} m off the top");
+        assert!(above.abs() < 0.002, "{others} other classes: rests {above} m off the top");
     }
 
     set_random_seed(1234);

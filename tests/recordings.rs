@@ -1,4 +1,4 @@
-//! Real captures are read as they are, and undistorted masks agree with the distorted ones.
+//! Real captures are read, and undistorted masks agree with the distorted ones.
 
 use image::GrayImage;
 use nalgebra::{Point2, Point3, point};
@@ -24,7 +24,7 @@ fn the_seated_person_is_read() {
     assert_eq!(recording.masks(100).unwrap().len(), 4);
     assert_eq!(recording.images(400).unwrap()[3].dimensions(), (644, 486));
     assert_eq!(recording.background(2).unwrap().dimensions(), (644, 486));
-    stands_around_a_person(recording.rig());
+    assert_stands_around_a_person(recording.rig());
 }
 
 #[test]
@@ -36,12 +36,13 @@ fn the_balancing_person_is_read() {
     assert_eq!(recording.image_frames(), (0..100).step_by(10).collect::<Vec<_>>());
     assert_eq!(recording.masks(50).unwrap()[0].dimensions(), (544, 960));
     assert_eq!(recording.images(90).unwrap().len(), 4);
-    stands_around_a_person(recording.rig());
+    assert_stands_around_a_person(recording.rig());
     assert_eq!(Rig::load(dir.join("rig_as_published.toml")).unwrap().len(), 4);
 }
 
-/// Cameras stand 1 to 10 m from the origin, above the floor at z = 0, and see a point 0.8 m above the origin.
-fn stands_around_a_person(rig: &Rig) {
+/// Asserts that cameras are 1 to 10 m from the origin, above the floor at z = 0, and see a point 0.8 m above the
+/// origin.
+fn assert_stands_around_a_person(rig: &Rig) {
     println!("{}", rig.describe());
     for camera in rig.cameras() {
         let centre = camera.centre();
@@ -56,23 +57,24 @@ fn the_videos_of_the_seated_person_show_its_images() {
     let Some(dir) = captures::find("seated_person") else { return };
     let recording = Recording::open(&dir).unwrap();
     for (camera, image) in recording.rig().cameras().iter().zip(recording.images(100).unwrap()) {
-        let reading = ReadOptions { size: Some(camera.size()), first: 99, times: None };
+        let options = ReadOptions { size: Some(camera.size()), first: 99, times: None };
         let path = dir.join("original").join(camera.name()).join("video.avi");
-        let mut video = Video::open(path, reading).unwrap();
+        let mut video = Video::open(path, options).unwrap();
         let frames = [(); 3].map(|()| video.next_frame().unwrap().unwrap());
-        // The header alone says 25 images a second and means 50.
+        // By the header alone it would be 25 images a second, but the video has 50.
         assert_eq!((frames[1].number, frames[1].time), (100, 2.0));
-        // Nothing where the same ffmpeg made the images; the neighbours differ by 0.12 to 0.20 grey levels.
+
+        // Zero where this version of ffmpeg made the images; neighbouring frames differ by 0.12 to 0.20 grey levels.
         let difference = |frame: &Frame| -> u32 {
             frame.image.iter().zip(image.iter()).map(|(a, b)| u32::from(a.abs_diff(*b))).sum()
         };
-        let [before, same, after] = frames.each_ref().map(difference);
-        assert!(same < before.min(after), "{}: {before}, {same}, {after}", camera.name());
+        let [before, own, after] = frames.each_ref().map(difference);
+        assert!(own < before.min(after), "{}: {before}, {own}, {after}", camera.name());
     }
 }
 
 #[test]
-fn the_videos_of_the_balancing_person_are_of_one_time_and_of_two_sizes() {
+fn the_videos_of_the_balancing_person_are_synchronous_and_of_two_sizes() {
     let Some(dir) = captures::find("balancing_person/original") else { return };
     let open = |name: &str, size| {
         Video::open(dir.join(format!("{name}.mp4")), ReadOptions { size, ..ReadOptions::default() })
@@ -99,7 +101,7 @@ fn place(camera: &Camera, world: &Point3<f64>) -> Option<Point2<f64>> {
     camera.project(world).map(|p| Point2::new(p.u, p.v)).filter(|p| contains(camera, p))
 }
 
-/// The distance from `p` to the nearest pixel of the other verdict, searched within 3 px.
+/// The distance from `p` to the nearest pixel across the edge of the subject, searched within 3 px.
 fn distance_to_edge(mask: &GrayImage, p: &Point2<f64>) -> f64 {
     let own = is_subject(mask, p);
     let around = |x: f64, length: u32| (x as u32).saturating_sub(3)..(x as u32 + 4).min(length);
@@ -112,7 +114,7 @@ fn distance_to_edge(mask: &GrayImage, p: &Point2<f64>) -> f64 {
 }
 
 #[test]
-fn undistorted_masks_say_what_the_distorted_ones_say() {
+fn undistorted_masks_agree_with_the_distorted_ones() {
     let Some(dir) = captures::find("seated_person") else { return };
     let recording = Recording::open(dir).unwrap();
     let masks = recording.masks(0).unwrap();
@@ -122,9 +124,10 @@ fn undistorted_masks_say_what_the_distorted_ones_say() {
         let undistortion = Undistortion::new(camera).unwrap();
         let pinhole = undistortion.pinhole();
         let undistorted = undistortion.apply(mask, 0).unwrap();
+
         let mut random = Random(1);
         for _ in 0..250_000 {
-            // A box around the person, 0.3 m wider.
+            // The bounding box of the person, grown by 0.3 m.
             let world = random.point(point![-0.25, -0.25, -0.1], point![0.95, 1.25, 1.7]);
             let Some(distorted) = place(camera, &world) else { continue };
             compared += 1;
@@ -134,6 +137,7 @@ fn undistorted_masks_say_what_the_distorted_ones_say() {
                 unseen += 1;
                 continue;
             };
+
             if is_subject(mask, &distorted) != is_subject(&undistorted, &straight) {
                 differ += 1;
                 farthest = farthest.max(distance_to_edge(mask, &distorted));
@@ -142,7 +146,7 @@ fn undistorted_masks_say_what_the_distorted_ones_say() {
     }
 
     println!("{differ} of {compared} differ, at most {farthest:.2} px from the edge; {unseen} unseen");
-    // The bounds lie above what was measured: see the documentation of `silhouette::Undistortion`.
+    // The bounds lie above the measured values in the documentation of `silhouette::Undistortion`.
     assert!(compared > 500_000, "{compared}");
     assert!(f64::from(differ) < 0.02 * f64::from(compared), "{differ} of {compared}");
     assert!(farthest <= 1.0, "{farthest} px");

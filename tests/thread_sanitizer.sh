@@ -1,6 +1,6 @@
 #!/bin/sh
-# tests/c/threads.c with the library built for the thread sanitizer: no data race. The toolchain has to come with the
-# sanitizer's runtime; where it does not, this says so and is skipped.
+# Runs tests/c/threads.c with the library built for the thread sanitizer: no data race. The test is skipped where the
+# toolchain lacks the sanitizer's runtime.
 set -eu
 
 root=$(cd "$(dirname "$0")/.." && pwd)

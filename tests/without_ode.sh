@@ -1,6 +1,6 @@
 #!/bin/sh
-# Without the feature `ode` nothing needs ODE or libclang: their crates are not in the graph, and all targets build without
-# a warning.
+# Without the feature `ode` the library needs neither ODE nor libclang: their crates are not in the graph, and all targets
+# build without a warning.
 set -eu
 
 cd "$(dirname "$0")/.."

@@ -1,15 +1,16 @@
-//! Bodies that have no size, no samples, or too many.
+//! Bodies without a size, without samples, or with too many samples.
 
 use super::*;
 
 #[test]
-fn bodies_of_no_size_are_refused() {
+fn bodies_without_a_valid_size_are_refused() {
     with_table_kept(|data| {
         let (mut world, body) = drop_box_on(data);
         let root = world.root_space();
         for size in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
             let found = format!("found {size}");
             let (radius, length) = (size, 1.0);
+
             for shape in [
                 Shape::Sphere { radius },
                 Shape::cuboid(1.0, size, 1.0),
@@ -28,6 +29,7 @@ fn bodies_of_no_size_are_refused() {
             }
             assert!(Shape::Sphere { radius: 1.0 }.sample(size.min(0.0)).is_err());
         }
+
         for _ in 0..20 {
             step(&mut world, 0.005);
             assert_finite(&world, body);
@@ -36,7 +38,7 @@ fn bodies_of_no_size_are_refused() {
 }
 
 #[test]
-fn geoms_of_no_size_that_others_made_touch_nothing_and_are_reported() {
+fn raw_geoms_without_a_size_have_no_contacts_and_are_reported() {
     let data = table();
     let mut world = world(SpaceKind::default());
     let root = world.root_space();
@@ -89,6 +91,7 @@ fn a_degenerate_mesh_is_refused() {
         vec![point![-0.1, -0.1, 0.0], point![0.1, -0.1, 0.0], point![0.0, 0.1, 0.0], point![0.0, -0.1, 0.0]];
     let mesh = TriMesh::new(points, vec![[0, 3, 1], [2, 1, 0], [2, 2, 2]]).unwrap();
     let root = world.root_space();
+
     let hull = world.geoms().find(|&geom| world.get_hull(geom).is_ok()).unwrap();
     let plate = world.add_geom(root, &Shape::TriMesh(Arc::new(mesh))).unwrap();
     world.geom_mut(plate).set_pose(&at(0.0, 0.0, TOP - 0.004)).unwrap();
@@ -106,20 +109,23 @@ fn a_body_too_large_for_its_samples_leaves_the_others_alone() {
         assert_says(world.hull_mut(hull).set_max_depth(f64::NAN), &["max_depth", "found NaN"]);
         assert_says(world.hull_mut(hull).set_min_feature(0.0), &["min_feature", "found 0"]);
         world.hull_mut(hull).set_max_contacts(usize::MAX).unwrap();
+
         let (huge, geom) = add_body(&mut world, &cube(1e6), &at(0.0, 0.0, 0.0));
-        // Only contacts with the hull, since ODE has its own ones inside the other box.
+        // The huge box collides with the hull alone, since ODE would make contacts between it and the other box.
         world.geom_mut(geom).set_category_bits(2);
         for id in world.geoms().collect::<Vec<_>>() {
             if id != hull && id != geom {
                 world.geom_mut(id).set_collide_bits(!2);
             }
         }
+
         for _ in 0..50 {
             step(&mut world, 0.005);
             assert_finite(&world, body);
             assert_finite(&world, huge);
         }
-        let result = world.hull(hull).take_error().map_or(Ok(()), Err);
-        assert_says(result, &["min_feature", "at most 1000000"]);
+
+        let error = world.hull(hull).take_error().map_or(Ok(()), Err);
+        assert_says(error, &["min_feature", "at most 1000000"]);
     });
 }

@@ -1,5 +1,5 @@
-//! Bad input: each gets an error that says where, what was expected, what was found and what to do; the last good
-//! frame stays in force, nothing panics, and no body of ODE ever has a state that is not finite.
+//! Bad input is refused with an error that says where it is, what was expected, what was found and what to do. The last
+//! good frame stays in force, nothing panics, and the states of all bodies stay finite.
 
 mod bodies;
 mod recordings;
@@ -21,7 +21,7 @@ use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Asserts that a result is an error whose message contains all of `parts`.
+/// Asserts that `result` is an error whose message contains all of `parts`.
 #[track_caller]
 fn assert_says<T: Debug>(result: Result<T>, parts: &[&str]) {
     let message = result.expect_err("refused").to_string();
@@ -30,7 +30,7 @@ fn assert_says<T: Debug>(result: Result<T>, parts: &[&str]) {
     }
 }
 
-/// Asserts that a box of 0.2 m falls 2 cm onto the table and rests there, so that the table's frame is still current.
+/// Asserts that the table's frame is in force: a box of 0.2 m falls 2 cm onto the table and comes to rest.
 #[track_caller]
 fn assert_table_in_force(data: &Arc<HullData>) {
     let (mut world, body) = drop_box_on(data);
@@ -51,7 +51,7 @@ fn assert_finite(world: &World, id: BodyId) {
     assert!(finite, "{pose} {linear} {angular}");
 }
 
-/// Runs `fault` on the table's data and asserts that its frame is still the latest one, unchanged.
+/// Runs `fault` on the table's data and asserts that its latest frame is still the same object.
 #[track_caller]
 fn with_table_kept(fault: impl FnOnce(&Arc<HullData>)) {
     let data = table();
@@ -91,6 +91,7 @@ fn a_singular_or_nan_camera_is_refused() {
     let good = Matrix3::new(500.0, 0.0, 320.0, 0.0, 500.0, 240.0, 0.0, 0.0, 1.0);
     let camera = |k: Matrix3<f64>, pose| Camera::new("left", (640, 480), k, Distortion::none(), pose);
     let here = Isometry3::identity();
+
     let mut skewed = good;
     skewed[(1, 0)] = 1.0;
     let no_rotation = UnitQuaternion::new_unchecked(Quaternion::new(0.0, 0.0, 0.0, 0.0));
@@ -156,6 +157,7 @@ fn a_camera_that_looks_away_is_refused_until_it_is_disabled() {
         let eye = point![3.0, 0.0, 0.3];
         Camera::look_at(name, (640, 480), 0.45, eye, point![6.0, 0.0, 0.3], Vector3::z()).unwrap()
     };
+
     let data = table();
     let before = data.latest().unwrap().0;
     let view = data.add_view(looks_away("back")).unwrap();
@@ -174,7 +176,6 @@ fn a_camera_that_looks_away_is_refused_until_it_is_disabled() {
     data.update(1.0).unwrap();
 
     assert_table_in_force(&data);
-
     // A view without a mask can be disabled too.
     let bare = data.add_view(looks_away("bare")).unwrap();
     data.set_view_enabled(bare, false).unwrap();
@@ -184,13 +185,14 @@ fn a_camera_that_looks_away_is_refused_until_it_is_disabled() {
 }
 
 #[test]
-fn an_empty_silhouette_empties_the_hull_and_one_can_ask_which_view_did() {
+fn an_empty_silhouette_empties_the_hull_which_names_the_view() {
     let data = table();
     data.set_mask(2, &GrayImage::new(640, 480)).unwrap();
     let hull = data.update(1.0).unwrap();
     assert_eq!(hull.empty_reason(), Some(EmptyReason::EmptySilhouette { view: 2 }));
     assert_eq!(hull.views()[2].name(), "cam2");
     assert!(hull.aabb().is_empty() && !hull.inside(&ORIGIN));
+
     let (mut world, body) = drop_box_on(&data);
     for _ in 0..100 {
         step(&mut world, 0.005);
@@ -223,7 +225,7 @@ fn a_full_silhouette_is_refused() {
 }
 
 #[test]
-fn no_views_are_no_hull() {
+fn without_views_there_is_no_hull() {
     let data = HullData::new();
     data.set_bounds(bounds()).unwrap();
     assert_says(data.update(0.0), &["at least one view", "found none", "add views"]);
@@ -265,7 +267,7 @@ fn missing_or_inverted_bounds_are_refused() {
 }
 
 #[test]
-fn a_frame_time_that_runs_backwards_or_is_no_number_is_refused() {
+fn a_frame_time_that_decreases_or_is_not_finite_is_refused() {
     with_table_kept(|data| {
         assert_says(data.update(f64::NAN), &["frame time", "found NaN", "clock"]);
         assert_says(data.update(f64::INFINITY), &["frame time", "found inf"]);
@@ -293,7 +295,7 @@ fn data_may_be_dropped_before_its_geoms_and_geoms_before_their_data() {
 }
 
 #[test]
-fn two_hulls_fail_and_vanish_on_their_own() {
+fn two_hulls_fail_and_are_removed_independently() {
     let (good, bad) = (table(), table());
     let mut world = world(SpaceKind::default());
     let root = world.root_space();
@@ -319,7 +321,7 @@ fn two_hulls_fail_and_vanish_on_their_own() {
 }
 
 #[test]
-fn sizes_whose_product_overflows_are_refused_before_any_memory_is_taken() {
+fn sizes_whose_product_overflows_are_refused_before_memory_is_allocated() {
     let k = Matrix3::new(9e4, 0.0, 3e4, 0.0, 9e4, 3e4, 0.0, 0.0, 1.0);
     let lens = Distortion::from_opencv(&[-0.3, 0.1, 0.0, 0.0]).unwrap();
     for size in [(65_535, 65_535), (65_536, 65_536), (u32::MAX, u32::MAX), (u32::MAX, 1), (40_000, 40_000)] {
@@ -328,14 +330,14 @@ fn sizes_whose_product_overflows_are_refused_before_any_memory_is_taken() {
         assert_says(refused, &["camera \"huge\"", "pixels", &found]);
     }
 
-    // The largest image size, but undistortion makes it larger.
+    // The largest allowed size, which undistorting would exceed.
     let largest = Camera::new("wide", (16_384, 16_384), k, lens, at(0.0, 0.0, 3.0)).unwrap();
     assert_says(
         HullData::new().add_view(largest),
         &["view \"wide\"", "found 16384 x 16384", "scale the images down"],
     );
 
-    // Headers of huge images without pixels.
+    // Image files that consist of a header alone.
     let folder = Folder::new("sizes");
     for (name, header) in [
         ("a.pgm", "P5 65535 65535 255\n"),
@@ -348,7 +350,7 @@ fn sizes_whose_product_overflows_are_refused_before_any_memory_is_taken() {
         assert_says(mask, &[name, "expected an image", "found"]);
     }
 
-    let sides = vector![1e9, 1e9, 1e9];
+    let lengths = vector![1e9, 1e9, 1e9];
     let far = [1e9, 2e9].map(|x| point![x, -x, x]);
     let triangle = [far[0], far[1], point![0.0, 1e9, 0.0]];
     let tetrahedron = [triangle[0], triangle[1], triangle[2], point![0.0, 0.0, -1e9]];
@@ -371,17 +373,19 @@ fn sizes_whose_product_overflows_are_refused_before_any_memory_is_taken() {
 }
 
 #[test]
-fn places_that_are_no_numbers_get_no_answer() {
+fn queries_at_points_that_are_not_finite_return_nothing() {
     let hull = table().latest().unwrap().1;
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308] {
         let p = point![0.0, bad, 0.0];
         assert!(!hull.inside(&p) && hull.respond(&p).is_none() && hull.exit_vector(&p).is_none());
         assert!(hull.pixel_size(&p).is_finite());
+
         for edge in [EdgeModel::Pixel, EdgeModel::Coverage] {
             assert!(!hull.inside_by(&p, edge));
             assert!(!hull.exit(&ORIGIN, &vector![0.0, bad, 0.0], edge).is_nan());
             assert!(!hull.exit(&p, &Vector3::z(), edge).is_nan());
         }
+
         let rays = [
             Ray { origin: p, direction: Vector3::z() },
             Ray { origin: ORIGIN, direction: vector![bad, 0.0, 0.0] },
@@ -394,7 +398,7 @@ fn places_that_are_no_numbers_get_no_answer() {
     assert!(!hull.exit(&ORIGIN, &Vector3::zeros(), EdgeModel::Pixel).is_nan());
 }
 
-/// A folder for one test, which is removed at its end.
+/// A temporary folder for one test, removed when dropped.
 struct Folder(PathBuf);
 
 impl Folder {

@@ -1,8 +1,8 @@
-//! Faults of a recording.
+//! Recordings with faults.
 
 use super::*;
 
-/// A recording of the table in `folder`, two frames.
+/// Writes a recording of two frames of the table to `folder`.
 fn record_table(folder: &Path) -> Recording {
     let mut recording = Recording::create(folder, &Rig::new(table_cameras()).unwrap()).unwrap();
     recording.write_masks(0, table_masks()).unwrap();
@@ -17,7 +17,7 @@ fn faults_of_a_recording_name_the_file_and_the_view() {
     let mask = |camera: &str, frame: u32| dir.join(camera).join("mask").join(format!("{frame:06}.png"));
     drop(record_table(&dir));
 
-    // A frame of which a mask is broken, of another size, or 0 and 1: the frame before stays in force.
+    // One mask of a frame is broken, has another size, or consists of 0 and 1: the frame before stays in force.
     let png = std::fs::read(mask("cam3", 1)).unwrap();
     let small = GrayImage::new(64, 48);
     let ones = GrayImage::from_pixel(640, 480, Luma([1]));
@@ -52,7 +52,8 @@ fn faults_of_a_recording_name_the_file_and_the_view() {
     let recording = Recording::open(&dir).unwrap();
 
     assert_eq!(recording.frames(), [0]);
-    assert_says(recording.masks(1), &["view \"cam3\"", "cam3/mask/000001", "only frame 0"]);
+    assert_says(recording.masks(1), &["view \"cam3\"", "cam3/mask/000001", "frame 0 alone"]);
+
     std::fs::rename(dir.join("cam2"), dir.join("camera2")).unwrap();
     assert_says(Recording::open(&dir), &["view \"cam2\"", "expected the folder", "found none"]);
 

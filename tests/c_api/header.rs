@@ -1,4 +1,4 @@
-//! The header, the exported functions and the package agree.
+//! The header agrees with the exported functions and with the package.
 
 use crate::program::*;
 use std::collections::BTreeSet;
@@ -9,7 +9,7 @@ fn header() -> String {
     fs::read_to_string(root().join("include/ode_visual_hull.h")).unwrap()
 }
 
-/// The names of the functions that the header declares, in its order.
+/// The names of the functions that the header declares, in order.
 fn declared() -> Vec<String> {
     let header = header();
     let code = without_comments(&header);
@@ -29,7 +29,7 @@ fn without_comments(code: &str) -> String {
     bare
 }
 
-/// The names that follow `before` in `text`, in their order.
+/// The names that follow each `before` in `text`, in order.
 fn names_after(text: &str, before: &str) -> Vec<String> {
     let names = text
         .split(before)
@@ -76,6 +76,6 @@ fn the_shared_library_has_the_interface_version_in_its_name() {
     let listing = String::from_utf8(output.stdout).unwrap();
     let name = concat!("[libode_visual_hull.so.", env!("CARGO_PKG_VERSION_MAJOR"), "]");
     assert!(listing.lines().any(|line| line.contains("SONAME") && line.contains(name)), "{listing}");
-    // One ODE in the process: it is the caller's too.
+    // ODE is linked dynamically, so that the process has a single ODE, shared with the caller.
     assert!(listing.lines().any(|line| line.contains("NEEDED") && line.contains("libode.so")), "{listing}");
 }

@@ -1,5 +1,5 @@
-//! The C functions, called from C: the programs in `tests/c` pass as C99 and as C++, with the shared and with the static
-//! library, and under valgrind. The header declares what the library exports.
+//! The C functions, called from C: the programs in `tests/c` pass as C99 and as C++, with the shared and with the
+//! static library, and under valgrind. The header agrees with the library.
 
 mod header;
 mod program;
@@ -44,8 +44,9 @@ fn the_program_in_the_documentation_does_what_it_says() {
     let source = scratch().join("documented.c");
     std::fs::write(&source, code).unwrap();
     let program = Program::build_from("documented", &[source], Language::C99, Linkage::Shared);
+
     let last = program.run().lines().last().unwrap().to_owned();
     let height: f64 = last.split_whitespace().rev().nth(1).unwrap().parse().unwrap();
-    // "rests at 0.3 m", less the surface layer's millimetre.
+    // The page says "rests at 0.3 m"; the contact surface layer lets the body sink by a millimetre.
     assert!((height - 0.3).abs() < 0.002, "{last}");
 }

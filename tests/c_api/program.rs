@@ -1,4 +1,4 @@
-//! C programs, compiled and run.
+//! Compiling and running C programs.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -16,13 +16,13 @@ pub enum Linkage {
     Static,
 }
 
-/// A program of `tests/c`, built.
+/// A compiled program.
 pub struct Program {
     path: PathBuf,
 }
 
 impl Program {
-    /// Compiles `tests/c/<name>.c` with the scene that all share, and links it.
+    /// Compiles and links `tests/c/<name>.c` with the common `scene.c`.
     pub fn build(name: &str, language: Language, linkage: Linkage) -> Self {
         let sources = root().join("tests/c");
         let sources = [sources.join(format!("{name}.c")), sources.join("scene.c")];
@@ -35,13 +35,13 @@ impl Program {
         let mut compile = compiler(language);
         compile.args(sources).arg("-o").arg(&path);
 
-        // What follows are libraries, not sources.
+        // The files that follow are libraries, not sources.
         compile.args(["-x", "none"]);
         let libraries = libraries();
         match linkage {
             Linkage::Shared => {
                 compile.arg(shared_library());
-                // By its soname, as an installed one is found.
+                // The program finds the library by its soname, like an installed one.
                 compile.arg(format!("-Wl,-rpath,{}", soname_folder().display()));
             }
             Linkage::Static => {
@@ -54,12 +54,12 @@ impl Program {
         Self { path }
     }
 
-    /// Runs the program, which prints failures to stderr, and returns its standard output.
+    /// Runs the program and returns its output on stdout. Fails with its messages on stderr if a check in it fails.
     pub fn run(&self) -> String {
         String::from_utf8(succeed(&mut Command::new(&self.path)).stdout).unwrap()
     }
 
-    /// Runs the program under valgrind, if it is installed.
+    /// Runs the program under valgrind, or prints that the test is skipped where valgrind is missing.
     pub fn run_under_valgrind(&self) {
         if Command::new("valgrind").arg("--version").output().is_err() {
             eprintln!("skipped: no valgrind; make setup installs it");
@@ -72,7 +72,7 @@ impl Program {
     }
 }
 
-/// The system's compiler, with warnings as errors, and the include paths of our header and ODE's.
+/// The system's compiler with all warnings as errors, and with the include paths of the header and of ODE.
 pub fn compiler(language: Language) -> Command {
     let mut build = cc::Build::new();
     build.target(env!("TEST_TARGET")).host(env!("TEST_HOST")).opt_level(1).cargo_metadata(false);
@@ -80,17 +80,18 @@ pub fn compiler(language: Language) -> Command {
         Language::C99 => ["-std=c99", "-x", "c"],
         Language::Cpp11 => ["-std=c++11", "-x", "c++"],
     };
+
     let mut command = build.cpp(matches!(language, Language::Cpp11)).get_compiler().to_command();
     command.args(arguments).args(["-g", "-pthread", "-Wall", "-Wextra", "-Werror"]);
     command.arg("-I").arg(root().join("include")).args(pkg_config(&["--cflags", "ode"]));
     command
 }
 
-/// Runs `command` to its end.
+/// Runs `command` and asserts that it succeeds.
 pub fn succeed(command: &mut Command) -> Output {
     let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{command:?}: {}\n{said}", output.status);
+    let messages = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {}\n{messages}", output.status);
     output
 }
 
@@ -102,7 +103,7 @@ pub fn scratch() -> &'static Path {
     Path::new(env!("CARGO_TARGET_TMPDIR"))
 }
 
-/// The folder of this test's binary. cargo builds the library for it with all of its crate types, and puts them there.
+/// The folder of this test's binary, in which cargo places the library in all of its crate types.
 fn libraries() -> PathBuf {
     env::current_exe().unwrap().parent().unwrap().to_owned()
 }
@@ -111,7 +112,7 @@ pub fn shared_library() -> PathBuf {
     libraries().join("libode_visual_hull.so")
 }
 
-/// A folder in which the library has the name that programs link to.
+/// A folder that contains the library under its soname.
 fn soname_folder() -> PathBuf {
     let folder = scratch().join("soname").join(thread_name());
     std::fs::create_dir_all(&folder).unwrap();
@@ -122,7 +123,7 @@ fn soname_folder() -> PathBuf {
     folder
 }
 
-/// The name of the test, which is that of its thread.
+/// The name of the current thread, which is the name of the test.
 fn thread_name() -> String {
     std::thread::current().name().unwrap_or("main").replace(':', "_")
 }
@@ -132,7 +133,7 @@ pub fn pkg_config(arguments: &[&str]) -> Vec<String> {
     String::from_utf8(output.stdout).unwrap().split_whitespace().map(str::to_owned).collect()
 }
 
-/// What a program needs besides the static library and ODE, as the pkg-config file has it.
+/// The libraries that a program needs besides the static library and ODE, from the pkg-config file.
 fn native_libraries() -> Vec<String> {
     let template = std::fs::read_to_string(root().join("ode_visual_hull.pc.in")).unwrap();
     let line = template.lines().find_map(|line| line.strip_prefix("Libs.private:")).unwrap();

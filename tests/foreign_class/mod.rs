@@ -1,4 +1,4 @@
-//! Geometry classes of other libraries in the same process.
+//! User classes of ODE that another library in the process would register.
 
 use ode_sys::{dCreateGeomClass, dGeomClass, dGeomID, dInfiniteAABB, dReal};
 
@@ -11,7 +11,7 @@ unsafe extern "C" fn no_collider(_: i32) -> ode_sys::dColliderFn {
     None
 }
 
-/// Registers such a class while ODE is open. Its number counts from 14, the first since ODE was opened.
+/// Registers a class while ODE is open and returns its number, which is 14 for the first class since ODE was opened.
 pub fn register() -> i32 {
     let class =
         dGeomClass { bytes: 8, collider: Some(no_collider), aabb: Some(no_box), aabb_test: None, dtor: None };

@@ -1,6 +1,6 @@
-/* ODE's drawing library without a window. Its loop drops 100 bodies of the kind of the program's first argument, one
-   each 20 steps, for as many steps as the second says. The drawing calls tell where all geoms are: it prints how many
-   lie beneath the ground in the end, the lowest point in the end and the lowest of all steps. */
+/* ODE's drawing library without a window. Its loop runs for the number of steps in the program's second argument and drops
+   100 bodies of the kind in the first, one every 20 steps. The poses of the geoms come from the drawing calls. At the end
+   it prints the number of bodies below the ground, the lowest point then, and the lowest point of all steps. */
 #include <drawstuff/drawstuff.h>
 
 #include <math.h>
@@ -18,10 +18,10 @@ struct Step {
 
 Step now;
 
-/* A geom whose centre is at `pos` and whose lowest point `below` under it. */
-void seen(const double pos[3], double below) {
+/* Records a geom whose centre is at `pos` and whose lowest point lies `below` under the centre. */
+void record(const double pos[3], double below) {
   now.drawn++;
-  /* Asked so that NaN is beneath. */
+  /* These comparisons count NaN as below. */
   if (!(pos[2] >= 0)) now.beneath++;
   if (!(pos[2] - below >= now.lowest)) now.lowest = pos[2] - below;
 }
@@ -46,17 +46,17 @@ void dsSimulationLoop(int argc, char **argv, int, int, dsFunctions *demo) {
 }
 
 void dsDrawBoxD(const double pos[3], const double R[12], const double sides[3]) {
-  seen(pos, 0.5 * (fabs(R[8]) * sides[0] + fabs(R[9]) * sides[1] + fabs(R[10]) * sides[2]));
+  record(pos, 0.5 * (fabs(R[8]) * sides[0] + fabs(R[9]) * sides[1] + fabs(R[10]) * sides[2]));
 }
 
-void dsDrawSphereD(const double pos[3], const double *, float radius) { seen(pos, radius); }
+void dsDrawSphereD(const double pos[3], const double *, float radius) { record(pos, radius); }
 
 void dsDrawCapsuleD(const double pos[3], const double R[12], float length, float radius) {
-  seen(pos, 0.5 * fabs(R[10]) * length + radius);
+  record(pos, 0.5 * fabs(R[10]) * length + radius);
 }
 
 void dsDrawCylinderD(const double pos[3], const double R[12], float length, float radius) {
-  seen(pos, 0.5 * fabs(R[10]) * length + radius * hypot(R[8], R[9]));
+  record(pos, 0.5 * fabs(R[10]) * length + radius * hypot(R[8], R[9]));
 }
 
 void dsDrawConvexD(const double pos[3], const double R[12], const double *, unsigned, const double *points,
@@ -64,7 +64,7 @@ void dsDrawConvexD(const double pos[3], const double R[12], const double *, unsi
   double below = 0;
   for (unsigned k = 0; k < count; k++)
     below = fmax(below, -(R[8] * points[3 * k] + R[9] * points[3 * k + 1] + R[10] * points[3 * k + 2]));
-  seen(pos, below);
+  record(pos, below);
 }
 
 void dsDrawTriangleD(const double *, const double *, const double *, const double *, const double *, int) {}

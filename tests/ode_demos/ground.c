@@ -1,5 +1,6 @@
-/* The hull of a slab that four level cameras see from its sides: the lower half of each image. Their optical centres
-   lie in its top, so that the horizon is the top's image and the hull's top is z = 0 wherever all of them look. */
+/* The hull of a slab, seen from its sides by four level cameras as the lower half of each image. The cameras' centres lie
+   in the plane of its top, so that the image of the top is the horizon, and the hull's top is z = 0 in the field of view of
+   all cameras. */
 #include "ground.h"
 
 #include <ode_visual_hull.h>
@@ -9,7 +10,7 @@
 
 enum { VIEWS = 4, WIDTH = 640, HEIGHT = 480 };
 
-/* A ball that rolls off at 1 m/s for the 80 s of a run comes 80 m far. */
+/* A ball that rolls away at 1 m/s gets 80 m far in the 80 s of a run. */
 static const dReal REACH = 100, THICKNESS = 10, DISTANCE = 250, FOCAL = 400;
 
 static dVisualHullDataID ground;

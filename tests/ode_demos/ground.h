@@ -1,4 +1,4 @@
-/* Included before all else of a demo of ODE's: its ground, the plane z = 0, becomes a visual hull. */
+/* Included before everything else in a demo of ODE: replaces its ground, the plane z = 0, by a visual hull. */
 #ifndef GROUND_H
 #define GROUND_H
 
@@ -8,10 +8,10 @@
 extern "C" {
 #endif
 
-/* A hull whose top is z = 0, as far as bodies roll in a run; it ends the program where it cannot be made. */
+/* Creates a hull whose top is z = 0, as far as bodies roll in a run. Ends the program if this fails. */
 dGeomID create_hull_ground(dSpaceID space);
 
-/* To be called before ODE closes. */
+/* Has to be called before ODE closes. */
 void close_hull_ground(void);
 
 #ifdef __cplusplus

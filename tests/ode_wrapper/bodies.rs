@@ -1,4 +1,4 @@
-//! Bodies: motion, forces, sleep, and numbers that are none.
+//! Bodies: motion, forces, sleep, and numbers that are not finite.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use ode_visual_hull::ode::{Amount, Mass, REACH, Shape, Surface};
@@ -19,14 +19,15 @@ fn free_fall_is_the_sum_of_the_semi_implicit_euler_steps() {
             } else {
                 world.step(DT).unwrap()
             }
+
             velocity -= GRAVITY * DT;
             height += velocity * DT;
-            let seen = world.body(body);
-            // ODE scales the force by the step and not the acceleration: the last bits differ.
-            assert!((seen.position().z - height).abs() <= 1e-13 * f64::from(n), "step {n}");
-            assert!((seen.linear_velocity().z - velocity).abs() <= 1e-14 * f64::from(n), "step {n}");
+            let state = world.body(body);
+            // ODE multiplies the force, not the acceleration, by the step, so that the last bits differ.
+            assert!((state.position().z - height).abs() <= 1e-13 * f64::from(n), "step {n}");
+            assert!((state.linear_velocity().z - velocity).abs() <= 1e-14 * f64::from(n), "step {n}");
         }
-        // The sum of 1..=n is the formula's g t^2 / 2, and half a step more.
+        // The sum of the steps equals g t^2 / 2 and half a step more.
         let t = 200.0 * DT;
         assert!((height + GRAVITY * t * (t + DT) / 2.0).abs() < 1e-10);
     }
@@ -40,7 +41,7 @@ fn a_box_comes_to_rest_on_a_plane_and_falls_asleep() {
     let (body, geom) = add(&mut world, &Shape::cuboid(0.2, 0.3, 0.4), 1.0, [0.0, 0.0, 0.3]);
     run(&mut world, 300, DT);
     let body = world.body(body);
-    // The solver leaves a depth of cfm times the force over the correction, far below this.
+    // The solver leaves a depth of cfm times the force, divided by the correction, far below this tolerance.
     assert!((body.position().z - 0.2).abs() < 1e-4, "{}", body.position());
     assert!(body.position().xy().coords.norm() < 1e-6);
     assert!(!body.is_enabled());
@@ -52,7 +53,7 @@ fn a_box_comes_to_rest_on_a_plane_and_falls_asleep() {
 fn friction_holds_a_box_below_the_critical_slope_and_not_above() {
     for (slope, slides) in [(0.4_f64, false), (0.6, true)] {
         let mut world = world();
-        // Gravity leans instead of the ground; mu is 0.5.
+        // Gravity is tilted instead of the ground; mu is 0.5.
         world.set_gravity(&(Vector3::new(slope, 0.0, -1.0).normalize() * GRAVITY)).unwrap();
         add_ground(&mut world);
         let (body, _) = add(&mut world, &Shape::cuboid(0.4, 0.4, 0.1), 1.0, [0.0, 0.0, 0.05]);
@@ -67,7 +68,7 @@ fn friction_holds_a_box_below_the_critical_slope_and_not_above() {
 }
 
 #[test]
-fn a_bouncing_ball_gives_back_its_restitution() {
+fn a_ball_bounces_by_its_restitution() {
     let mut world = world();
     add_ground(&mut world);
     let (body, _) = add(&mut world, &Shape::Sphere { radius: 0.1 }, 1.0, [0.0, 0.0, 1.1]);
@@ -83,8 +84,7 @@ fn a_bouncing_ball_gives_back_its_restitution() {
             up = up.max(speed);
         }
     }
-
-    // Gravity adds one step's worth to either speed.
+    // Gravity changes either speed by up to one step.
     assert!((up / -down - 0.5).abs() < 0.01, "{down} {up}");
 }
 
@@ -116,23 +116,26 @@ fn forces_and_torques_accelerate_by_mass_and_inertia() {
 }
 
 #[test]
-fn a_kinematic_body_moves_as_told_and_pushes() {
+fn a_kinematic_body_keeps_its_velocity_and_pushes_others() {
     let mut world = world();
     add_ground(&mut world);
     let (pusher, _) = add(&mut world, &Shape::cuboid(0.2, 0.2, 0.2), 1.0, [-0.3, 0.0, 0.11]);
     let (pushed, _) = add(&mut world, &Shape::cuboid(0.2, 0.2, 0.2), 100.0, [0.0, 0.0, 0.1]);
+
     world.body_mut(pusher).set_kinematic(true);
     world.body_mut(pusher).set_linear_velocity(&Vector3::x()).unwrap();
     assert!(world.body(pusher).is_kinematic());
+
     run(&mut world, 100, DT);
     assert!((world.body(pusher).position().x - 0.7).abs() < 1e-9);
     assert!((world.body(pushed).position().x - 0.9).abs() < 0.01, "{}", world.body(pushed).position());
+
     world.body_mut(pusher).set_kinematic(false);
     assert!(!world.body(pusher).is_kinematic());
 }
 
 #[test]
-fn a_sleeping_body_is_still_until_it_is_woken() {
+fn a_sleeping_body_does_not_move_until_it_is_woken() {
     let mut world = world();
     let body = world.add_body();
     world.body_mut(body).set_enabled(false);
@@ -158,7 +161,7 @@ fn a_pose_comes_back_as_it_was_set() {
 }
 
 #[test]
-fn numbers_that_are_none_never_reach_ode() {
+fn numbers_that_are_not_finite_never_reach_ode() {
     let mut world = world();
     let (body, _) = add(&mut world, &Shape::Sphere { radius: 0.1 }, 1.0, [0.0; 3]);
     for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, 1e300] {
@@ -182,16 +185,18 @@ fn numbers_that_are_none_never_reach_ode() {
     for bad in [0.0, -0.01, 1e-300] {
         assert!(world.step(bad).is_err() && world.quick_step(bad).is_err());
     }
+
     world.step(DT).unwrap();
     assert!(world.body(body).pose().translation.vector.iter().all(|x| x.is_finite()));
 }
 
 #[test]
-fn a_body_that_leaves_the_world_is_stopped_and_the_rest_goes_on() {
+fn a_body_that_leaves_the_world_is_stopped_and_others_move_on() {
     let mut world = world();
     let (fast, _) = add(&mut world, &Shape::Sphere { radius: 0.1 }, 1.0, [REACH - 1.0, 0.0, 0.0]);
     let (slow, _) = add(&mut world, &Shape::Sphere { radius: 0.1 }, 1.0, [0.0; 3]);
     world.body_mut(fast).set_linear_velocity(&Vector3::new(1e9, 0.0, 0.0)).unwrap();
+
     let message = world.quick_step(DT).unwrap_err().to_string();
 
     assert!(message.contains("left the world"), "{message}");
@@ -205,7 +210,7 @@ fn a_body_that_leaves_the_world_is_stopped_and_the_rest_goes_on() {
     world.quick_step(DT).unwrap();
 
     assert!(world.stopped_bodies().is_empty());
-    // Two steps of free fall.
+    // The other body has fallen for two steps.
     assert!((world.body(slow).position().z + 3.0 * GRAVITY * DT * DT).abs() < 1e-12);
 }
 

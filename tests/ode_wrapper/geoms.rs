@@ -1,4 +1,4 @@
-//! Geoms: shapes, poses, rays, and sizes that are none.
+//! Geoms: shapes, poses, rays, and invalid sizes.
 
 use std::sync::Arc;
 
@@ -60,7 +60,7 @@ fn every_solid_rests_on_the_ground_at_its_height() {
 
 #[test]
 fn every_pair_of_shapes_collides_without_an_abort() {
-    // Poses that touch, cross, coincide, and are apart.
+    // Poses at which the shapes coincide, touch, intersect, and are separate.
     let poses = [
         Isometry3::identity(),
         Isometry3::translation(0.3, 0.2, 0.8),
@@ -71,17 +71,19 @@ fn every_pair_of_shapes_collides_without_an_abort() {
     for first in all_shapes() {
         for second in all_shapes() {
             let mut world = world();
+
             let root = world.root_space();
             let a = world.add_geom(root, &first).unwrap();
             let b = world.add_geom(root, &second).unwrap();
+
             for pose in &poses {
                 if second.is_placeable() {
                     world.geom_mut(b).set_pose(pose).unwrap();
                 }
                 for max in [1, 4, 100] {
-                    let there = world.collide_geoms(a, b, max).unwrap();
-                    assert!(there.len() <= max);
-                    for contact in there {
+                    let contacts = world.collide_geoms(a, b, max).unwrap();
+                    assert!(contacts.len() <= max);
+                    for contact in contacts {
                         assert_eq!(contact.geoms, [a, b]);
                         assert!(
                             (contact.normal.norm() - 1.0).abs() < 1e-6,
@@ -101,6 +103,7 @@ fn the_normal_points_into_the_first_geom() {
     let low = world.add_geom(root, &Shape::Sphere { radius: 1.0 }).unwrap();
     let high = world.add_geom(root, &Shape::cuboid(1.0, 1.0, 1.0)).unwrap();
     world.geom_mut(high).set_pose(&Isometry3::translation(0.0, 0.0, 1.4)).unwrap();
+
     let contact = world.collide_geoms(low, high, 4).unwrap()[0];
 
     assert!(
@@ -113,6 +116,7 @@ fn the_normal_points_into_the_first_geom() {
         (contact.normal - Vector3::z()).norm() < 1e-12 && (contact.depth - 0.1).abs() < 1e-12,
         "{contact:?}"
     );
+
     assert!(world.collide_geoms(low, high, 0).unwrap().is_empty());
     assert!(world.collide_geoms(low, low, 4).unwrap().is_empty());
 }
@@ -167,7 +171,7 @@ fn a_plane_has_no_pose_and_no_body() {
     assert_eq!(world.geom(plane).aabb().max.z, 1.0);
 }
 
-/// The hits of a ray from `origin` along `direction` with a geom of this shape.
+/// The distances of the hits of a ray from `origin` along `direction` with a geom of this shape.
 fn hits(world: &mut World, shape: &Shape, origin: Point3<f64>, direction: Vector3<f64>) -> Vec<f64> {
     let root = world.root_space();
     let (target, ray) =
@@ -175,16 +179,17 @@ fn hits(world: &mut World, shape: &Shape, origin: Point3<f64>, direction: Vector
     let ray = ray.unwrap();
     world.geom_mut(ray).set_ray(&origin, &direction).unwrap();
     world.geom_mut(ray).set_ray_flags(RayFlags { closest_hit: true, ..RayFlags::default() }).unwrap();
+
     let hits = world.collide_geoms(ray, target, 1).unwrap();
     hits.iter().map(|hit| hit.depth).collect()
 }
 
 #[test]
-fn a_ray_measures_how_far_away_a_shape_is() {
+fn a_ray_measures_the_distance_to_a_shape() {
     for direction in [Vector3::z(), -Vector3::z(), Vector3::x(), Vector3::new(0.0, -3.0, 0.0)] {
         for shape in [Shape::Sphere { radius: 0.5 }, Shape::cuboid(1.0, 1.0, 1.0), mesh_cube()] {
             let mut world = world();
-            // Off the middle, where two triangles of the mesh meet.
+            // Aside of the centre, where two triangles of the mesh meet.
             let aside = Vector3::new(1e-4, 2e-4, 3e-4);
             let origin = Point3::origin() - direction.normalize() * 2.0 + aside;
             let hits = hits(&mut world, &shape, origin, direction);
@@ -194,7 +199,7 @@ fn a_ray_measures_how_far_away_a_shape_is() {
 }
 
 #[test]
-fn a_ray_cannot_be_what_it_is_not() {
+fn invalid_rays_and_rays_of_other_shapes_are_refused() {
     let mut world = world();
     let root = world.root_space();
     let ball = world.add_geom(root, &Shape::Sphere { radius: 1.0 }).unwrap();
@@ -213,7 +218,7 @@ fn a_ray_cannot_be_what_it_is_not() {
 }
 
 #[test]
-fn sizes_that_are_none_are_refused() {
+fn invalid_sizes_are_refused() {
     let mut world = world();
     let root = world.root_space();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e8] {

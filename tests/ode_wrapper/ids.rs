@@ -1,4 +1,4 @@
-//! Ids of removed objects and of other worlds are refused.
+//! Ids of removed objects and ids of another world are refused.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -8,10 +8,10 @@ use crate::{add, world};
 
 const BALL: Shape = Shape::Sphere { radius: 0.1 };
 
-/// The message of the panic that `call` ends with.
+/// The message of the panic that `act` ends in.
 fn panic_of<T>(act: impl FnOnce() -> T) -> String {
     let payload = catch_unwind(AssertUnwindSafe(|| drop(act()))).expect_err("expected a panic");
-    payload.downcast_ref::<String>().expect("a panic with words").clone()
+    payload.downcast_ref::<String>().expect("a panic with a message").clone()
 }
 
 #[test]
@@ -29,7 +29,7 @@ fn a_removed_body_is_refused_also_when_its_slot_is_used_again() {
         assert!(world.geom_mut(geom).set_body(Some(old)).is_err());
         assert!(world.add_joint([Some(old), None], &JointKind::Fixed).is_err());
         assert!(!world.remove_body_and_geoms(old) && world.geoms_of(old).is_empty());
-        // A new object in the same slot.
+        // In the second round, another body has the slot.
         world.add_body();
     }
 }
@@ -52,7 +52,9 @@ fn removed_geoms_spaces_and_joints_are_refused_also_when_their_slots_are_used_ag
         );
         assert!(!world.contains_space(space) && world.remove_space(space).is_err());
         assert!(world.add_geom(space, &BALL).is_err() && world.add_space(space, SpaceKind::Simple).is_err());
+
         assert!(panic_of(|| world.geom(geom).pose()).contains("was removed"));
+
         assert!(panic_of(|| world.geom_mut(geom).set_enabled(true)).contains("was removed"));
         assert!(panic_of(|| world.joint(joint).bodies()).contains("was removed"));
         assert!(panic_of(|| world.joint_mut(joint).set_enabled(true)).contains("was removed"));
@@ -67,14 +69,14 @@ fn removed_geoms_spaces_and_joints_are_refused_also_when_their_slots_are_used_ag
 
 #[test]
 fn ids_of_another_world_are_refused() {
-    let everything = |world: &mut World| {
+    let add_each_kind = |world: &mut World| {
         let (body, geom) = add(world, &BALL, 1.0, [0.0; 3]);
         let joint = world.add_joint([Some(body), None], &JointKind::Fixed).unwrap();
         (body, geom, joint, world.add_joint_group())
     };
     let (mut here, mut there) = (world(), world());
-    let (body, geom, joint, group) = everything(&mut here);
-    let (own_body, own_geom, ..) = everything(&mut there);
+    let (body, geom, joint, group) = add_each_kind(&mut here);
+    let (own_body, own_geom, ..) = add_each_kind(&mut there);
     let root = here.root_space();
 
     assert!(!there.contains_body(body) && !there.contains_geom(geom) && !there.contains_joint(joint));
@@ -107,7 +109,7 @@ fn geoms_of_a_removed_body_stay_where_they_were_or_go_with_it() {
 }
 
 #[test]
-fn ids_say_what_they_are() {
+fn ids_print_their_type_and_slot() {
     let mut world = world();
     let body = world.add_body();
     assert!(format!("{body:?}").starts_with("BodyId(0v0 of world "), "{body:?}");

@@ -1,4 +1,4 @@
-//! Joints: each kind holds what it should, and lets go of the rest.
+//! Joints: each kind constrains the motion that it should and no other.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -21,7 +21,7 @@ fn steps(world: &mut World, n: usize) {
     }
 }
 
-fn apart(world: &World, joint: JointId) -> f64 {
+fn anchor_distance(world: &World, joint: JointId) -> f64 {
     let joint = world.joint(joint);
     (joint.anchor().unwrap() - joint.anchor2().unwrap()).norm()
 }
@@ -37,25 +37,27 @@ fn a_pendulum_keeps_its_energy_and_its_length() {
             JointKind::Ball { anchor: Point3::origin() }
         };
         let joint = world.add_joint([Some(body), None], &kind).unwrap();
+
         let (mut lowest, mut worst) = (0.0_f64, 0.0_f64);
         for _ in 0..4000 {
             world.step(DT).unwrap();
             let body = world.body(body);
-            // Per kilogram; the ball's own rotation has 4e-5 of it.
+            // Energy per kilogram; the ball's own rotation accounts for a share of 4e-5.
             let energy = body.linear_velocity().norm_squared() / 2.0 + GRAVITY * body.position().z;
             worst = worst.max(energy.abs());
             lowest = lowest.min(body.position().z);
             assert!((body.position().coords.norm() - 1.0).abs() < 1e-3);
         }
+
         assert!(lowest < -0.999, "it swings through: {lowest}");
-        // The integrator is of first order: 1 % of the energy of the fall at steps of 1 ms.
+        // The integrator is of first order, with an error of 1 % of the energy of the fall at steps of 1 ms.
         assert!(worst < 0.01 * GRAVITY, "hinge {hinge}: energy off by {worst}");
-        assert!(apart(&world, joint) < 1e-3);
+        assert!(anchor_distance(&world, joint) < 1e-3);
     }
 }
 
 #[test]
-fn a_hinge_measures_its_angle_and_stops_where_told() {
+fn a_hinge_measures_its_angle_and_stops_at_its_limit() {
     let mut world = world();
     let body = ball(&mut world, [1.0, 0.0, 0.0]);
     let kind = JointKind::Hinge { anchor: Point3::origin(), axis: Vector3::new(0.0, 3.0, 0.0) };
@@ -63,9 +65,10 @@ fn a_hinge_measures_its_angle_and_stops_where_told() {
 
     assert_eq!((world.joint(joint).axis(), world.joint(joint).angle()), (Some(Vector3::y()), Some(0.0)));
 
-    // About y, down is positive.
+    // Angles about y are positive downwards.
     world.joint_mut(joint).set_param(JointParam::HighStop, 0.5).unwrap();
     world.joint_mut(joint).set_param(JointParam::LowStop, -0.5).unwrap();
+
     steps(&mut world, 2000);
     let angle = world.joint(joint).angle().unwrap();
 
@@ -94,14 +97,14 @@ fn a_motor_turns_a_hinge_at_its_velocity() {
 }
 
 #[test]
-fn a_slider_lets_go_along_its_axis_only() {
+fn a_slider_moves_only_along_its_axis() {
     let mut world = world();
     let body = ball(&mut world, [0.0; 3]);
     let axis = Vector3::new(1.0, 0.0, -1.0);
     let joint = world.add_joint([Some(body), None], &JointKind::Slider { axis }).unwrap();
     steps(&mut world, 1000);
 
-    // Half of gravity acts along a slope of 45 degrees, times sqrt 2 / 2.
+    // The acceleration along a slope of 45 degrees is g / sqrt 2, and the time is 1 s.
     let expected = GRAVITY * 0.5_f64.sqrt() / 2.0;
     let position = world.joint(joint).position().unwrap();
 
@@ -124,8 +127,10 @@ fn fixed_bodies_move_as_one() {
         world.body_mut(body).set_angular_velocity(&Vector3::new(0.0, 0.0, 1.0)).unwrap();
     }
     world.body_mut(b).set_linear_velocity(&Vector3::new(0.0, 0.5, 0.0)).unwrap();
+
     let between = |world: &World| world.body(a).pose().inverse() * world.body(b).pose();
     let before = between(&world);
+
     steps(&mut world, 1000);
     let after = between(&world);
 
@@ -144,6 +149,7 @@ fn a_contact_joint_carries_a_body_until_it_is_removed() {
         depth: 0.0,
         geoms: [geom, geom],
     };
+
     let kind = JointKind::Contact { contact, surface: Surface::default() };
     let joint = world.add_joint([Some(body), None], &kind).unwrap();
 
@@ -151,6 +157,7 @@ fn a_contact_joint_carries_a_body_until_it_is_removed() {
 
     steps(&mut world, 100);
     assert!(world.body(body).position().z.abs() < 1e-6, "{}", world.body(body).position());
+
     assert!(world.remove_joint(joint));
 
     steps(&mut world, 100);
@@ -169,7 +176,7 @@ fn the_world_may_be_the_first_body_of_a_joint() {
 }
 
 #[test]
-fn a_disabled_joint_holds_nothing() {
+fn a_disabled_joint_constrains_nothing() {
     let mut world = world();
     let body = ball(&mut world, [0.0; 3]);
     let joint = world.add_joint([Some(body), None], &JointKind::Fixed).unwrap();
@@ -182,7 +189,7 @@ fn a_disabled_joint_holds_nothing() {
 }
 
 #[test]
-fn a_group_is_emptied_at_once_and_its_ids_go_stale() {
+fn emptying_a_group_removes_its_joints_and_invalidates_their_ids() {
     let mut world = world();
     let bodies = [0.0, 1.0, 2.0].map(|x| ball(&mut world, [x, 0.0, 0.0]));
     let group = world.add_joint_group();
@@ -209,7 +216,7 @@ fn a_group_is_emptied_at_once_and_its_ids_go_stale() {
 }
 
 #[test]
-fn the_joints_of_a_removed_body_stay_and_hold_nothing() {
+fn the_joints_of_a_removed_body_remain_and_constrain_nothing() {
     let mut world = world();
     let (a, b) = (ball(&mut world, [0.0; 3]), ball(&mut world, [1.0, 0.0, 0.0]));
     let anchor = Point3::new(0.5, 0.0, 0.0);
@@ -219,6 +226,7 @@ fn the_joints_of_a_removed_body_stay_and_hold_nothing() {
         JointKind::Slider { axis: Vector3::x() },
         JointKind::Fixed,
     ];
+
     let joints = kinds.map(|kind| world.add_joint([Some(a), Some(b)], &kind).unwrap());
     world.remove_body(a);
 
@@ -241,7 +249,7 @@ fn the_joints_of_a_removed_body_stay_and_hold_nothing() {
 }
 
 #[test]
-fn what_no_joint_can_be_is_refused() {
+fn invalid_joints_are_refused() {
     let mut world = world();
     let (a, gone) = (ball(&mut world, [0.0; 3]), ball(&mut world, [1.0; 3]));
     world.remove_body(gone);
@@ -280,6 +288,7 @@ fn what_no_joint_can_be_is_refused() {
         assert!(joint.set_param(JointParam::Cfm, -1.0).is_err());
         assert!(joint.set_param(JointParam::Cfm, 1e-5).is_ok());
         assert_eq!(joint.view().param(JointParam::Cfm), Some(1e-5));
+
         let has_stops = matches!(kind, JointKind::Hinge { .. } | JointKind::Slider { .. });
         assert_eq!(joint.set_param(JointParam::LowStop, f64::NEG_INFINITY).is_ok(), has_stops);
         assert_eq!(joint.set_param(JointParam::Erp, 0.5).is_ok(), !has_stops);

@@ -1,4 +1,4 @@
-//! ODE through the safe wrapper: bodies move as in ODE, and no safe call reaches a removed object.
+//! ODE through the safe wrapper: bodies move as in ODE, and safe code cannot access removed objects.
 
 mod bodies;
 mod geoms;
@@ -19,7 +19,7 @@ fn world() -> World {
     world
 }
 
-/// A body of this shape and mass, with its geom in the root space.
+/// Adds a body of this shape and mass, with its geom in the root space.
 fn add(world: &mut World, shape: &Shape, mass: f64, at: [f64; 3]) -> (BodyId, GeomId) {
     let body = world.add_body();
     world.body_mut(body).set_mass(&Mass::of(shape, Amount::Total(mass)).unwrap()).unwrap();
@@ -29,13 +29,13 @@ fn add(world: &mut World, shape: &Shape, mass: f64, at: [f64; 3]) -> (BodyId, Ge
     (body, geom)
 }
 
-/// The ground z = 0.
+/// Adds the ground plane z = 0.
 fn add_ground(world: &mut World) -> GeomId {
     let ground = Shape::Plane { normal: Vector3::z(), offset: 0.0 };
     world.add_geom(world.root_space(), &ground).unwrap()
 }
 
-/// Collides and steps, `n` times.
+/// Collides and advances the world by `dt` seconds, `n` times.
 fn run(world: &mut World, n: usize, dt: f64) {
     for _ in 0..n {
         world.default_collide(&Surface::default(), 8).unwrap();

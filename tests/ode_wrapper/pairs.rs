@@ -1,4 +1,4 @@
-//! Collisions: which pairs are found, what can be done with them, and panics meanwhile.
+//! Colliding: the pairs that are found, what a closure may do with them, and panics in it.
 
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,7 +26,7 @@ fn kinds() -> Vec<SpaceKind> {
     ]
 }
 
-/// The position of ball `i`: a fixed, uneven scatter in a cube of side 6.
+/// The pose of the `i`th ball: an irregular scatter in a cube of side 6.
 fn place(i: usize) -> Isometry3<f64> {
     let coordinate = |step: usize| ((i * i * 7 + i * step + 17) % 97) as f64 / 97.0 * 6.0 - 3.0;
     Isometry3::translation(coordinate(31), coordinate(57), coordinate(73))
@@ -34,7 +34,7 @@ fn place(i: usize) -> Isometry3<f64> {
 
 const COUNT: usize = 60;
 
-/// The pairs of a world, as indices of its geoms.
+/// The pairs that colliding finds, as indices into `geoms`.
 fn pairs(world: &mut World, geoms: &[GeomId]) -> BTreeSet<[usize; 2]> {
     let mut found = BTreeSet::new();
     world
@@ -47,7 +47,7 @@ fn pairs(world: &mut World, geoms: &[GeomId]) -> BTreeSet<[usize; 2]> {
     found
 }
 
-/// Sixty balls and a ground, each in the space that `space` chooses among those made.
+/// Adds sixty balls, distributed over `spaces`, and a ground in the first of them.
 fn scatter(world: &mut World, spaces: &[ode_visual_hull::ode::SpaceId]) -> Vec<GeomId> {
     let mut geoms: Vec<GeomId> = (0..COUNT)
         .map(|i| {
@@ -61,7 +61,7 @@ fn scatter(world: &mut World, spaces: &[ode_visual_hull::ode::SpaceId]) -> Vec<G
     geoms
 }
 
-/// The pairs whose bounding boxes overlap.
+/// The pairs of geoms whose bounding boxes overlap, as indices into `geoms`.
 fn overlapping_boxes(world: &World, geoms: &[GeomId]) -> BTreeSet<[usize; 2]> {
     let mut overlaps = BTreeSet::new();
     for j in 0..geoms.len() {
@@ -84,7 +84,8 @@ fn every_kind_of_space_finds_the_same_pairs() {
         let geoms = scatter(&mut world, &[root]);
         assert!(overlapping_boxes(&world, &geoms).len() > COUNT);
         assert_eq!(pairs(&mut world, &geoms), overlapping_boxes(&world, &geoms), "{kind:?}");
-        // Again, after all have moved.
+
+        // Once more, after all balls have moved.
         for (i, &geom) in geoms[..COUNT].iter().enumerate() {
             world.geom_mut(geom).set_pose(&place(i + 200)).unwrap();
         }
@@ -103,12 +104,14 @@ fn nested_spaces_find_the_same_pairs() {
             let second = world.add_space(first, outer).unwrap();
             let third = world.add_space(root, outer).unwrap();
             let empty = world.add_space(root, inner).unwrap();
+
             let geoms = scatter(&mut world, &[root, first, second, third]);
             assert_eq!(
                 pairs(&mut world, &geoms),
                 overlapping_boxes(&world, &geoms),
                 "{outer:?} around {inner:?}"
             );
+
             world.remove_space(empty).unwrap();
             for (i, &geom) in geoms[..COUNT].iter().enumerate() {
                 world.geom_mut(geom).set_pose(&place(i + 200)).unwrap();
@@ -123,7 +126,7 @@ fn nested_spaces_find_the_same_pairs() {
 }
 
 #[test]
-fn disabled_geoms_and_bits_that_do_not_meet_are_left_out() {
+fn disabled_geoms_and_geoms_without_common_bits_are_left_out() {
     for kind in kinds() {
         let mut world = world();
         let root = world.root_space();
@@ -132,9 +135,11 @@ fn disabled_geoms_and_bits_that_do_not_meet_are_left_out() {
         let shape = Shape::Sphere { radius: 0.5 };
         let geoms = [nested, nested, other].map(|space| world.add_geom(space, &shape).unwrap());
         assert_eq!(pairs(&mut world, &geoms).len(), 3);
+
         world.geom_mut(geoms[0]).set_enabled(false);
         assert!(!world.geom(geoms[0]).is_enabled());
         assert_eq!(pairs(&mut world, &geoms), BTreeSet::from([[1, 2]]), "{kind:?}");
+
         world.geom_mut(geoms[0]).set_enabled(true);
         world.geom_mut(geoms[1]).set_category_bits(2);
         world.geom_mut(geoms[1]).set_collide_bits(0);
@@ -159,10 +164,11 @@ fn a_pair_knows_its_bodies_and_its_contacts() {
     let mut world = world();
     let ground = add_ground(&mut world);
     let (body, geom) = add(&mut world, &Shape::cuboid(0.2, 0.2, 0.2), 1.0, [0.0, 0.0, 0.09]);
-    let mut seen = 0;
+    let mut visited = 0;
     world
         .collide(|pair| {
-            seen += 1;
+            visited += 1;
+
             let swapped = pair.geoms() == [ground, geom];
             assert!(swapped || pair.geoms() == [geom, ground]);
             assert_eq!(pair.bodies(), if swapped { [None, Some(body)] } else { [Some(body), None] });
@@ -170,7 +176,7 @@ fn a_pair_knows_its_bodies_and_its_contacts() {
             assert_eq!(pair.body(body).unwrap().position().z, 0.09);
             assert!(pair.touches() && !pair.are_connected_excluding_contact());
             assert!(pair.contacts(0).is_empty());
-            // Two at a time do not get into each other's way.
+            // Two lists of contacts may exist at a time.
             let (all, few) = (pair.contacts(8), pair.contacts(3));
             assert_eq!((all.len(), few.len()), (4, 3));
             for contact in all.iter() {
@@ -179,8 +185,7 @@ fn a_pair_knows_its_bodies_and_its_contacts() {
             }
         })
         .unwrap();
-
-    assert_eq!(seen, 1);
+    assert_eq!(visited, 1);
 }
 
 #[test]
@@ -213,6 +218,7 @@ fn jointed_bodies_do_not_collide_by_default() {
     let shape = Shape::Sphere { radius: 0.5 };
     let [a, b] = [0.0, 0.5].map(|x| add(&mut world, &shape, 1.0, [x, 0.0, 0.0]).0);
     let joint = world.add_joint([Some(a), Some(b)], &JointKind::Ball { anchor: Point3::origin() }).unwrap();
+
     let mut connected = Vec::new();
     world.collide(|pair| connected.push(pair.are_connected_excluding_contact())).unwrap();
 
@@ -227,7 +233,7 @@ fn jointed_bodies_do_not_collide_by_default() {
 }
 
 #[test]
-fn what_is_wrong_with_a_contact_becomes_the_error_of_collide() {
+fn an_invalid_contact_becomes_the_error_of_collide() {
     let mut world = world();
     add_ground(&mut world);
     add(&mut world, &Shape::cuboid(0.2, 0.2, 0.2), 1.0, [0.0, 0.0, 0.09]);
@@ -240,9 +246,11 @@ fn what_is_wrong_with_a_contact_becomes_the_error_of_collide() {
                 }
             })
         };
+
     let good = Surface::default();
 
     assert!(collide(&mut world, |_| (), &good).is_ok());
+
     assert!(collide(&mut world, |contact| contact.depth = f64::NAN, &good).is_err());
     assert!(collide(&mut world, |contact| contact.depth = -0.1, &good).is_err());
     assert!(collide(&mut world, |contact| contact.normal *= 2.0, &good).is_err());
@@ -255,7 +263,7 @@ fn what_is_wrong_with_a_contact_becomes_the_error_of_collide() {
 }
 
 #[test]
-fn a_panic_comes_out_of_collide_and_the_world_works_on() {
+fn a_panic_leaves_collide_and_the_world_still_works() {
     let mut world = world();
     let nested = world.add_space(world.root_space(), SpaceKind::Simple).unwrap();
     let ground = add_ground(&mut world);
@@ -275,7 +283,7 @@ fn a_panic_comes_out_of_collide_and_the_world_works_on() {
 
     assert_eq!((payload.downcast_ref::<u32>(), visited), (Some(&42), 1));
 
-    // Nothing is left locked: all that ODE refuses during a collide works.
+    // No lock is left behind: everything that ODE refuses during a collide works.
     world.geom_mut(geom).set_space(nested).unwrap();
     world.geom_mut(second).set_body(None).unwrap();
 
@@ -311,8 +319,10 @@ fn worlds_on_several_threads_do_not_disturb_each_other() {
         add_ground(&mut world);
         let points =
             vec![Point3::new(-5.0, -5.0, 0.02), Point3::new(5.0, -5.0, 0.02), Point3::new(0.0, 5.0, 0.02)];
+
         let mesh = ode_visual_hull::ode::TriMesh::new(points, vec![[0, 1, 2]]).unwrap();
         world.add_geom(world.root_space(), &Shape::TriMesh(mesh.into())).unwrap();
+
         let bodies: Vec<_> = (0..6)
             .map(|i| {
                 add(&mut world, &Shape::cuboid(0.2, 0.2, 0.2), 1.0, [0.0, 0.0, 0.15 + 0.25 * f64::from(i)]).0

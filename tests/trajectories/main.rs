@@ -1,4 +1,4 @@
-//! Bodies on the hull of a box move as they do on the box itself.
+//! Bodies on the hull of a box move as they do on ODE's own box.
 //!
 //! The references in `tests/trajectories/*.csv` were recorded from ODE's own geoms. To record them anew:
 //!
@@ -17,7 +17,7 @@ use ode_visual_hull_testing::trajectories::stage::{Ends, Scene, Support, run, ru
 use ode_visual_hull_testing::trajectories::{self};
 use std::sync::LazyLock;
 
-/// All scenes. Their references are recorded anew where RECORD_TRAJECTORIES is set.
+/// All scenes. If `RECORD_TRAJECTORIES` is set, their references are recorded anew.
 static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| {
     let scenes = trajectories::all();
     if std::env::var_os("RECORD_TRAJECTORIES").is_some() {
@@ -30,12 +30,13 @@ static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| {
 });
 
 #[test]
-fn bodies_on_the_hull_follow_the_native_ones() {
+fn bodies_on_the_hull_follow_those_on_odes_box() {
     let mut missed = Vec::new();
     for scene in SCENES.iter() {
         let reference = Reference::read(scene);
         assert_eq!(reference.tolerance_px, tolerance_px(scene), "{}: the file's tolerance", scene.name);
         assert!((reference.pixel - scene.rig.pixel()).abs() < 1e-9, "{}: the file's pixel", scene.name);
+
         let hull = run_for(scene, Support::Hull, reference.last());
         let rms = rms_px(&reference, &hull);
         if rms > reference.tolerance_px {
@@ -46,14 +47,15 @@ fn bodies_on_the_hull_follow_the_native_ones() {
 }
 
 #[test]
-fn the_references_are_what_the_native_geoms_do() {
+fn the_references_match_new_runs_on_odes_box() {
     for scene in SCENES.iter() {
         let reference = Reference::read(scene);
         let native = run(scene, Support::Native);
         assert_eq!(native.last, reference.last(), "{}: ends with the same step", scene.name);
-        // Twelve decimals are written.
+        // The files have twelve decimals.
         let worst = distance_px(&reference, &native.states) * reference.pixel;
         assert!(worst < 1e-9, "{}: {worst} m from its file", scene.name);
+
         for (k, poses) in &reference.rows {
             for (pose, state) in poses.iter().zip(&native.states[*k]) {
                 assert!(pose.rotation.angle_to(&state.pose.rotation) < 1e-7, "{}: turned", scene.name);
@@ -71,7 +73,7 @@ fn spheres_and_lying_cylinders_roll_at_the_native_speed() {
 }
 
 #[test]
-fn every_way_to_meet_a_support_is_among_the_scenes() {
+fn the_scenes_cover_all_kinds_of_contact() {
     let ends = |wanted: Ends| SCENES.iter().filter(|scene| scene.ends == wanted).count();
     assert!(ends(Ends::AtRest) >= 10 && ends(Ends::OffSupport) >= 5);
     assert!(SCENES.iter().filter(|scene| scene.edge_first).count() >= 3);
@@ -81,11 +83,11 @@ fn every_way_to_meet_a_support_is_among_the_scenes() {
     );
 }
 
-/// The five faces that a body may touch: all but the underside, by axis and side.
+/// The five faces that a body may touch, as axis and side: all but the underside.
 const FACES: [(usize, f64); 5] = [(2, 1.0), (0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)];
 
-/// A point near a face, within the box's height and a fifth of its size beyond its other edges, in the box's frame;
-/// a micrometre to a decimetre off the face's plane.
+/// A random point near a face, in the box's frame: 1e-6 to 0.1 m from the face's plane, above the underside, and up to
+/// 20 % beyond the face's edges.
 fn near_face(rig: &Rig, (axis, side): (usize, f64), random: &mut Random) -> Point3<f64> {
     let half = rig.lengths / 2.0;
     let mut p = Vector3::from_fn(|i, _| 1.2 * half[i] * random.between(-1.0, 1.0));
@@ -97,9 +99,9 @@ fn near_face(rig: &Rig, (axis, side): (usize, f64), random: &mut Random) -> Poin
 }
 
 #[test]
-fn the_hull_of_the_box_is_the_box_at_every_face_that_is_touched() {
-    // Without pixels: a point is in the hull of perfect silhouettes if and only if in each camera the half-line through it
-    // hits the box.
+fn the_exact_hull_of_the_box_equals_the_box_at_every_face_that_is_touched() {
+    // Exact silhouettes, without pixels: a point is inside their hull iff the half-line of each camera through it hits
+    // the box.
     for rig in [&*TABLE, &*RAMP] {
         let placed = rig.placed();
         let mut random = Random(7);
@@ -138,8 +140,8 @@ fn every_camera_sees_the_whole_box() {
 
 #[test]
 fn the_hull_from_pixels_ends_where_the_box_does() {
-    // From a centimetre inside each face, away from its edges, straight out. Coverage is precise to a fifth of a pixel, and
-    // pixels are larger at the far end of the ramp than at its centre.
+    // From points a centimetre inside each face, away from its edges, the exit is straight out. Coverage is exact to a
+    // fifth of a pixel, and pixels at the far end of the ramp cover more than at its centre.
     for rig in [&*TABLE, &*RAMP] {
         let (_, hull) = rig.hull_data().latest().unwrap();
         let mut random = Random(9);
@@ -147,6 +149,7 @@ fn the_hull_from_pixels_ends_where_the_box_does() {
             for _ in 0..200 {
                 let mut p = Vector3::from_fn(|i, _| 0.4 * rig.lengths[i] * random.between(-1.0, 1.0));
                 p[axis] = side * (rig.lengths[axis] / 2.0 - 0.01);
+
                 let mut out = Vector3::zeros();
                 out[axis] = side;
                 let exit = hull.exit(
@@ -154,6 +157,7 @@ fn the_hull_from_pixels_ends_where_the_box_does() {
                     &(rig.world_from_box * out),
                     EdgeModel::Coverage,
                 );
+
                 let off = (exit - 0.01).abs() / rig.pixel();
                 assert!(off < 0.25, "{} face {axis} {side}: {off} px at {p}", rig.name);
             }

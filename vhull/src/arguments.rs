@@ -1,4 +1,4 @@
-//! Options that several verbs share, and parsers of their values.
+//! Options shared by several subcommands, and parsers of the values of options.
 
 use clap::ValueEnum;
 use nalgebra::Point3;
@@ -9,33 +9,31 @@ use ode_visual_hull::{Error, MissingHint, Result};
 use std::ops::Range;
 use std::path::Path;
 
-/// The calibration of a recording, in its folder.
+/// File name of the calibration in the folder of a recording.
 pub const RIG: &str = "rig.toml";
 
-/// What a calibration file may lack.
+/// What a calibration file may lack: the unit of length and the size of the images.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct HintOptions {
-    /// Metres per unit of length of the calibration, instead of its format's own.
+    /// Metres per unit of length of the calibration [default: as its format defines].
     #[arg(long, value_name = "METRES", value_parser = parse_length)]
     pub unit: Option<f64>,
-    /// Size of the images, where the calibration does not state it.
+    /// Size of the images, for calibrations that do not hold it.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     pub size: Option<(u32, u32)>,
 }
 
 impl HintOptions {
-    /// Loads the calibration at `path`, or that of the recording there, completed by these options.
+    /// Reads the calibration at `path`, or that recording's rig file, completed by these options.
     pub fn load(self, path: &Path) -> Result<Calibration> {
-        let own = path.join(RIG);
-        Calibration::load(
-            if own.is_file() { &own } else { path },
-            &Hints { size: self.size, metres_per_unit: self.unit },
-        )
-        .map_err(|e| hinted(e, "that is"))
+        let rig_file = path.join(RIG);
+        let path = if rig_file.is_file() { &rig_file } else { path };
+        let hints = Hints { size: self.size, metres_per_unit: self.unit };
+        Calibration::load(path, &hints).map_err(|e| hinted(e, "that is"))
     }
 }
 
-/// Opens the recording in folder `dir`.
+/// Opens the recording in folder `dir`; the error for a missing rig file names `vhull convert`.
 pub fn open_recording(dir: &Path) -> Result<Recording> {
     Recording::open(dir).map_err(|e| match e {
         Error::File { path, problem } if path == dir.join(RIG) && !path.exists() => {
@@ -46,17 +44,17 @@ pub fn open_recording(dir: &Path) -> Result<Recording> {
     })
 }
 
-/// Prints the notes that the reader of a calibration left.
+/// Prints the notes of a calibration, and the option for a doubtful unit of length.
 pub fn print_notes(calibration: &Calibration) {
     for note in &calibration.notes {
         println!("note: {note}");
     }
     if calibration.is_unit_doubtful {
-        println!("note: {} says otherwise", option(MissingHint::MetresPerUnit));
+        println!("note: set another unit with {}", option(MissingHint::MetresPerUnit));
     }
 }
 
-/// `error`, with the option that helps where a calibration lacks something; `with` introduces the option.
+/// Appends the option that supplies a missing hint to `error`, joined by `with`; other errors are returned as they are.
 pub fn hinted(error: Error, with: &str) -> Error {
     match error {
         Error::MissingHint { what, error } => Error::argument(format!("{error}: {with} {}", option(what))),
@@ -72,10 +70,10 @@ fn option(what: MissingHint) -> &'static str {
     }
 }
 
-/// The work volume, and how points count that a camera does not see.
+/// The work volume, and how a camera decides points that it does not see.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct VolumeOptions {
-    /// Work volume, in metres [default: around the spot that the cameras look at, as far as they stand from it].
+    /// Work volume, in metres [default: around the point that the cameras look at, sized by their distance from it].
     #[arg(
         long,
         value_name = "X0,X1,Y0,Y1,Z0,Z1",
@@ -83,18 +81,18 @@ pub struct VolumeOptions {
         allow_hyphen_values = true
     )]
     pub bounds: Option<Aabb>,
-    /// How points count that lie outside a camera's image.
+    /// How a camera decides points outside its image.
     #[arg(long, value_enum, default_value_t = UnseenPolicy::Outside)]
     pub unseen: UnseenPolicy,
 }
 
 impl VolumeOptions {
-    /// The work volume of the options, else the one that follows from the cameras.
+    /// The work volume of `--bounds`, by default the one derived from the cameras' poses.
     pub fn of(&self, rig: &Rig) -> Result<Aabb> {
         self.bounds.map_or_else(|| rig.work_volume(), Ok)
     }
 
-    /// Adds the cameras to `data` and sets the work volume.
+    /// Adds the cameras of `rig` to `data` and sets its work volume and its policy for unseen points.
     pub fn prepare(&self, data: &HullData, rig: &Rig) -> Result<()> {
         data.add_views(rig.cameras())?;
         data.set_unseen(self.unseen.into())?;
@@ -102,12 +100,12 @@ impl VolumeOptions {
     }
 }
 
-/// [`Unseen`] by name.
+/// Values of `--unseen`; see [`Unseen`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum UnseenPolicy {
-    /// As outside the hull.
+    /// Points outside the image are outside the hull.
     Outside,
-    /// Not at all: the camera abstains. Two cameras must see a point of the hull.
+    /// The camera does not decide them; at least two cameras must see a point of the hull.
     Abstain,
 }
 
@@ -120,13 +118,13 @@ impl From<UnseenPolicy> for Unseen {
     }
 }
 
-/// Parses a work volume, six numbers with commas between them.
+/// Parses a work volume, six numbers in metres separated by commas.
 pub fn parse_bounds(text: &str) -> std::result::Result<Aabb, String> {
     let [x0, x1, y0, y1, z0, z1] = numbers(text, "x0,x1,y0,y1,z0,z1")?;
     Aabb::new(Point3::new(x0, y0, z0), Point3::new(x1, y1, z1)).map_err(|error| error.to_string())
 }
 
-/// Parses an image's width and height.
+/// Parses width and height of an image in pixels, as `640x480`.
 pub fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
     let numbers = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     numbers
@@ -139,18 +137,18 @@ pub fn parse_length(text: &str) -> std::result::Result<f64, String> {
     parse_positive(text).map_err(|_| format!("expected a number of metres above zero, found {text}"))
 }
 
-/// Parses a number above zero.
+/// Parses a finite number above zero.
 pub fn parse_positive(text: &str) -> std::result::Result<f64, String> {
     let number = text.parse().ok().filter(|&number: &f64| number.is_finite() && number > 0.0);
     number.ok_or_else(|| format!("expected a number above zero, found {text}"))
 }
 
-/// Parses a rate in images a second, above zero.
+/// Parses a frame rate in images per second, above zero.
 pub fn parse_rate(text: &str) -> std::result::Result<f64, String> {
-    parse_positive(text).map_err(|_| format!("expected a positive number of images a second, found {text}"))
+    parse_positive(text).map_err(|_| format!("expected a positive number of images per second, found {text}"))
 }
 
-/// Parses frames from A up to but not B, as `A..B`. Without A the range starts at frame 0, without B it has no end.
+/// Parses a half-open range of frames, `A..B`. A defaults to 0, B to `u32::MAX`, which stands for all that follow.
 pub fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
     let number = |part: &str, open: u32| if part.is_empty() { Some(open) } else { part.parse().ok() };
     let range = text.split_once("..").and_then(|(a, b)| Some(number(a, 0)?..number(b, u32::MAX)?));
@@ -159,17 +157,18 @@ pub fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
         .ok_or_else(|| format!("expected A..B with A below B, as in 20..60, 20.. or ..60, found {text}"))
 }
 
-/// Writes a range of frames as [`parse_frames`] reads it.
+/// Formats a range of frames so that [`parse_frames`] reads it again.
 pub fn shown_frames(range: &Range<u32>) -> String {
     let end = if range.end == u32::MAX { String::new() } else { range.end.to_string() };
     format!("{}..{end}", range.start)
 }
 
-/// Parses `N` finite numbers with commas between them; `named` names them in messages.
+/// Parses `N` finite numbers separated by commas; `named` lists their names for the error.
 pub fn numbers<const N: usize>(text: &str, named: &str) -> std::result::Result<[f64; N], String> {
     let parse = |part: &str| part.trim().parse().ok().filter(|x: &f64| x.is_finite());
     let numbers: Option<Vec<f64>> = text.split(',').map(parse).collect();
-    let numbers = numbers.ok_or_else(|| format!("expected numbers between commas, {named}, found {text}"))?;
+    let numbers =
+        numbers.ok_or_else(|| format!("expected numbers separated by commas, {named}, found {text}"))?;
     let count = numbers.len();
     numbers.try_into().map_err(|_| format!("expected {N} numbers, {named}, found {count}"))
 }

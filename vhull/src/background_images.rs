@@ -1,36 +1,36 @@
-//! The images of a camera at the times of its masks, as backgrounds to draw on.
+//! Images of one camera at the times of its masks, as backgrounds of pictures.
 
 use image::{DynamicImage, RgbImage};
 use ode_visual_hull::Result;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::source::{Frame, ReadAhead, WhenFull};
 
-/// Number of images that are read ahead.
+/// Number of images read ahead.
 const DEPTH: usize = 3;
 
-/// The images of one camera, from its folder or its video. Where it has no image, its mask stands in.
+/// The images of one camera, from its folder or its video. Its masks stand in where it has no image.
 #[derive(Debug)]
 pub struct BackgroundImages {
     camera: usize,
     images: Option<Images>,
-    /// Largest difference between the time of an image and the requested one, in seconds.
+    /// Greatest difference in seconds between the time of an image and the requested one; beyond it the mask is used.
     within: f64,
 }
 
-/// A stream of images in the order of time.
+/// A stream of images in the order of time, with a cursor at the latest one before the requested time.
 #[derive(Debug)]
 struct Images {
     stream: ReadAhead,
     now: Frame,
-    /// The image after `now`, where it has been read.
+    /// The image after `now`, once it has been read.
     next: Option<Frame>,
 }
 
-/// The number of a frame that has masks, and its time in seconds.
+/// Number and capture time, in seconds, of a frame that has masks.
 pub type FrameTime = (u32, f64);
 
 impl BackgroundImages {
-    /// Opens the images of the camera with index `camera`, from those of frame `first` on.
+    /// Opens the images of the camera at index `camera`, from the one nearest to frame `first` on.
     pub fn open(
         recording: &Recording,
         camera: usize,
@@ -40,18 +40,19 @@ impl BackgroundImages {
     ) -> Result<Self> {
         let (frame, time) = first;
         let from = |first| Images::open(recording, camera, &StreamOptions { first, ..*streaming });
+
         let images = match recording.has_images_of(camera) {
             false => None,
             true => match from(frame)? {
                 Some(images) if images.now.time <= time => Some(images),
-                // Not every mask has an image of its number: an earlier image may be nearer in time.
+                // The stream starts later than the frame: numbers of images and masks may differ, so search from the start.
                 _ => from(0)?,
             },
         };
         Ok(Self { camera, images, within })
     }
 
-    /// The image nearest in time to a frame, else the frame's mask. Frames have to be requested in the order of time.
+    /// The image nearest in time to the frame, or the frame's mask. Frames must be requested in the order of time.
     pub fn at(&mut self, recording: &Recording, (frame, time): FrameTime) -> Result<RgbImage> {
         if let Some(images) = &mut self.images {
             let nearest = images.nearest(time)?;
@@ -72,8 +73,9 @@ impl Images {
         Ok(first.map(|now| Self { stream, now, next: None }))
     }
 
+    /// Advances the cursor and returns the image nearest to `time`.
     fn nearest(&mut self, time: f64) -> Result<&Frame> {
-        // Reads no farther than needed: a video that is damaged at its end is fine before.
+        // Read no farther than needed: a video that is damaged at its end stays usable before that.
         while self.now.time < time {
             match self.next.take() {
                 Some(next) if next.time <= time => self.now = next,

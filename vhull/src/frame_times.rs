@@ -1,23 +1,24 @@
-//! When the frames of a recording were taken.
+//! Capture times of a recording's frames.
 
 use ode_visual_hull::Result;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 
-/// Images a second where the recording does not state a rate.
+/// Images per second, assumed where neither the recording nor an option gives a rate.
 pub const ASSUMED_RATE: f64 = 30.0;
 
-/// The time of each frame that has masks, and the options to read the images with the same times.
+/// Capture times of the frames with masks, and the options with which images get times on the same clock.
 #[derive(Debug, Clone)]
 pub struct FrameTimes {
-    /// In seconds, in the order of [`Recording::frames`].
+    /// In seconds, one for each of [`Recording::frames`].
     pub times: Vec<f64>,
+    /// Options to open the recording's images with.
     pub streaming: StreamOptions,
-    /// Whether the times follow from [`ASSUMED_RATE`].
+    /// Whether the times rest on [`ASSUMED_RATE`].
     pub is_assumed: bool,
 }
 
 impl FrameTimes {
-    /// The times that the recording states, or those of `rate` images a second where that is given.
+    /// Reads the times of the recording; a given `rate`, in images per second, takes precedence.
     pub fn of(recording: &Recording, rate: Option<f64>) -> Result<Self> {
         let streaming = StreamOptions { rate, ..StreamOptions::default() };
         if let Some(times) = recording.frame_times(&streaming)? {
@@ -26,8 +27,7 @@ impl FrameTimes {
         Ok(Self { is_assumed: true, ..Self::of(recording, Some(ASSUMED_RATE))? })
     }
 
-    /// Largest difference in seconds between an image and a frame that belong together: half the shortest time between
-    /// two frames.
+    /// Greatest difference in seconds at which an image still belongs to a frame: half the shortest step between frames.
     pub fn bound(&self) -> f64 {
         let steps = self.times.windows(2).map(|pair| pair[1] - pair[0]);
         0.5 * steps.fold(1.0 / self.streaming.rate.unwrap_or(ASSUMED_RATE), f64::min)

@@ -1,4 +1,4 @@
-//! `vhull`: from cameras to a visual hull. Each verb is a module.
+//! `vhull`: from calibrated cameras to a visual hull. Each subcommand has a file of its own.
 
 mod arguments;
 mod background_images;
@@ -17,7 +17,7 @@ mod times;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Several calibrated cameras see a subject: check them, segment their images, collide with what they see.
+/// Visual hulls from several calibrated cameras: check a rig, segment its images, simulate collisions with the subject.
 #[derive(Debug, Parser)]
 #[command(name = "vhull", version, after_help = EXIT_CODES)]
 struct Options {
@@ -38,11 +38,11 @@ enum Verb {
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  an error, printed to standard error
+  1  an error, printed on standard error
   2  an invalid command line
   3  `check` found problems";
 
-/// How a verb that succeeded ended.
+/// Result of a subcommand that ran without an error; the exit code follows from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Outcome {
     Done,
@@ -58,12 +58,13 @@ fn main() -> ExitCode {
         Verb::Segment(options) => segment::run(&options),
         Verb::Synth(options) => synth::run(&options),
     };
+
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::ProblemsFound) => ExitCode::from(3),
         Err(error) => {
-            // A verb without options for hints has read the rig file of a recording.
-            let error = arguments::hinted(error, "write the rig file anew, vhull convert ..");
+            // Only the rig file of a recording still lacks hints here: it is read without options for them.
+            let error = arguments::hinted(error, "write the rig file again: vhull convert ..");
             eprintln!("vhull: {error}");
             ExitCode::FAILURE
         }

@@ -1,4 +1,4 @@
-//! The file `frames.csv` with the times of a recording's frames.
+//! Writer of `frames.csv`, the capture times of a recording's frames.
 
 use ode_visual_hull::source::frames_csv;
 use ode_visual_hull::{Error, Result};
@@ -7,10 +7,10 @@ use std::io::{ErrorKind, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// The first line of tables that this program writes. A table with other columns is left as it is.
+/// First line of the table written here. A table with other columns comes from the user and is left alone.
 const COLUMNS: &str = "frame,time";
 
-/// A table that grows by a line for each frame.
+/// The table of capture times in a recording's folder; each frame appends a line.
 #[derive(Debug)]
 pub struct Times {
     path: PathBuf,
@@ -18,11 +18,11 @@ pub struct Times {
 }
 
 impl Times {
-    /// The table of the recording in `dir`, without the lines of the frames `rewritten`; `None` where a table with other
-    /// columns is there.
+    /// Opens the table in `dir` and removes the lines of frames in `rewritten`. `None` where the table has columns other
+    /// than [`COLUMNS`].
     ///
     /// # Errors
-    /// A table that cannot be read or written.
+    /// A table that exists and cannot be read, or cannot be written.
     pub fn open(dir: &Path, rewritten: Option<&Range<u32>>) -> Result<Option<Self>> {
         let path = dir.join(frames_csv::NAME);
         let text = match std::fs::read_to_string(&path) {
@@ -32,14 +32,19 @@ impl Times {
             })?,
         };
 
+        // A table with other columns, one time for each camera, belongs to the user.
         if text.lines().next() != Some(COLUMNS) {
             return Ok(None);
         }
+
+        // Drop the lines of frames that are about to be written again.
         let frame = |line: &str| line.split(',').next().and_then(|frame| frame.parse::<u32>().ok());
-        let is_kept = |line: &&str| {
-            !frame(line).is_some_and(|frame| rewritten.is_some_and(|rewritten| rewritten.contains(&frame)))
+        let is_rewritten = |line: &str| match (frame(line), rewritten) {
+            (Some(frame), Some(rewritten)) => rewritten.contains(&frame),
+            _ => false,
         };
-        let kept: String = text.lines().filter(is_kept).map(|line| format!("{line}\n")).collect();
+        let kept: String =
+            text.lines().filter(|line| !is_rewritten(line)).map(|line| format!("{line}\n")).collect();
         if kept != text {
             std::fs::write(&path, kept).map_err(|e| not_written(&path, &e))?;
         }
@@ -47,8 +52,9 @@ impl Times {
         Ok(Some(Self { path, is_new: false }))
     }
 
-    /// Adds a frame, taken at `time` seconds.
+    /// Appends `frame`, captured at `time` seconds.
     pub fn add(&mut self, frame: u32, time: f64) -> Result<()> {
+        // The heading is written with the first frame, so that no empty table is left behind.
         let heading = if self.is_new { format!("{COLUMNS}\n") } else { String::new() };
         let file = OpenOptions::new().create(true).append(true).open(&self.path);
         file.and_then(|mut file| file.write_all(format!("{heading}{frame},{time:.6}\n").as_bytes()))
@@ -61,6 +67,8 @@ impl Times {
 fn not_written(path: &Path, e: &std::io::Error) -> Error {
     Error::file(
         path,
-        format!("expected to write the frames' times, found: {e}; make room, or choose another folder"),
+        format!(
+            "expected to write the frames' times, found: {e}; free space on the disk, or choose another folder"
+        ),
     )
 }

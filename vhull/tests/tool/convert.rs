@@ -42,7 +42,7 @@ fn what_a_calibration_leaves_out_leads_to_the_option_that_tells_it() {
         // A doubtful unit is only noted.
         let doubtful = run(&["matrices.txt", "--size", "640x480"]);
         assert!(doubtful.out.contains("are these metres?"), "{}", doubtful.out);
-        assert!(doubtful.out.contains("note: --unit METRES says otherwise"), "{}", doubtful.out);
+        assert!(doubtful.out.contains("note: set another unit with --unit METRES"), "{}", doubtful.out);
         let told = run(&["matrices.txt", "--size", "640x480", "--unit", "0.001"]);
         assert!(!told.out.contains("--unit"), "{}", told.out);
     }

@@ -45,7 +45,7 @@ impl BackgroundImages {
             false => None,
             true => match from(frame)? {
                 Some(images) if images.now.time <= time => Some(images),
-                // The stream starts later than the frame: numbers of images and masks may differ, so search from the start.
+                // Numbers of images and masks may differ: where the stream starts too late, search from its start.
                 _ => from(0)?,
             },
         };

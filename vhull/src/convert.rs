@@ -1,4 +1,4 @@
-//! `vhull convert`: a calibration of any known format becomes a rig file.
+//! `vhull convert`: a rig file from a calibration of any known format.
 
 use crate::Outcome;
 use crate::arguments::{HintOptions, numbers, parse_positive, print_notes};
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// Write a calibration of any known format as a rig file.
 ///
-/// The rig file is TOML, which anipose, Pose2Sim and caliscope read too.
+/// The rig file is TOML that anipose, Pose2Sim and caliscope also read.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
@@ -22,11 +22,11 @@ pub struct Options {
     /// Factor by which the images have been scaled since the calibration.
     #[arg(long, value_name = "FACTOR", value_parser = parse_positive)]
     scale: Option<f64>,
-    /// Move a camera's principal point by so many pixels right and down, in pixels of the scaled images. May be given for
-    /// each camera.
+    /// Moves the principal point of a camera to the right and down, in pixels of the scaled images, where everything
+    /// appears that far from its calibrated position. May be repeated for other cameras.
     #[arg(long, value_name = "CAMERA=DU,DV", value_parser = parse_shift, allow_hyphen_values = true)]
     shift: Vec<ImageShift>,
-    /// Overwrite the rig file if it exists.
+    /// Replace an existing rig file.
     #[arg(long)]
     force: bool,
 }
@@ -37,7 +37,7 @@ Examples:
   vhull convert sparse/0 rig.toml --unit 0.25                     one unit of the calibration is 25 cm
   vhull convert cameras.json half.toml --scale 0.5 --shift left=-1.5,0.8";
 
-/// How far a camera's image is moved, in pixels.
+/// Shift of a camera's principal point, in pixels, u to the right and v down.
 #[derive(Debug, Clone)]
 struct ImageShift {
     camera: String,
@@ -49,13 +49,15 @@ pub fn run(options: &Options) -> Result<Outcome> {
     if out.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("toml")) {
         return Err(Error::file(
             out,
-            "expected a name that ends in .toml, the one format that is written; rename it",
+            "expected a name that ends in .toml, the only format written; rename it",
         ));
     }
 
     if out.exists() && !force {
         return Err(Error::file(out, "expected no file yet, found one; choose another name or give --force"));
     }
+
+    // Scale first: shifts are in pixels of the scaled images.
     let calibration = hints.load(rig)?;
     let mut rig = calibration.rig.clone();
     if let Some(factor) = *scale {
@@ -64,8 +66,10 @@ pub fn run(options: &Options) -> Result<Outcome> {
     for ImageShift { camera, by } in shift {
         rig = rig.shifted(camera, *by)?;
     }
+
     make_folder_of(out)?;
     rig.save(out)?;
+
     println!("{} cameras, read as {}", rig.len(), calibration.format);
     print!("{}", rig.describe());
     print_notes(&calibration);
@@ -74,6 +78,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// Parses `CAMERA=DU,DV`.
 fn parse_shift(text: &str) -> std::result::Result<ImageShift, String> {
     let (camera, by) = text.split_once('=').ok_or_else(|| format!("expected camera=du,dv, found {text}"))?;
     Ok(ImageShift { camera: camera.to_owned(), by: Vector2::from(numbers::<2>(by, "du,dv")?) })

@@ -1,4 +1,4 @@
-//! `vhull mesh`: hulls as closed triangle meshes.
+//! `vhull mesh`: hulls of a recording as closed triangle meshes.
 
 mod field;
 mod surface;
@@ -16,23 +16,23 @@ use surface::Surface;
 
 /// Write the hull of a recording's frames as a closed triangle mesh, PLY or OBJ, in metres.
 ///
-/// Triangles are counter-clockwise as seen from outside, vertices carry outward normals. A sequence is numbered:
-/// hull.ply becomes hull_000000.ply and so on.
+/// Triangles are counter-clockwise as seen from outside, vertices have outward normals. With --frames the number of the
+/// frame is added to the file name: hull.ply becomes hull_000000.ply and so on.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Folder of a recording with masks.
     recording: PathBuf,
-    /// Frame to write [default: the first].
+    /// Frame to convert [default: the first].
     #[arg(long, value_name = "N", conflicts_with = "frames")]
     frame: Option<u32>,
-    /// Frames to write, from A up to but not B.
+    /// Frames to convert, from A to before B; either may be left out.
     #[arg(long, value_name = "A..B", value_parser = parse_frames)]
     frames: Option<std::ops::Range<u32>>,
-    /// Edge length of the cells.
+    /// Edge length of the grid cells, in metres.
     #[arg(long, value_name = "METRES", default_value = "0.01", value_parser = parse_length)]
     resolution: f64,
-    /// File to write: its name ends in .ply (binary) or .obj; its folder is made if it is missing.
+    /// File to write; its name ends in .ply (binary) or .obj. Its folder is created if missing.
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
@@ -44,6 +44,7 @@ Examples:
   vhull mesh my_recording -o hull.ply
   vhull mesh my_recording --frames 0..100 --resolution 0.02 -o meshes/hull.obj";
 
+/// File format of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Ply,
@@ -51,11 +52,13 @@ enum Format {
 }
 
 pub fn run(options: &Options) -> Result<Outcome> {
+    // Refuse what can be refused before any hull is built.
     let format = format_of(&options.out)?;
     let recording = open_recording(&options.recording)?;
     let recorded = RecordedHulls::new(recording, &options.recording, &options.volume)?;
     let frames = frames(options, &recorded)?;
     make_folder_of(&options.out)?;
+
     let bar = progress::bar(frames.len(), "meshes");
 
     for &frame in &frames {
@@ -64,11 +67,12 @@ pub fn run(options: &Options) -> Result<Outcome> {
         if surface.triangles.is_empty() {
             let problem = format!(
                 "expected a subject in frame {frame}, found a hull without points at {} m; take a finer \
-                 --resolution, or see why with vhull check",
+                 --resolution, or look for the cause with vhull check",
                 options.resolution
             );
             return Err(Error::file(&options.recording, problem));
         }
+
         let path = if options.frames.is_some() { numbered(&options.out, frame) } else { options.out.clone() };
         let bytes = match format {
             Format::Ply => surface.to_ply(),
@@ -76,6 +80,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
         };
         std::fs::write(&path, bytes)
             .map_err(|e| Error::file(&path, format!("expected to write a mesh, found: {e}")))?;
+
         bar.suspend(|| {
             println!(
                 "{}: {} vertices, {} triangles, {}",
@@ -92,11 +97,12 @@ pub fn run(options: &Options) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// In cubic metres for a person, in cubic centimetres for a doll.
+/// Formats a volume: cubic centimetres below 10 litres, else cubic metres.
 fn shown_volume(volume: f64) -> String {
     if volume.abs() < 0.01 { format!("{:.1} cm3", 1e6 * volume) } else { format!("{volume:.4} m3") }
 }
 
+/// The format that the extension of `path` names.
 fn format_of(path: &Path) -> Result<Format> {
     match path.extension().map(|extension| extension.to_ascii_lowercase()) {
         Some(extension) if extension == "ply" => Ok(Format::Ply),
@@ -105,10 +111,11 @@ fn format_of(path: &Path) -> Result<Format> {
     }
 }
 
+/// Numbers of the frames to convert; at least one.
 fn frames(options: &Options, recorded: &RecordedHulls) -> Result<Vec<u32>> {
     let all = recorded.recording.frames();
     let Some(range) = &options.frames else {
-        // A frame that does not exist is refused when its masks are read.
+        // A frame without masks is refused when these are read.
         return Ok(vec![options.frame.unwrap_or(all[0])]);
     };
 
@@ -124,7 +131,7 @@ fn frames(options: &Options, recorded: &RecordedHulls) -> Result<Vec<u32>> {
     Ok(frames)
 }
 
-/// The file of a frame of a sequence: `hull.ply` of frame 7 is `hull_000007.ply`.
+/// Adds the frame's number to a file name: `hull.ply` of frame 7 becomes `hull_000007.ply`.
 fn numbered(path: &Path, frame: u32) -> PathBuf {
     let mut name = OsString::from(path.file_stem().unwrap_or_default());
     name.push(format!("_{frame:06}."));

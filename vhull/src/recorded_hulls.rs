@@ -1,4 +1,4 @@
-//! The hulls of a recording, frame by frame.
+//! Hulls of the frames of a recording.
 
 use crate::arguments::VolumeOptions;
 use ode_visual_hull::hull::{Hull, HullData};
@@ -8,14 +8,17 @@ use ode_visual_hull::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A recording with masks, and the data object that makes hulls of them.
+/// A recording with masks, and a [`HullData`] with its cameras that builds the hulls.
 pub struct RecordedHulls {
     pub recording: Recording,
     data: HullData,
 }
 
 impl RecordedHulls {
-    /// Prepares to make hulls of a recording, whose folder is `dir`.
+    /// Prepares to build hulls of `recording`, which was opened in folder `dir`.
+    ///
+    /// # Errors
+    /// No frame with masks; an invalid work volume.
     pub fn new(recording: Recording, dir: &Path, volume: &VolumeOptions) -> Result<Self> {
         if recording.frames().is_empty() {
             let problem = format!(
@@ -29,13 +32,16 @@ impl RecordedHulls {
         Ok(Self { recording, data })
     }
 
-    /// The hull of a frame.
+    /// Reads the masks of `frame` and builds their hull.
     pub fn hull(&self, frame: u32) -> Result<Arc<Hull>> {
-        // Frames may be requested in any order, so all get the same time.
+        // Frames may be requested in any order: all get time 0, so that each replaces the one before.
         publish_masks(&self.data, &self.recording.masks(frame)?, 0.0)
     }
 
-    /// Checks that the frame given by `--frame` has masks.
+    /// Checks that `frame`, from `--frame`, has masks.
+    ///
+    /// # Errors
+    /// It has none; the error names the frames that do.
     pub fn check_has(&self, frame: u32) -> Result<()> {
         let frames = self.recording.frames();
         if frames.contains(&frame) {
@@ -48,15 +54,15 @@ impl RecordedHulls {
         )))
     }
 
-    /// At most `most` of the frames, evenly spread, the first and the last among them.
-    pub fn spread_frames(&self, most: usize) -> Vec<u32> {
+    /// At most `max_count` frames, evenly spread from the first to the last.
+    pub fn spread_frames(&self, max_count: usize) -> Vec<u32> {
         let frames = self.recording.frames();
-        evenly_spaced(frames.len(), most).map(|k| frames[k]).collect()
+        evenly_spaced(frames.len(), max_count).map(|k| frames[k]).collect()
     }
 }
 
-/// At most `most` of `count` positions, evenly spread, the first and the last among them.
-pub fn evenly_spaced(count: usize, most: usize) -> impl Iterator<Item = usize> {
-    let chosen = count.min(most);
+/// At most `max_count` of the indices below `count`, evenly spread from the first to the last.
+pub fn evenly_spaced(count: usize, max_count: usize) -> impl Iterator<Item = usize> {
+    let chosen = count.min(max_count);
     (0..chosen).map(move |k| k * (count - 1) / (chosen - 1).max(1))
 }

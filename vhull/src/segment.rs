@@ -1,4 +1,4 @@
-//! `vhull segment`: makes masks of a recording's images.
+//! `vhull segment`: masks from the images of a recording.
 
 mod empty_room;
 mod masks;
@@ -23,59 +23,57 @@ use tally::Tally;
 /// Find the subject in the images or videos of a recording, and write masks.
 ///
 /// RECORDING holds rig.toml and, for each camera, images in CAMERA/image/000000.png or a video CAMERA/video.mp4 (or
-/// .avi, .mov, ..; also videos/CAMERA.mp4). The empty background is read from CAMERA/background.png or a video
-/// CAMERA/background.avi, unless --empty or --background is given. Videos need ffmpeg.
+/// .avi, .mov, ..; also videos/CAMERA.mp4). The background without the subject is CAMERA/background.png or a video
+/// CAMERA/background.avi by default. Videos need ffmpeg.
 ///
-/// Images of one time are matched by their numbers, or by frames.csv (columns: frame and the cameras' names; seconds)
-/// where the recording has one. Masks are written to CAMERA/mask/000000.png, numbered as the first camera's images.
+/// Images are combined into frames by their numbers, or by frames.csv (columns: frame and the cameras' names; seconds)
+/// where the recording has one. Masks go to CAMERA/mask/000000.png, numbered as the first camera's images.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Folder of the recording.
     recording: PathBuf,
-    /// Folder to write the masks to, as a recording of its own with their times [default: the recording].
+    /// Folder for the masks, a recording of its own that keeps their times [default: the recording].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// How the subject is told from the background.
+    /// How to separate the subject from the background.
     #[arg(long, value_enum, default_value_t = Method::CleanPlate)]
     method: Method,
-    /// The colour of the cloth or walls where the light is bright, for chroma-key [default: 0,170,60, a green].
+    /// Colour of the cloth or walls in bright light, for chroma-key [default: 0,170,60, a green].
     #[arg(long, value_name = "R,G,B", value_parser = parse_colour)]
     key: Option<[u8; 3]>,
-    /// The first N images of each camera show the empty background.
+    /// The first N images of each camera show the background without the subject.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "background")]
     empty: Option<u32>,
-    /// Images of the empty background: a folder with CAMERA.png or CAMERA.avi, or the name of a file in each camera's
-    /// folder; pictures or videos.
+    /// Background without the subject, images or videos: a folder with CAMERA.png or CAMERA.avi, or the name of a file
+    /// in each camera's folder.
     #[arg(long, value_name = "DIR|FILE")]
     background: Option<PathBuf>,
-    /// Refine the picture of the empty background by the recording itself, for a picture that is older or shows a person:
-    /// where nearly all of the recording's images agree, they show the background. For subjects that move about, and
-    /// --method clean-plate only.
+    /// Correct an outdated background image, or one with a person in it: pixels on which nearly all images of the
+    /// recording agree are taken from them. For subjects that move about; clean-plate only.
     #[arg(long)]
     refine: bool,
     /// Frames to segment, from A up to but not B; either may be left out [default: all].
     #[arg(long, value_name = "A..B", value_parser = parse_frames, default_value = "..", hide_default_value = true)]
     frames: Range<u32>,
-    /// Images a second [default: as frames.csv or the videos say, else 30].
+    /// Images per second [default: from frames.csv or the videos, else 30].
     #[arg(long, value_name = "RATE", value_parser = parse_rate)]
     rate: Option<f64>,
-    /// Largest difference of the times of images that belong together, in seconds [default: half the time from one to
-    /// the next].
+    /// Greatest time difference, in seconds, between the images of a frame [default: half the time between images].
     #[arg(long, value_name = "SECONDS")]
     bound: Option<f64>,
-    /// Keep existing masks, and continue with the frames that have none.
+    /// Keep existing masks and segment the remaining frames.
     #[arg(long, conflicts_with = "force")]
     resume: bool,
     /// Overwrite existing masks.
     #[arg(long)]
     force: bool,
-    /// Write the masks as run lengths, one file CAMERA/mask.rle a camera, in less than half the bytes of pictures.
+    /// Write the masks as run lengths, one file CAMERA/mask.rle per camera, less than half the size of PNG files.
     #[arg(long)]
     rle: bool,
 }
 
-/// The typical colour of green cloth.
+/// Default key of chroma-key: a typical green cloth.
 const GREEN: [u8; 3] = [0, 170, 60];
 
 const EXAMPLES: &str = "\
@@ -88,14 +86,14 @@ Examples:
   vhull segment my_recording --resume
   vhull segment my_recording --rle --out small";
 
-/// How to tell the subject from the room.
+/// Values of `--method`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Method {
-    /// By the difference from the empty background.
+    /// By the difference from the background without the subject.
     CleanPlate,
-    /// By the difference from the background, whose colours and noise are learnt and follow the light.
+    /// By the difference from a background whose colours and noise are learnt and follow changes of the light.
     RunningGaussian,
-    /// By the colour of cloth or walls behind the subject, --key; no images of the empty background are needed.
+    /// By the colour --key of cloth or walls behind the subject; needs no background images.
     ChromaKey,
 }
 
@@ -108,6 +106,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
         return Err(Error::file(&options.recording, problem));
     }
 
+    // Refuse masks that exist before the backgrounds are read, which takes longer.
     let streaming = StreamOptions { first: 0, rate: options.rate, bound: options.bound };
     let mut masks = Masks::open(options, &recording, &streaming)?;
     let segmenters = segmenters(options, &recording, &streaming)?;
@@ -117,12 +116,14 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let expected = sets.streams().filter_map(|stream| stream.frames_expected()).max();
     let bar = progress::bar(count(&options.frames, expected), "frames");
     let mut tally = Tally::default();
+
     for set in &mut sets {
         let done = set.and_then(|set| {
             let number = set.number();
             if number >= options.frames.end {
                 return Ok(false);
             }
+
             bar.inc(1);
             if !set.is_complete() {
                 tally.left_out(&set, recording.rig());
@@ -137,6 +138,8 @@ pub fn run(options: &Options) -> Result<Outcome> {
             }
             Ok(true)
         });
+
+        // On an error the frames so far are kept, and the message says how to continue.
         match done {
             Ok(true) => {}
             Ok(false) => break,
@@ -154,7 +157,7 @@ fn check(options: &Options) -> Result<()> {
         return Err(Error::argument("--key: expected --method chroma-key, found another; leave one out"));
     }
     if (options.empty.is_some() || options.background.is_some()) && options.method == Method::ChromaKey {
-        let problem = "--empty, --background: expected a --method that uses the empty background, found chroma-key; \
+        let problem = "--empty, --background: expected a --method that needs background images, found chroma-key; \
                        leave one out";
         return Err(Error::argument(problem));
     }
@@ -164,13 +167,14 @@ fn check(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Number of frames to segment, of which the sources say that `left` follow; 0 where it is not known.
+/// Number of frames to segment: the length of `frames`, at most the `left` images of the streams; 0 where both are
+/// unknown.
 fn count(frames: &Range<u32>, left: Option<u32>) -> usize {
-    let wanted = (frames.end < u32::MAX).then(|| frames.end - frames.start);
-    left.into_iter().chain(wanted).min().unwrap_or(0) as usize
+    let requested = (frames.end < u32::MAX).then(|| frames.end - frames.start);
+    left.into_iter().chain(requested).min().unwrap_or(0) as usize
 }
 
-/// The segmenter of each camera.
+/// A segmenter for each camera.
 fn segmenters(
     options: &Options,
     recording: &Recording,
@@ -185,24 +189,30 @@ fn segmenters(
     if options.method == Method::RunningGaussian {
         return empty.iter().map(|images| learn(images)).collect();
     }
+
     let plates = empty.iter().map(|images| CleanPlate::from_empty(images, Thresholds::default()));
     if !options.refine {
         return plates.map(|plate| Ok(Box::new(plate?) as _)).collect();
     }
-    let frames = empty_room::over_all(recording, streaming)?;
 
+    // --refine: correct each plate by images from all over the recording.
+    let frames = empty_room::throughout(recording, streaming)?;
     plates.zip(&frames).map(|(plate, frames)| Ok(Box::new(plate?.refined_with(frames)?) as _)).collect()
 }
 
-fn learn(empty: &[RgbImage]) -> Result<Box<dyn Segmenter>> {
-    let mut background = RunningGaussian::new(Learning::default())?;
-    empty.iter().try_for_each(|image| background.learn(image))?;
-    Ok(Box::new(background))
+/// A [`RunningGaussian`] that has learnt the background `images` of a camera.
+fn learnt(images: &[RgbImage]) -> Result<Box<dyn Segmenter>> {
+    let mut segmenter = RunningGaussian::new(Learning::default())?;
+    images.iter().try_for_each(|image| segmenter.learn(image))?;
+    Ok(Box::new(segmenter))
 }
 
+/// Parses red, green and blue, as `0,170,60`.
 fn parse_colour(text: &str) -> std::result::Result<[u8; 3], String> {
     let bytes: Option<Vec<u8>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     bytes.and_then(|bytes| bytes.try_into().ok()).ok_or_else(|| {
-        format!("expected red, green and blue from 0 to 255 with commas between them, as in 0,170,60, found {text}")
+        format!(
+            "expected red, green and blue from 0 to 255 separated by commas, as in 0,170,60, found {text}"
+        )
     })
 }

@@ -1,4 +1,4 @@
-//! `vhull synth`: a synthetic recording, so that every verb can be tried without a camera.
+//! `vhull synth`: a recording of a synthetic subject, so that every subcommand can be tried without cameras.
 
 use crate::Outcome;
 use crate::arguments::parse_size;
@@ -22,12 +22,12 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder to write; it is made if it is missing.
+    /// Folder to write; created if missing.
     dir: PathBuf,
     /// Number of cameras.
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=64))]
     cameras: u32,
-    /// The subject in front of the cameras.
+    /// Subject in front of the cameras.
     #[arg(long, value_enum, default_value_t = SubjectKind::Person)]
     subject: SubjectKind,
     /// Number of frames.
@@ -42,7 +42,7 @@ pub struct Options {
     /// Seed of the noise: the same seed gives the same recording.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Write no masks; vhull segment makes them.
+    /// Write no masks, so that vhull segment can make them.
     #[arg(long)]
     no_masks: bool,
 }
@@ -53,7 +53,7 @@ Examples:
   vhull synth studio --cameras 4 --subject box --frames 30 --size 320x240
   vhull synth studio --no-masks && vhull segment studio";
 
-/// A subject by name.
+/// Values of `--subject`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum SubjectKind {
     /// A person of 1.75 m who walks on the spot and waves.
@@ -66,15 +66,19 @@ enum SubjectKind {
     Ring,
 }
 
-/// Frames a second.
+/// Frames per second.
 const RATE: f64 = 30.0;
 
-/// Distance of the cameras from the subject, and their heights in turn, in metres.
+/// Horizontal distance of the cameras from the subject, in metres.
 const RADIUS: f64 = 3.2;
+
+/// Heights of the cameras above the floor, repeated around the ring, in metres.
 const HEIGHTS: [f64; 3] = [0.5, 1.6, 2.4];
 
-/// The point that the cameras look at, and their angle of view along the shorter side, in radians.
+/// Point that the cameras look at, in metres.
 const TARGET: Point3<f64> = Point3::new(0.0, 0.0, 0.9);
+
+/// Field of view along the shorter side of the image, in radians.
 const FIELD_OF_VIEW: f64 = 0.8;
 
 pub fn run(options: &Options) -> Result<Outcome> {
@@ -82,6 +86,8 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let room = Room::default();
     let mut recording = Recording::create(&options.dir, &rig)?;
     let plates: Vec<_> = rig.cameras().iter().map(|camera| clean_plate(camera, &room)).collect();
+
+    // Each image gets noise of its own: the seed in the low bits, the number of the image in the high ones.
     let mut exposures = 0;
     let mut expose = |image: &image::RgbImage| {
         let mut image = image.clone();
@@ -90,6 +96,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
         Ok(image)
     };
     recording.write_backgrounds(&plates.iter().map(&mut expose).collect::<Result<Vec<_>>>()?)?;
+
     let mut times = Times::open(&options.dir, None)?;
     let bar = progress::bar(options.frames as usize, "frames");
 
@@ -99,6 +106,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
             |(camera, plate): (&Camera, &image::RgbImage)| expose(&render_over(camera, &scene, plate)?);
         let images = rig.cameras().iter().zip(&plates).map(render).collect::<Result<Vec<_>>>()?;
         recording.write_images(frame, &images)?;
+
         if !options.no_masks {
             let masks: Vec<_> = rig.cameras().iter().map(|camera| coverage(camera, &scene.subject)).collect();
             recording.write_masks(frame, &masks)?;
@@ -114,6 +122,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// A ring of cameras at staggered heights around [`TARGET`].
 fn cameras(options: &Options) -> Result<Vec<Camera>> {
     if !(0.0..=100.0).contains(&options.noise) {
         return Err(Error::argument(format!(
@@ -121,20 +130,24 @@ fn cameras(options: &Options) -> Result<Vec<Camera>> {
             options.noise
         )));
     }
+
+    // The field of view is given along the shorter side; the layout takes the horizontal one.
     let (width, height) = options.size;
     let shorter = f64::from(width.min(height));
     let focal = 0.5 * shorter / (0.5 * FIELD_OF_VIEW).tan();
-    let across = 2.0 * (0.5 * f64::from(width) / focal).atan();
-    layout::staggered(options.cameras as usize, RADIUS, &HEIGHTS, TARGET, options.size, across)
+    let horizontal = 2.0 * (0.5 * f64::from(width) / focal).atan();
+    layout::staggered(options.cameras as usize, RADIUS, &HEIGHTS, TARGET, options.size, horizontal)
 }
 
+/// The subject at time `t` in seconds, standing on the floor at the origin.
 fn subject(kind: SubjectKind, t: f64) -> Result<Subject> {
-    let placed = |solid, height: f64, turn: UnitQuaternion<f64>, colour| {
-        let pose = Isometry3::from_parts(Vector3::new(0.0, 0.0, height).into(), turn);
+    let placed = |solid, height: f64, rotation: UnitQuaternion<f64>, colour| {
+        let pose = Isometry3::from_parts(Vector3::new(0.0, 0.0, height).into(), rotation);
         Subject::new(vec![Placed::new(solid, pose, Texture::cloth(colour))])
     };
     let about_z = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.3 + t);
     let upright = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.5 * std::f64::consts::PI);
+
     Ok(match kind {
         SubjectKind::Person => Subject::person_at(t),
         SubjectKind::Box => {

@@ -1,38 +1,42 @@
-//! The hull as approximate signed distances on a grid.
+//! Approximate signed distances of a grid's points from the surface of a hull.
 //!
-//! A view's signed distance of a point is that of its image from the silhouette's edge, in pixels, times the size of a
-//! pixel at the point. The hull's is the largest of all views. It changes smoothly between grid points, so that a
-//! surface through its zeros has no steps.
+//! The distance of a point from the cone of a silhouette is its distance from the silhouette's edge in the image, in
+//! pixels, times the size of a pixel at the point's depth. The hull is the intersection of the cones, so its signed
+//! distance is the maximum over the views. It is continuous, so the surface through its zeros has no steps.
 
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::hull::{Hull, Unseen, View};
 use ode_visual_hull::silhouette::SignedDistance;
 use ode_visual_hull::{Error, Result};
 
-/// Cells added around the hull's box, so that the surface closes.
+/// Margin around the hull's bounding box, in cells, so that the surface closes.
 const MARGIN: f64 = 2.0;
 
-/// Limit of grid points: they take a gigabyte.
+/// Greatest number of grid points, which take a gigabyte.
 const MAX_POINTS: f64 = 2.5e8;
 
-/// Distances on a grid, in metres, negative inside, x fastest.
+/// Signed distances on a grid, in metres, negative inside the hull. The index of x varies fastest.
 pub struct SignedField {
+    /// First grid point, in the world.
     pub origin: Point3<f64>,
+    /// Edge length of a cell, in metres.
     pub cell: f64,
+    /// Number of grid points along x, y and z.
     pub counts: [u32; 3],
     pub distances: Vec<f32>,
 }
 
-/// A view and the signed distances of its pixels from the silhouette's edge.
-struct DistanceMap<'h> {
+/// A view and the signed distance of each pixel from the edge of its silhouette.
+struct Map<'h> {
     view: &'h View,
     /// Size of a pixel at a depth of 1 m, in metres.
-    pixel_size_at_one: f64,
+    metres_per_pixel_at_one: f64,
+    /// In pixels.
     distances: SignedDistance,
 }
 
 impl SignedField {
-    /// The grid around `hull` with cells of `cell` metres, without points for an empty hull.
+    /// Fills a grid around `hull` with cells of `cell` metres; the grid has no points if the hull is empty.
     ///
     /// # Errors
     /// More than 250 million grid points.
@@ -40,9 +44,9 @@ impl SignedField {
         if hull.aabb().is_empty() {
             return Ok(Self { origin: Point3::origin(), cell, counts: [0; 3], distances: Vec::new() });
         }
+
         let aabb = hull.aabb().grown(MARGIN * cell);
         let counts = ((aabb.max - aabb.min) / cell).map(|n| n.ceil() + 1.0);
-
         if counts.product() > MAX_POINTS {
             return Err(Error::argument(format!(
                 "--resolution: expected at most {MAX_POINTS:e} grid points in the hull's box, found {:.1e}; take larger \
@@ -51,11 +55,12 @@ impl SignedField {
             )));
         }
 
-        let maps: Vec<DistanceMap> =
-            hull.views().iter().filter(|view| view.is_enabled()).map(DistanceMap::new).collect();
+        // Distances in the images are computed once per view, then sampled at each grid point.
+        let maps: Vec<Map> = hull.views().iter().filter(|view| view.is_enabled()).map(Map::new).collect();
         let counts: [u32; 3] = counts.map(|n| n as u32).into();
         let [nx, ny, nz] = counts;
         let mut distances = Vec::with_capacity((nx * ny * nz) as usize);
+
         for k in 0..nz {
             for j in 0..ny {
                 for i in 0..nx {
@@ -69,10 +74,12 @@ impl SignedField {
     }
 }
 
-/// Approximate signed distance of `p` from the hull, negative inside, clamped to two cells.
-fn distance(hull: &Hull, maps: &[DistanceMap], p: &Point3<f64>, cell: f64) -> f64 {
+/// Approximate signed distance of `p` from the hull in metres, negative inside, clamped to two cells.
+fn distance(hull: &Hull, maps: &[Map], p: &Point3<f64>, cell: f64) -> f64 {
+    // The work volume bounds the hull too.
     let (low, high) = (hull.bounds().min - p, p - hull.bounds().max);
     let mut farthest = low.max().max(high.max());
+
     let mut seeing = 0;
     for map in maps {
         match map.distance(p) {
@@ -83,6 +90,7 @@ fn distance(hull: &Hull, maps: &[DistanceMap], p: &Point3<f64>, cell: f64) -> f6
             None if hull.unseen() == Unseen::Outside => return 2.0 * cell,
             None => {}
         }
+        // Further views can only increase the distance, which is clamped.
         if farthest > 2.0 * cell {
             return 2.0 * cell;
         }
@@ -101,10 +109,10 @@ impl<'h> DistanceMap<'h> {
     }
 
     /// Approximate signed distance of `p` from the cone of the silhouette, in metres; `None` where the view does not see
-    /// it.
+    /// `p`.
     fn distance(&self, p: &Point3<f64>) -> Option<f64> {
         self.view.pixel(p)?;
-        let pixel = self.view.project(p)?;
-        Some(self.distances.sample(pixel.u, pixel.v) * pixel.depth * self.pixel_size_at_one)
+        let projected = self.view.project(p)?;
+        Some(self.distances.sample(projected.u, projected.v) * projected.depth * self.metres_per_pixel_at_one)
     }
 }

@@ -1,4 +1,4 @@
-//! Images of the empty background, of each camera.
+//! Images of the background without the subject, for each camera.
 
 use super::Options;
 use image::RgbImage;
@@ -7,17 +7,17 @@ use ode_visual_hull::source::{ReadOptions, Source, Video};
 use ode_visual_hull::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Number of images taken of a longer clip, evenly spread: enough for a mean and its noise.
+/// Number of images, evenly spread, taken of a longer clip: enough for the mean and the noise of each pixel.
 const IMAGES: u32 = 24;
 
-/// Images without the subject.
+/// Images of the background without the subject.
 pub struct EmptyRoom {
-    /// At least one for each camera, of the camera's size.
+    /// At least one image per camera, all of the camera's size.
     pub images: Vec<Vec<RgbImage>>,
 }
 
 impl EmptyRoom {
-    /// The images that the options name, else those in the recording's folder.
+    /// Reads the images named by the options, by default the `background` files of the recording.
     pub fn find(options: &Options, recording: &Recording, streaming: &StreamOptions) -> Result<Self> {
         let images = of_each_camera(recording, |camera| {
             if let Some(count) = options.empty {
@@ -36,8 +36,8 @@ impl EmptyRoom {
     }
 }
 
-/// Images of each camera, evenly spread over the recording.
-pub fn over_all(recording: &Recording, streaming: &StreamOptions) -> Result<Vec<Vec<RgbImage>>> {
+/// Reads up to [`IMAGES`] images of each camera, evenly spread over the recording.
+pub fn throughout(recording: &Recording, streaming: &StreamOptions) -> Result<Vec<Vec<RgbImage>>> {
     of_each_camera(recording, |camera| {
         let mut source = recording.source(camera, streaming)?;
         let count = source.frames_left().unwrap_or(u32::MAX);
@@ -45,7 +45,7 @@ pub fn over_all(recording: &Recording, streaming: &StreamOptions) -> Result<Vec<
     })
 }
 
-/// Calls `images` for each camera, each on a thread of its own.
+/// Calls `images` with the index of each camera, on a thread per camera because decoding videos is slow.
 fn of_each_camera(
     recording: &Recording,
     images: impl Fn(usize) -> Result<Vec<RgbImage>> + Sync,
@@ -64,7 +64,7 @@ fn of_each_camera(
     })
 }
 
-/// The picture or video of a camera's empty background.
+/// Path of the image or video of a camera's background.
 fn background(options: &Options, camera: &str) -> Result<PathBuf> {
     let in_recording = options.recording.join(camera);
     let (folder, stems) = match &options.background {
@@ -82,7 +82,8 @@ fn background(options: &Options, camera: &str) -> Result<PathBuf> {
         let place = folder.join(stem);
         let beside = place.parent().and_then(|parent| std::fs::read_dir(parent).ok());
         let mut found: Vec<_> = beside.into_iter().flatten().flatten().map(|entry| entry.path()).collect();
-        // Pictures come before videos, each in the order of their names.
+
+        // Images go before videos, then names in order, so that the choice does not depend on the file system.
         found.retain(|path| path.is_file() && path.with_extension("") == place);
         found.sort_by_key(|path| (!is_picture(path), path.clone()));
         if let Some(path) = found.into_iter().next() {
@@ -93,8 +94,8 @@ fn background(options: &Options, camera: &str) -> Result<PathBuf> {
     Err(Error::file(folder.join(&stems[0]), ABSENT))
 }
 
-const ABSENT: &str = "expected a picture or a video of the empty background, found none; put one there \
-                      (background.png), name it with --background, or give with --empty how many of the first images \
+const ABSENT: &str = "expected an image or a video of the background without the subject, found none; put one there \
+                      (background.png), name it with --background, or set --empty to the number of first images that \
                       show it";
 
 fn is_picture(path: &Path) -> bool {
@@ -102,6 +103,7 @@ fn is_picture(path: &Path) -> bool {
     ["png", "jpg", "jpeg", "ppm", "pnm"].contains(&extension.to_ascii_lowercase().as_str())
 }
 
+/// Reads an image, or images spread over a video, of the given size in pixels.
 fn read(path: &Path, size: (u32, u32)) -> Result<Vec<RgbImage>> {
     if !is_picture(path) {
         let mut video = Video::open(path, ReadOptions { size: Some(size), ..ReadOptions::default() })?;
@@ -113,26 +115,25 @@ fn read(path: &Path, size: (u32, u32)) -> Result<Vec<RgbImage>> {
         .and_then(image::ImageReader::with_guessed_format)
         .map_err(image::ImageError::IoError)
         .and_then(image::ImageReader::decode)
-        .map_err(|e| Error::file(path, format!("expected a picture of the empty background, found: {e}")))?
+        .map_err(|e| Error::file(path, format!("expected an image of the background, found: {e}")))?
         .into_rgb8();
 
     if image.dimensions() == size {
         return Ok(vec![image]);
     }
     let ((w, h), (width, height)) = (image.dimensions(), size);
-    let problem = format!(
-        "expected {width} x {height} pixels as the calibration says, found {w} x {h}; scale the picture"
-    );
+    let problem =
+        format!("expected {width} x {height} pixels as in the calibration, found {w} x {h}; scale the image");
     Err(Error::file(path, problem))
 }
 
-/// At most [`IMAGES`] of the first `count` images, evenly spread. Where `count` is not known, the first images.
+/// At most [`IMAGES`] of the first `count` images, evenly spread, or the first ones if `count` is `u32::MAX` (unknown).
 fn evenly_spaced(source: &mut dyn Source, count: u32) -> Result<Vec<RgbImage>> {
     let step = if count == u32::MAX { 1 } else { count.div_ceil(IMAGES).max(1) };
     let mut images = Vec::new();
-    for at in 0..count.min(step * IMAGES) {
+    for index in 0..count.min(step * IMAGES) {
         match source.next_frame() {
-            Some(frame) if at % step == 0 => images.push(frame?.image),
+            Some(frame) if index % step == 0 => images.push(frame?.image),
             Some(frame) => drop(frame?),
             None => break,
         }

@@ -1,4 +1,4 @@
-//! Writes the masks of a recording.
+//! Writer of the masks of a recording.
 
 use super::Options;
 use crate::times::Times;
@@ -9,42 +9,45 @@ use ode_visual_hull::{Error, Result};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// A recording that masks are written to. Where there is none yet it is made with the first masks.
+/// The recording to which masks are written; it is created with the first masks where it does not exist.
 pub struct Masks {
     dir: PathBuf,
     rig: Rig,
     recording: Option<Recording>,
-    /// Frames whose existing masks are kept.
+    /// Frames whose existing masks are kept (`--resume`).
     kept: BTreeSet<u32>,
-    /// Whether masks are written as run lengths.
+    /// Whether masks are written as run lengths instead of PNG files.
     as_runs: bool,
-    /// The times of the frames, for masks in a folder of their own, if the recording states times.
+    /// Table of times beside masks in a folder of their own; `None` where the images have no known times or the folder
+    /// has a table from the user.
     times: Option<Times>,
 }
 
 impl Masks {
-    /// Prepares to write to the folder that the options name.
+    /// Prepares to write to the folder of the options.
     ///
     /// # Errors
-    /// Some of the frames have masks already, and the options do not say what to do with them.
+    /// Requested frames that have masks already, without `--resume` or `--force`.
     pub fn open(options: &Options, images: &Recording, streaming: &StreamOptions) -> Result<Self> {
         let rig = images.rig();
         let dir = options.out.as_ref().unwrap_or(&options.recording).clone();
         let recording = dir.exists().then(|| Recording::resume(&dir, rig)).transpose()?;
-        let frames = recording.as_ref().map_or(&[][..], Recording::frames);
-        let wanted = options.frames.clone();
-        let existing: BTreeSet<u32> = frames.iter().copied().filter(|frame| wanted.contains(frame)).collect();
 
+        // Existing masks among the requested frames are kept or overwritten only on request.
+        let frames = recording.as_ref().map_or(&[][..], Recording::frames);
+        let existing: BTreeSet<u32> =
+            frames.iter().copied().filter(|frame| options.frames.contains(frame)).collect();
         if !existing.is_empty() && !options.resume && !options.force {
             let problem = format!(
-                "expected no masks yet, found those of {} frames; --resume keeps them and makes the others, --force \
-                 overwrites them, --out DIR writes elsewhere",
+                "expected no masks yet, found masks of {} frames; --resume keeps them and segments the others, --force \
+                 overwrites them, --out DIR writes to another folder",
                 existing.len()
             );
             return Err(Error::file(dir, problem));
         }
-
         let kept = if options.resume { existing } else { BTreeSet::new() };
+
+        // Masks in a folder of their own lose the images that hold their times.
         let times = match &options.out {
             Some(out) if !matches!(images.frame_times(streaming), Ok(None)) => {
                 Times::open(out, options.force.then_some(&options.frames))?
@@ -54,22 +57,23 @@ impl Masks {
         Ok(Self { dir, rig: rig.clone(), recording, kept, as_runs: options.rle, times })
     }
 
-    /// The folder of the recording.
+    /// Folder of the masks.
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// Whether the existing masks of frame `number` are kept.
+    /// Whether existing masks of frame `number` are kept.
     pub fn has(&self, number: u32) -> bool {
         self.kept.contains(&number)
     }
 
-    /// Writes the masks of frame `number`, taken at `time` seconds.
+    /// Writes the masks of frame `number`, captured at `time` seconds, one for each camera.
     pub fn write(&mut self, number: u32, time: f64, masks: &[PackedMask]) -> Result<()> {
         let recording = match &mut self.recording {
             Some(recording) => recording,
             none => none.insert(Recording::resume(&self.dir, &self.rig)?),
         };
+
         if self.as_runs {
             recording.write_packed_masks(number, masks)?;
         } else {

@@ -129,7 +129,7 @@ fn meshes_that_cannot_be_are_refused() {
         (&["mesh", "studio", "--resolution", "0.0001", "-o", "hull.ply"], "take larger cells"),
         (
             &["mesh", "studio", "--bounds", "0.6,0.7,0.6,0.7,0.5,0.6", "-o", "hull.ply"],
-            "let vhull check tell why",
+            "look for the cause with vhull check",
         ),
         (&["mesh", "studio", "-o", "studio/rig.toml/hull.ply"], "expected to make this folder"),
         (&["mesh", "studio", "--frames", "7..", "-o", "hull.ply"], "found 7..\n"),

@@ -1,4 +1,4 @@
-//! `vhull check`: what a rig sees, whether its calibration and masks fit together, and what to fix.
+//! `vhull check`: coverage of a rig, consistency of its calibration with the masks, and problems to fix.
 
 mod pictures;
 mod placement;
@@ -13,36 +13,37 @@ use ode_visual_hull::rig::Rig;
 use ode_visual_hull::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Report on a rig, and on a recording's silhouettes: what is seen, what fits, and what has to be fixed.
+/// Report on a rig and on the silhouettes of a recording, and list problems to fix.
 ///
-/// The report on the rig says where each camera stands and looks, whether all look at one place, how much of the work
-/// volume they see, and how high the hull rises above a table. The report on a recording with masks says whether the
-/// silhouettes of a view are shifted against the others', and which view cuts away what the others see.
+/// For a rig: where each camera stands and looks, whether all look at one point, how much of the work volume they see,
+/// how high the hull rises above a table. For a recording with masks: which views' silhouettes are shifted against the
+/// others', and which views cut away what the others see.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Calibration file or folder of any known format, or the folder of a recording.
     rig: PathBuf,
-    /// Folder of a recording with masks [default: RIG, if it is one].
+    /// Folder of a recording with masks [default: RIG if it is one].
     recording: Option<PathBuf>,
     #[command(flatten)]
     hints: HintOptions,
     #[command(flatten)]
     volume: VolumeOptions,
-    /// Report the hull's height above this table: the centre of its top and the edge length of a cube under it, in
-    /// metres; may be given several times.
+    /// Table above which the height of the hull is reported: centre of its top and edge length of a cube below it, in
+    /// metres. May be repeated.
     #[arg(long, value_name = "X,Y,Z,SIZE", value_parser = parse_table, allow_hyphen_values = true)]
     table: Vec<Table>,
-    /// How far a view's silhouettes may be shifted, in pixels; masks of real people reach 3 to 5 px, exact ones 0.
+    /// Greatest acceptable shift of a view's silhouettes, in pixels; masks of real people vary by 3 to 5 px, exact
+    /// masks do not.
     #[arg(long, value_name = "PIXELS", default_value = "5", value_parser = parse_positive)]
     tolerance: f64,
-    /// Number of frames to check at most, evenly spread.
+    /// Greatest number of frames to examine, evenly spread.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
-    /// Write each view's image, overlaid with its silhouette and the hull's, to this folder, which is made if it is missing.
+    /// Folder for each view's image overlaid with its silhouette and the hull's; created if missing.
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
-    /// The frame of the pictures, and of all else if --frames is 1 [default: the middle one].
+    /// Frame of the pictures, and with --frames 1 of the whole report [default: the middle one].
     #[arg(long, value_name = "N")]
     frame: Option<u32>,
 }
@@ -54,15 +55,16 @@ Examples:
   vhull check my_recording --pictures overlays
   vhull check other_rig.toml my_recording --tolerance 2
 
-Ends with code 3 if it finds a problem.";
+Exits with code 3 if there are problems.";
 
-/// A table: the centre of its top and the edge length of a cube under it, in metres.
+/// A table: a cube below the centre `top` of its upper face, with edges of `side` metres.
 #[derive(Debug, Clone, Copy)]
 struct Table {
     top: Point3<f64>,
     side: f64,
 }
 
+/// Parses `X,Y,Z,SIZE`, in metres.
 fn parse_table(text: &str) -> std::result::Result<Table, String> {
     let [x, y, z, side] = numbers(text, "x,y,z,size")?;
     if side <= 0.0 {
@@ -71,10 +73,10 @@ fn parse_table(text: &str) -> std::result::Result<Table, String> {
     Ok(Table { top: Point3::new(x, y, z), side })
 }
 
-/// The problems found so far.
+/// Problems found so far.
 #[derive(Debug, Default)]
 struct Report {
-    /// A sentence for each, with what to do.
+    /// A sentence each, with the next step.
     problems: Vec<String>,
 }
 
@@ -89,15 +91,18 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let mut report = Report::default();
     print!("{}", rig.describe());
     println!();
+
+    // Silhouettes of cameras that do not see the work volume cannot be compared.
     let comparable = placement::describe_rig(&rig, options, &mut report)?;
 
     if let Some(folder) = folder.as_ref().filter(|_| !comparable) {
-        println!("\nthe silhouettes in {} are not compared: the cameras come first", folder.display());
+        println!("\nthe silhouettes in {} are not compared: fix the cameras first", folder.display());
     } else if let Some(folder) = &folder {
         let recorded = RecordedHulls::new(Recording::open_with(folder, rig)?, folder, &options.volume)?;
         if let Some(frame) = options.frame {
             recorded.check_has(frame)?;
         }
+
         println!();
         silhouettes::describe_silhouettes(&recorded, options, &mut report)?;
         if let Some(out) = &options.pictures {
@@ -109,10 +114,10 @@ pub fn run(options: &Options) -> Result<Outcome> {
         ));
     }
 
-    Ok(verdict(&report))
+    Ok(print_verdict(&report))
 }
 
-/// The rig, and the folder of the recording, if there is one.
+/// Loads the rig and prints notes on its calibration; also returns the folder of the recording, if there is one.
 fn load(options: &Options) -> Result<(Rig, Option<PathBuf>)> {
     let folder = match &options.recording {
         Some(folder) => Some(folder.clone()),
@@ -125,21 +130,21 @@ fn load(options: &Options) -> Result<(Rig, Option<PathBuf>)> {
     Ok((calibration.rig, folder))
 }
 
-/// Whether a rig file has folders beside it, which a recording has.
+/// Whether `folder` holds folders beside its rig file, as a recording does.
 fn has_pictures(folder: &Path) -> Result<bool> {
     let fail = |e: std::io::Error| Error::file(folder, format!("expected a readable folder, found: {e}"));
     let mut entries = std::fs::read_dir(folder).map_err(fail)?;
     Ok(entries.any(|entry| entry.is_ok_and(|entry| entry.path().is_dir())))
 }
 
-fn verdict(report: &Report) -> Outcome {
+/// Prints `verdict: ok`, or the number of problems and the list of them.
+fn print_verdict(report: &Report) -> Outcome {
     println!();
-    let problems = &report.problems;
-    if problems.is_empty() {
-        println!("verdict: ok");
-        return Outcome::Done;
+    match report.problems.len() {
+        0 => println!("verdict: ok"),
+        1 => println!("verdict: 1 problem"),
+        count => println!("verdict: {count} problems"),
     }
-    println!("verdict: {} problem{}", problems.len(), if problems.len() == 1 { "" } else { "s" });
-    problems.iter().for_each(|problem| println!("- {problem}"));
-    Outcome::ProblemsFound
+    report.problems.iter().for_each(|problem| println!("- {problem}"));
+    if report.problems.is_empty() { Outcome::Done } else { Outcome::ProblemsFound }
 }

@@ -208,7 +208,7 @@ fn stack(
 
     for i in 0..count {
         let height = (i as f64 + 0.5) * side + (i as f64 + 1.0) * GAP;
-        // Each box is turned a little against the one below, so that they can be told apart in the film.
+        // Each box is turned a little against the one below, so that the film shows them apart.
         let turn = Vector3::z() * [0.05, -0.12, 0.20, -0.06, 0.30][i % 5];
         let pose = Isometry3::new(foot.coords + Vector3::z() * height, turn);
         simulation.add(&Shape::cube(side), &pose, COLOURS[i % COLOURS.len()])?;

@@ -1,4 +1,4 @@
-//! `vhull run` as a program, on small recordings of known subjects.
+//! `vhull run` on the command line, with small recordings of known subjects.
 
 use image::{GrayImage, RgbImage};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -8,6 +8,7 @@ use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, layout, silhou
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+/// Height of the table's top, in metres.
 const TABLE_TOP: f64 = 0.4;
 
 /// Six cameras at the height of the table's top.
@@ -15,32 +16,35 @@ fn rig() -> Rig {
     Rig::new(layout::ring(6, 3.0, TABLE_TOP, Point3::new(0.0, 0.0, 0.4), (200, 160), 0.6).unwrap()).unwrap()
 }
 
+/// A red solid with its centre at (x, 0, z).
 fn placed(solid: Solid, x: f64, z: f64) -> Subject {
     Subject::new(vec![Placed::new(solid, Isometry3::translation(x, 0.0, z), Texture::plain([180, 40, 40]))])
 }
 
+/// A table that keeps still: a cuboid on the floor.
 fn table(_: u32) -> Subject {
     placed(Solid::cuboid(Vector3::new(0.5, 0.5, TABLE_TOP)).unwrap(), 0.0, 0.5 * TABLE_TOP)
 }
 
-/// The table, lifted by 5 mm from frame to frame.
+/// The table, raised by 5 mm per frame.
 fn lifted(frame: u32) -> Subject {
     let half = 0.5 * TABLE_TOP;
     placed(Solid::cuboid(Vector3::new(0.5, 0.5, TABLE_TOP)).unwrap(), 0.0, half + 0.005 * f64::from(frame))
 }
 
-/// A ball that comes along x, at 1.2 m/s where 30 frames make a second.
+/// A ball that moves along x, at 1.2 m/s with 30 frames per second.
 fn rolling(frame: u32) -> Subject {
     placed(Solid::sphere(0.25).unwrap(), -0.6 + 0.04 * f64::from(frame), 0.35)
 }
 
-/// An empty folder for a test.
+/// Path of a folder for a test, which does not exist.
 fn folder(name: &str) -> PathBuf {
     let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("run").join(name);
     let _ = std::fs::remove_dir_all(&dir);
     dir
 }
 
+/// A recording of the subject's exact masks, without images.
 fn record(name: &str, subject: fn(u32) -> Subject, frames: u32) -> PathBuf {
     let dir = folder(name);
     let rig = rig();
@@ -52,25 +56,27 @@ fn record(name: &str, subject: fn(u32) -> Subject, frames: u32) -> PathBuf {
     dir
 }
 
+/// Runs `vhull run`, with results in the recording's folder `out`.
 fn run(recording: &Path, arguments: &[&str]) -> Output {
     let out = recording.join("out");
     let mut command = Command::new(env!("CARGO_BIN_EXE_vhull"));
     command.arg("run").arg(recording).arg("--out").arg(out).args(arguments).output().unwrap()
 }
 
-/// The exit code and the message of a run that fails.
+/// Exit code and standard error of a run.
 fn failure(recording: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let output = run(recording, arguments);
     (output.status.code(), String::from_utf8(output.stderr).unwrap())
 }
 
+/// Standard output of a run that must succeed.
 fn success(recording: &Path, arguments: &[&str]) -> String {
     let output = run(recording, arguments);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// The numbers of states.csv: per frame and body time, body, x, y, z, ...
+/// The rows of states.csv, one for each frame and body: time, body, x, y, z, ...
 fn states(recording: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(recording.join("out/states.csv")).unwrap();
     let mut lines = text.lines();
@@ -83,18 +89,20 @@ fn a_box_falls_on_the_subject_and_stays() {
     let recording = record("table", table, 3);
     let text = success(&recording, &["--count", "1", "--hold", "1.5", "--linger", "0"]);
     assert!(text.contains("fall on the subject") && text.contains("box 1"), "{text}");
+
     let states = states(&recording);
-    assert_eq!(states.len(), 48, "1.5 s of 30 frames and 3 recorded ones, one body");
+    assert_eq!(states.len(), 48, "45 frames in 1.5 s and 3 recorded ones, one body");
     let height = states.last().unwrap()[4];
     // A pixel covers 9 mm here.
     assert!((height - TABLE_TOP - 0.05).abs() < 0.015, "{height}");
+
     let film = std::fs::read(recording.join("out/run.gif")).unwrap();
     assert_eq!(&film[..6], b"GIF89a");
     assert!(recording.join("out/run.png").is_file() && recording.join("out/heights.svg").is_file());
 }
 
 #[test]
-fn boxes_and_balls_take_turns_and_nothing_is_drawn_where_nobody_asks() {
+fn a_mix_alternates_boxes_and_balls_and_no_gif_writes_no_film() {
     let recording = record("mix", table, 1);
     let arguments =
         ["--drop", "mix", "--count", "3", "--hold", "0.2", "--linger", "0", "--rate", "15", "--no-gif"];
@@ -105,35 +113,38 @@ fn boxes_and_balls_take_turns_and_nothing_is_drawn_where_nobody_asks() {
 }
 
 #[test]
-fn a_moving_subject_knocks_a_stack_over_and_the_same_seed_does_it_again() {
+fn a_moving_subject_knocks_a_stack_over_and_equal_seeds_give_equal_states() {
     let recording = record("rolling", rolling, 30);
     let arguments = ["--stack", "3", "--hold", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
     let text = success(&recording, &arguments);
     assert!(text.contains("in the subject's way"), "{text}");
+
+    // Row 14 is the last frame of the hold, 0.5 s at 30 frames per second.
     let first = states(&recording);
     let third: Vec<_> = first.iter().filter(|row| row[1] == 3.0).collect();
     assert!((third[14][4] - 0.5).abs() < 0.01, "the third of three boxes of 20 cm stands: {:?}", third[14]);
     let (before, after) = (third[14], third[third.len() - 1]);
     let moved = (after[2] - before[2]).hypot(after[3] - before[3]);
     assert!(moved > 0.2 && after[4] < 0.45, "it falls off: {after:?}");
+
     success(&recording, &arguments);
     assert_eq!(first, states(&recording));
 }
 
 #[test]
-fn a_stack_stands_where_it_is_told_to_on_what_is_there() {
-    let recording = record("no_rate", table, 2);
-    for (at, foot) in [("0.05,-0.05", TABLE_TOP), ("0.6,0.3", 0.0)] {
+fn a_stack_stands_at_the_given_place_on_the_subject_or_the_floor() {
+    let recording = record("at", table, 2);
+    for (place, foot) in [("0.05,-0.05", TABLE_TOP), ("0.6,0.3", 0.0)] {
         let arguments =
-            ["--stack", "2", "--side", "0.1", "--hold", "0.5", "--linger", "0", "--no-gif", "--at", at];
+            ["--stack", "2", "--side", "0.1", "--hold", "0.5", "--linger", "0", "--no-gif", "--at", place];
         success(&recording, &arguments);
         let last = states(&recording).pop().unwrap();
-        assert!((last[4] - foot - 0.15).abs() < 0.02, "the second box, at {at}: {last:?}");
+        assert!((last[4] - foot - 0.15).abs() < 0.02, "the second box, at {place}: {last:?}");
     }
 }
 
 #[test]
-fn on_a_subject_that_keeps_still_the_stack_stands_on_it() {
+fn a_stack_stands_on_a_subject_that_keeps_still() {
     let recording = record("still", table, 4);
     let arguments = ["--stack", "2", "--side", "0.15", "--hold", "0.5", "--linger", "0", "--no-gif"];
     let text = success(&recording, &arguments);
@@ -141,7 +152,7 @@ fn on_a_subject_that_keeps_still_the_stack_stands_on_it() {
     assert!((states(&recording).pop().unwrap()[4] - TABLE_TOP - 0.225).abs() < 0.02);
 }
 
-/// A video of each camera, of one colour.
+/// Writes a video of one colour for each camera.
 fn film(recording: &Path, colour: &str, rate: u32, frames: u32) {
     let source = format!("color={colour}:s=200x160:r={rate}");
     for camera in rig().cameras() {
@@ -153,7 +164,7 @@ fn film(recording: &Path, colour: &str, rate: u32, frames: u32) {
 }
 
 #[test]
-fn bodies_are_drawn_into_the_recordings_videos() {
+fn bodies_are_drawn_into_the_videos_of_the_recording() {
     let recording = record("videos", table, 3);
     film(&recording, "blue", 30, 3);
     success(&recording, &["--count", "1", "--hold", "0.2", "--frames", "1.."]);
@@ -162,6 +173,7 @@ fn bodies_are_drawn_into_the_recordings_videos() {
 
     assert!(red < 30 && blue > 200, "{:?}", stills.get_pixel(3, 3));
 
+    // A file that is no video.
     for camera in rig().cameras() {
         std::fs::write(recording.join(camera.name()).join("video.mkv"), b"no video").unwrap();
     }
@@ -169,7 +181,7 @@ fn bodies_are_drawn_into_the_recordings_videos() {
 
     assert!(code == Some(1) && text.contains("video.mkv: expected a video"), "{text}");
 
-    // A video that ends before what is played of it.
+    // A video that ends before the frames that are played.
     for camera in rig().cameras() {
         std::fs::remove_file(recording.join(camera.name()).join("video.mkv")).unwrap();
     }
@@ -182,7 +194,7 @@ fn bodies_are_drawn_into_the_recordings_videos() {
 }
 
 #[test]
-fn the_subject_moves_by_the_recordings_times_and_the_film_has_its_own() {
+fn the_subject_moves_by_the_times_of_the_recording_whatever_the_frame_rate_of_the_film() {
     let recording = record("pace", lifted, 30);
     let play = |options: &[&str]| {
         let arguments = [&["--count", "1", "--hold", "1", "--linger", "0", "--no-gif"], options].concat();
@@ -194,28 +206,31 @@ fn the_subject_moves_by_the_recordings_times_and_the_film_has_its_own() {
         assert!((lift - 0.145).abs() < 0.02, "{lift}");
         (heights, String::from_utf8(output.stderr).unwrap())
     };
-    let (heights, note) = play(&[]);
 
-    assert_eq!(heights.len(), 60, "a second of 30, a second of 30 frames");
+    // Without times 30 images per second are assumed, with a note; --rate sets others.
+    let (heights, note) = play(&[]);
+    assert_eq!(heights.len(), 60, "1 s of hold and 30 recorded frames in 1 s");
     assert!(note.contains("--rate"), "{note}");
 
     let (at_60, note) = play(&["--rate", "60"]);
-    assert_eq!((at_60.len(), note.as_str()), (45, ""), "a second of 30, half a second of 60 frames");
+    assert_eq!((at_60.len(), note.as_str()), (45, ""), "1 s of hold and 30 recorded frames in 0.5 s");
 
+    // Times in frames.csv.
     let lines = (0..30).map(|frame| format!("{frame},{:.6}\n", 3.0 + f64::from(frame) / 60.0));
     std::fs::write(recording.join("frames.csv"), format!("frame,time\n{}", lines.collect::<String>()))
         .unwrap();
 
     assert_eq!(play(&[]).0, at_60);
-    assert_eq!(play(&["--rate", "30"]).0, heights, "what is given stands above what is written");
+    assert_eq!(play(&["--rate", "30"]).0, heights, "--rate takes precedence over frames.csv");
 
+    // The frame rate of videos.
     std::fs::remove_file(recording.join("frames.csv")).unwrap();
     film(&recording, "blue", 60, 2);
     assert_eq!(play(&[]).0, at_60);
 }
 
 #[test]
-fn of_the_frames_those_asked_for_are_played() {
+fn only_the_given_frames_are_played() {
     let recording = record("frames", table, 6);
     success(&recording, &["--count", "1", "--frames", "2..5", "--hold", "0", "--linger", "0.1", "--no-gif"]);
     assert_eq!(states(&recording).len(), 6);
@@ -225,7 +240,7 @@ fn of_the_frames_those_asked_for_are_played() {
 }
 
 #[test]
-fn images_without_masks_are_to_be_segmented_first() {
+fn the_error_for_a_recording_without_masks_names_vhull_segment() {
     let dir = folder("images");
     let rig = rig();
     let mut recording = Recording::create(&dir, &rig).unwrap();
@@ -237,11 +252,10 @@ fn images_without_masks_are_to_be_segmented_first() {
 }
 
 #[test]
-fn a_missing_camera_folder_an_unknown_view_and_an_empty_hull_are_named() {
+fn errors_name_a_missing_camera_folder_an_unknown_view_and_an_empty_hull() {
     let recording = record("wrong", table, 1);
     let camera = rig().cameras()[2].name().to_owned();
-    let (code, text) = failure(&recording, &["--view", "backstage"]);
-
+    let (code, text) = failure(&recording, &["--view", "unknown"]);
     assert_eq!(code, Some(1));
     assert!(text.contains("--view: expected 0 to 5") && text.contains(&camera), "{text}");
 
@@ -261,9 +275,9 @@ fn a_missing_camera_folder_an_unknown_view_and_an_empty_hull_are_named() {
 }
 
 #[test]
-fn a_command_line_that_means_nothing_is_told_from_an_error() {
+fn an_invalid_command_line_exits_with_code_2_and_names_what_was_expected() {
     let recording = folder("unused");
-    for (arguments, expected) in [
+    for (arguments, part) in [
         (&["--bounds", "1,2,3"][..], "x0,x1,y0,y1,z0,z1"),
         (&["--bounds", "1,0,0,1,0,1"], "--bounds"),
         (&["--side", "7"], "0.05 to 2 m"),
@@ -282,14 +296,14 @@ fn a_command_line_that_means_nothing_is_told_from_an_error() {
     ] {
         let (code, text) = failure(&recording, arguments);
         assert_eq!(code, Some(2), "{arguments:?}: {text}");
-        assert!(text.contains(expected), "{arguments:?}: {text}");
+        assert!(text.contains(part), "{arguments:?}: {text}");
     }
 }
 
 #[test]
-fn what_was_played_before_a_broken_mask_is_kept() {
+fn states_before_a_broken_mask_are_kept() {
     let recording = record("broken", table, 40);
-    // Of 40 frames the hulls of 24 are made beforehand; this is not one of them.
+    // 24 of the 40 frames are read beforehand to find the subject's extent; frame 21 is not one of them.
     let broken = recording.join(rig().cameras()[1].name()).join("mask/000021.png");
     std::fs::write(&broken, b"no image").unwrap();
     let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--no-gif"]);
@@ -299,7 +313,7 @@ fn what_was_played_before_a_broken_mask_is_kept() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_made_is_named() {
+fn the_error_for_a_folder_that_cannot_be_created_says_so() {
     let recording = record("unwritable", table, 1);
     std::fs::write(recording.join("out"), b"a file").unwrap();
     let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--no-gif"]);

@@ -1,4 +1,4 @@
-//! `vhull segment` as a program: folders, videos, and their faults.
+//! `vhull segment` on the command line: folders, videos, and errors in them.
 
 use image::{GrayImage, Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
@@ -12,7 +12,7 @@ use std::process::{Command, Output};
 const SIZE: (u32, u32) = (320, 240);
 const CAMERAS: [&str; 2] = ["left", "right"];
 
-/// A folder for one test, which is removed at its end.
+/// A temporary folder of one test, removed when dropped.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -34,18 +34,19 @@ impl Drop for Folder {
     }
 }
 
-/// The empty background.
-fn room() -> RgbImage {
+/// The background without the subject.
+fn background() -> RgbImage {
     RgbImage::from_fn(SIZE.0, SIZE.1, |x, y| Rgb([60 + (x / 8) as u8, 90, 60 + (y / 8) as u8]))
 }
 
-/// A red square of 64 px that moves 4 px a frame.
+/// Whether a pixel belongs to the subject, a square of 64 px that moves right by 4 px per frame.
 fn is_subject(frame: u32, x: u32, y: u32) -> bool {
     (40 + 4 * frame..104 + 4 * frame).contains(&x) && (80..144).contains(&y)
 }
 
+/// The subject in red before the background.
 fn image(frame: u32) -> RgbImage {
-    let mut image = room();
+    let mut image = background();
     for (x, y, pixel) in image.enumerate_pixels_mut() {
         if is_subject(frame, x, y) {
             *pixel = Rgb([220, 40, 30]);
@@ -54,7 +55,7 @@ fn image(frame: u32) -> RgbImage {
     image
 }
 
-/// A recording whose cameras have folders of `frames` images.
+/// A recording of two cameras with `frames` images and a background each.
 fn record(folder: &Folder, frames: u32) -> PathBuf {
     let dir = folder.path("r");
     let camera = |name: &&str| {
@@ -62,14 +63,14 @@ fn record(folder: &Folder, frames: u32) -> PathBuf {
     };
     let mut recording =
         Recording::create(&dir, &Rig::new(CAMERAS.iter().map(camera).collect()).unwrap()).unwrap();
-    recording.write_backgrounds(&[room(), room()]).unwrap();
+    recording.write_backgrounds(&[background(), background()]).unwrap();
     for frame in 0..frames {
         recording.write_images(frame, &[image(frame), image(frame)]).unwrap();
     }
     dir
 }
 
-/// Makes a video of a camera's folder of images, without loss, and takes the folder away.
+/// Replaces a camera's folder of images by a lossless video.
 fn into_video(dir: &Path, camera: &str) {
     let images = dir.join(camera).join("image");
     let mut command = Command::new("ffmpeg");
@@ -79,26 +80,29 @@ fn into_video(dir: &Path, camera: &str) {
     std::fs::remove_dir_all(images).unwrap();
 }
 
+/// Runs `vhull segment` on the recording in `dir`.
 fn vhull(dir: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_vhull"));
     command.arg("segment").arg(dir).args(arguments).output().unwrap()
 }
 
+/// Asserts success, and returns standard error.
 #[track_caller]
-fn succeeds(output: &Output) -> String {
+fn assert_success(output: &Output) -> String {
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{errors}");
     errors
 }
 
+/// Asserts an exit code and parts of standard error.
 #[track_caller]
-fn says(output: &Output, code: i32, parts: &[&str]) {
+fn assert_error(output: &Output, code: i32, parts: &[&str]) {
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{text}");
     parts.iter().for_each(|part| assert!(text.contains(part), "{text:?} lacks {part:?}"));
 }
 
-/// Asserts that these frames and no others have masks, each of the square.
+/// Asserts that these frames and no others have masks, all of them equal to the square.
 #[track_caller]
 fn assert_masks(dir: &Path, frames: &[u32]) {
     let recording = Recording::open(dir).unwrap();
@@ -108,12 +112,13 @@ fn assert_masks(dir: &Path, frames: &[u32]) {
             let wrong =
                 |(x, y, value): (u32, u32, &image::Luma<u8>)| (value.0[0] >= 128) != is_subject(frame, x, y);
             let wrong = mask.enumerate_pixels().filter(|pixel| wrong(*pixel)).count();
-            // Of 4096: corners may be rounded.
+            // Cleaning the mask rounds the corners of its 4096 pixels.
             assert!(wrong < 40, "frame {frame}: {wrong} pixels");
         }
     }
 }
 
+/// Names of the files in a folder, sorted.
 fn files(folder: &Path) -> Vec<String> {
     let names =
         std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -123,30 +128,30 @@ fn files(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn images_and_videos_become_masks() {
+fn images_and_videos_are_segmented_and_existing_masks_are_kept_or_refused() {
     let folder = Folder::new("masks");
     let dir = record(&folder, 6);
     into_video(&dir, "right");
-    succeeds(&vhull(&dir, &["--frames", "1..3"]));
+    assert_success(&vhull(&dir, &["--frames", "1..3"]));
     assert_masks(&dir, &[1, 2]);
-    says(&vhull(&dir, &[]), 1, &["found those of 2 frames", "--resume", "--force", "--out"]);
-    succeeds(&vhull(&dir, &["--resume"]));
+    assert_error(&vhull(&dir, &[]), 1, &["found masks of 2 frames", "--resume", "--force", "--out"]);
+    assert_success(&vhull(&dir, &["--resume"]));
     assert_masks(&dir, &[0, 1, 2, 3, 4, 5]);
+
     let out = folder.path("out");
-    succeeds(&vhull(&dir, &["--frames", "4..", "--out", out.to_str().unwrap()]));
+    assert_success(&vhull(&dir, &["--frames", "4..", "--out", out.to_str().unwrap()]));
     assert_masks(&out, &[4, 5]);
     assert_eq!(files(&out), ["frames.csv", "left", "rig.toml", "right"]);
 }
 
 #[test]
-fn masks_as_run_lengths_are_those_of_pictures_in_one_file_a_camera() {
+fn masks_as_run_lengths_equal_masks_as_png_and_take_one_file_per_camera() {
     let folder = Folder::new("rle");
     let dir = record(&folder, 4);
     let [pictures, runs] = ["pictures", "runs"].map(|name| folder.path(name));
-
-    succeeds(&vhull(&dir, &["--out", pictures.to_str().unwrap()]));
-    succeeds(&vhull(&dir, &["--rle", "--frames", "..2", "--out", runs.to_str().unwrap()]));
-    succeeds(&vhull(&dir, &["--rle", "--resume", "--out", runs.to_str().unwrap()]));
+    assert_success(&vhull(&dir, &["--out", pictures.to_str().unwrap()]));
+    assert_success(&vhull(&dir, &["--rle", "--frames", "..2", "--out", runs.to_str().unwrap()]));
+    assert_success(&vhull(&dir, &["--rle", "--resume", "--out", runs.to_str().unwrap()]));
     assert_eq!(files(&runs.join("left")), ["mask.rle"]);
 
     let masks = |dir| {
@@ -156,22 +161,23 @@ fn masks_as_run_lengths_are_those_of_pictures_in_one_file_a_camera() {
     assert_eq!(masks(&runs), masks(&pictures));
     assert_masks(&runs, &[0, 1, 2, 3]);
 
-    // A file of another kind is named in the message.
+    // The error for an invalid file names it.
     std::fs::write(runs.join("right/mask.rle"), "no masks").unwrap();
     let resumed = vhull(&dir, &["--rle", "--resume", "--out", runs.to_str().unwrap()]);
-    says(&resumed, 1, &["right", "mask.rle", "segment again, or move the file away"]);
+    assert_error(&resumed, 1, &["right", "mask.rle", "segment again, or move the file away"]);
 }
 
 #[test]
-fn masks_in_a_folder_of_their_own_keep_their_times_where_the_recording_tells_them() {
+fn masks_in_a_folder_of_their_own_keep_the_times_of_the_recording() {
     let folder = Folder::new("own_times");
     let dir = record(&folder, 4);
     let out = folder.path("out");
-    let segment = |more: &[&str]| succeeds(&vhull(&dir, &[&["--out", out.to_str().unwrap()], more].concat()));
+    let segment =
+        |more: &[&str]| assert_success(&vhull(&dir, &[&["--out", out.to_str().unwrap()], more].concat()));
     let times = || Recording::open(&out).unwrap().frame_times(&StreamOptions::default()).unwrap();
-    segment(&["--frames", "..1"]);
 
-    assert_eq!(times(), None, "no times are known");
+    segment(&["--frames", "..1"]);
+    assert_eq!(times(), None, "the recording has no times");
 
     std::fs::write(dir.join("frames.csv"), "frame,left,right\n0,5,5\n1,5.5,5.5\n2,6.25,6.25\n3,8,8\n")
         .unwrap();
@@ -181,42 +187,44 @@ fn masks_in_a_folder_of_their_own_keep_their_times_where_the_recording_tells_the
     assert_eq!(times(), Some(vec![5.0, 5.5, 6.25]));
 
     segment(&["--force", "--rate", "2"]);
-    assert_eq!(times(), Some(vec![0.0, 0.5, 1.0, 1.5]), "a rate goes before the table");
+    assert_eq!(times(), Some(vec![0.0, 0.5, 1.0, 1.5]), "--rate takes precedence over frames.csv");
 
     std::fs::write(out.join("frames.csv"), "frame,left,right\n0,0,0\n1,1,1\n2,2,2\n3,3,3\n").unwrap();
     segment(&["--force"]);
-    assert_eq!(times(), Some(vec![0.0, 1.0, 2.0, 3.0]), "a table with other columns stays");
+    assert_eq!(times(), Some(vec![0.0, 1.0, 2.0, 3.0]), "a table from the user is kept");
 }
 
 #[test]
-fn the_empty_room_may_be_a_video_a_folder_or_the_first_images() {
+fn the_background_can_be_a_folder_of_images_a_video_or_the_first_images() {
     let folder = Folder::new("empty");
     let dir = record(&folder, 4);
     for camera in CAMERAS {
         std::fs::remove_file(dir.join(camera).join("background.png")).unwrap();
     }
+    assert_error(
+        &vhull(&dir, &[]),
+        1,
+        &["view \"left\"", "left/background", "without the subject", "--empty"],
+    );
 
-    says(&vhull(&dir, &[]), 1, &["view \"left\"", "left/background", "empty room", "--empty"]);
-
-    let rooms = folder.path("rooms");
-    std::fs::create_dir(&rooms).unwrap();
+    let backgrounds = folder.path("backgrounds");
+    std::fs::create_dir(&backgrounds).unwrap();
     for camera in CAMERAS {
-        room().save(rooms.join(format!("{camera}.png"))).unwrap();
+        background().save(backgrounds.join(format!("{camera}.png"))).unwrap();
     }
-
-    succeeds(&vhull(&dir, &["--background", rooms.to_str().unwrap()]));
+    assert_success(&vhull(&dir, &["--background", backgrounds.to_str().unwrap()]));
     assert_masks(&dir, &[0, 1, 2, 3]);
 
     for camera in CAMERAS {
-        // The subject comes after two images.
+        // The first two images show the background alone.
         for number in 0..2 {
-            room().save(dir.join(camera).join(format!("image/{number:06}.png"))).unwrap();
+            background().save(dir.join(camera).join(format!("image/{number:06}.png"))).unwrap();
         }
         let video = dir.join(camera).join("empty.avi");
         let mut command = Command::new("ffmpeg");
         command
             .args(["-nostdin", "-loglevel", "error", "-loop", "1", "-i"])
-            .arg(rooms.join(format!("{camera}.png")));
+            .arg(backgrounds.join(format!("{camera}.png")));
         command.args(["-frames:v", "60", "-c:v", "ffv1", "-pix_fmt", "bgr0"]).arg(video);
         assert!(command.status().unwrap().success());
     }
@@ -225,20 +233,20 @@ fn the_empty_room_may_be_a_video_a_folder_or_the_first_images() {
     for (out, arguments) in [("a/1", ["--empty", "2"]), ("a/2", ["--background", "empty.avi"])] {
         let out = folder.path(out);
         let out = out.to_str().unwrap();
-        succeeds(&vhull(&dir, &[&arguments[..], &["--frames", "2..", "--out", out]].concat()));
+        assert_success(&vhull(&dir, &[&arguments[..], &["--frames", "2..", "--out", out]].concat()));
         assert_masks(Path::new(out), &[2, 3]);
     }
-
-    says(&vhull(&dir, &["--background", "none.avi", "--force"]), 1, &["left/none.avi", "found none"]);
+    assert_error(&vhull(&dir, &["--background", "none.avi", "--force"]), 1, &["left/none.avi", "found none"]);
 }
 
 #[test]
-fn a_corrupt_image_in_the_middle_keeps_the_frames_before_and_can_be_fixed() {
+fn frames_before_a_corrupt_image_are_kept_and_resume_continues_after_it() {
     let folder = Folder::new("corrupt");
     let dir = record(&folder, 5);
     let bad = dir.join("right/image/000003.png");
     let png = std::fs::read(&bad).unwrap();
     std::fs::write(&bad, &png[..png.len() / 2]).unwrap();
+
     let parts = [
         "view \"right\"",
         "right/image/000003.png",
@@ -246,44 +254,45 @@ fn a_corrupt_image_in_the_middle_keeps_the_frames_before_and_can_be_fixed() {
         "after frame 2",
         "3 frames are done",
     ];
-
-    says(&vhull(&dir, &[]), 1, &parts);
+    assert_error(&vhull(&dir, &[]), 1, &parts);
     assert_masks(&dir, &[0, 1, 2]);
 
     std::fs::remove_file(&bad).unwrap();
-    let notes = succeeds(&vhull(&dir, &["--resume"]));
-
+    let notes = assert_success(&vhull(&dir, &["--resume"]));
     assert!(notes.contains("1 frames left out") && notes.contains("frame 3, without right"), "{notes}");
     assert_masks(&dir, &[0, 1, 2, 4]);
 }
 
 #[test]
-fn a_video_that_ends_early_keeps_its_frames_and_unequal_lengths_are_reported() {
+fn frames_of_a_video_that_ends_early_are_kept_and_unequal_lengths_are_noted() {
     let folder = Folder::new("early");
     let dir = record(&folder, 12);
     into_video(&dir, "right");
     for frame in 8..12 {
         std::fs::remove_file(dir.join(format!("left/image/{frame:06}.png"))).unwrap();
     }
-    let notes = succeeds(&vhull(&dir, &[]));
-
+    let notes = assert_success(&vhull(&dir, &[]));
     assert!(notes.contains("4 frames left out") && notes.contains("frame 8, without left"), "{notes}");
     assert_masks(&dir, &(0..8).collect::<Vec<_>>());
 
+    // A video that is cut off.
     let video = dir.join("right/video.avi");
     let bytes = std::fs::read(&video).unwrap();
     std::fs::write(&video, &bytes[..bytes.len() * 2 / 3]).unwrap();
     let output = vhull(&dir, &["--force"]);
-
-    says(&output, 1, &["view \"right\"", "video.avi", "expected 12 images", "frames are done", "--resume"]);
+    assert_error(
+        &output,
+        1,
+        &["view \"right\"", "video.avi", "expected 12 images", "frames are done", "--resume"],
+    );
 }
 
 #[test]
-fn a_full_disk_is_reported_and_leaves_no_half_written_file() {
+fn the_error_of_a_full_disk_names_the_frame_and_no_partial_file_is_left() {
     let folder = Folder::new("full");
     let dir = record(&folder, 4);
 
-    // Random blocks compress badly, so that the mask's file is large.
+    // Frame 2 has random blocks, whose mask is a large file.
     let mut random = Random(1);
     let mut noise = RgbImage::from_pixel(64, 48, Rgb([0; 3]));
     for pixel in noise.pixels_mut() {
@@ -294,19 +303,19 @@ fn a_full_disk_is_reported_and_leaves_no_half_written_file() {
         noise.save(dir.join(camera).join("image/000002.png")).unwrap();
     }
 
-    // No file may grow beyond 2 KiB, as if the disk were full then.
+    // Limit files to 2 KiB, as if the disk were full.
     let script = "trap '' XFSZ; ulimit -f 4; exec \"$0\" segment \"$1\"";
     let mut command = Command::new("sh");
     let output = command.args(["-c", script, env!("CARGO_BIN_EXE_vhull")]).arg(&dir).output().unwrap();
     let parts = ["frame 2: ", "left/mask/000002.png", "make room", "2 frames are done", "--resume"];
-
-    says(&output, 1, &parts);
+    assert_error(&output, 1, &parts);
     assert_masks(&dir, &[0, 1]);
 
     for camera in CAMERAS {
         assert_eq!(files(&dir.join(camera).join("mask")), ["000000.png", "000001.png"]);
     }
-    succeeds(&vhull(&dir, &["--resume"]));
+
+    assert_success(&vhull(&dir, &["--resume"]));
     assert_eq!(Recording::open(&dir).unwrap().frames(), [0, 1, 2, 3]);
 }
 
@@ -318,28 +327,27 @@ fn without_ffmpeg_videos_are_refused_and_nothing_is_written() {
     let (out, mut command) = (folder.path("out"), Command::new(env!("CARGO_BIN_EXE_vhull")));
     let output =
         command.arg("segment").arg(&dir).arg("--out").arg(&out).env("PATH", "/nowhere").output().unwrap();
-    says(&output, 1, &["right/video.avi", "install ffmpeg", "apt-get install ffmpeg"]);
+    assert_error(&output, 1, &["right/video.avi", "install ffmpeg", "apt-get install ffmpeg"]);
     assert!(!out.exists());
 }
 
 #[test]
-fn what_cannot_be_segmented_is_reported() {
+fn errors_of_wrong_input_name_the_option_or_file() {
     let folder = Folder::new("cannot");
     let dir = record(&folder, 2);
-
-    says(&vhull(&folder.path("none"), &[]), 1, &["none", "folder of a recording"]);
-    says(&vhull(&dir, &["--frames", "7.."]), 1, &["expected frames", "found none", "--bound"]);
-    says(&vhull(&dir, &["--frames", "3..2"]), 2, &["3..2", "20..60"]);
-    says(&vhull(&dir, &["--rate", "0"]), 2, &["positive", "found 0"]);
-    says(&vhull(&dir, &["--method", "magic"]), 2, &["clean-plate"]);
-    says(&vhull(&dir, &["--key", "1,2,3"]), 1, &["--key", "--method chroma-key"]);
-    says(&vhull(&dir, &["--method", "chroma-key", "--empty", "1"]), 1, &["--empty", "chroma-key"]);
-    says(&vhull(&dir, &["--empty", "99"]), 1, &["view \"left\"", "--empty", "99 images"]);
+    assert_error(&vhull(&folder.path("none"), &[]), 1, &["none", "folder of a recording"]);
+    assert_error(&vhull(&dir, &["--frames", "7.."]), 1, &["expected frames", "found none", "--bound"]);
+    assert_error(&vhull(&dir, &["--frames", "3..2"]), 2, &["3..2", "20..60"]);
+    assert_error(&vhull(&dir, &["--rate", "0"]), 2, &["positive", "found 0"]);
+    assert_error(&vhull(&dir, &["--method", "magic"]), 2, &["clean-plate"]);
+    assert_error(&vhull(&dir, &["--key", "1,2,3"]), 1, &["--key", "--method chroma-key"]);
+    assert_error(&vhull(&dir, &["--method", "chroma-key", "--empty", "1"]), 1, &["--empty", "chroma-key"]);
+    assert_error(&vhull(&dir, &["--empty", "99"]), 1, &["view \"left\"", "--empty", "99 images"]);
 
     RgbImage::new(8, 8).save(dir.join("left/background.png")).unwrap();
-    says(&vhull(&dir, &[]), 1, &["view \"left\"", "background.png", "320 x 240", "found 8 x 8"]);
+    assert_error(&vhull(&dir, &[]), 1, &["view \"left\"", "background.png", "320 x 240", "found 8 x 8"]);
 
-    // A recording with masks only.
+    // A recording of masks without images.
     let mask = GrayImage::new(SIZE.0, SIZE.1);
     Recording::resume(&dir, Recording::open(&dir).unwrap().rig())
         .unwrap()
@@ -348,29 +356,36 @@ fn what_cannot_be_segmented_is_reported() {
     for camera in CAMERAS {
         std::fs::remove_dir_all(dir.join(camera).join("image")).unwrap();
     }
-
-    says(&vhull(&dir, &[]), 1, &["found masks alone", "nothing to segment"]);
+    assert_error(&vhull(&dir, &[]), 1, &["found masks alone", "nothing to segment"]);
 }
 
 #[test]
-fn a_room_that_is_learnt_gives_the_same_masks() {
+fn a_running_gaussian_finds_the_masks() {
     let folder = Folder::new("learnt");
     let dir = record(&folder, 3);
-    succeeds(&vhull(&dir, &["--method", "running-gaussian"]));
+    assert_success(&vhull(&dir, &["--method", "running-gaussian"]));
     assert_masks(&dir, &[0, 1, 2]);
 }
 
 #[test]
-fn what_stands_in_an_old_picture_of_the_background_is_removed_by_refining() {
-    let folder = Folder::new("refined");
+fn refine_corrects_an_outdated_background() {
+    let folder = Folder::new("refine");
     let dir = record(&folder, 30);
-    let mut old = room();
+    let mut outdated = background();
     for (x, y) in (230..300).flat_map(|x| (10..70).map(move |y| (x, y))) {
-        old.put_pixel(x, y, Rgb([20, 30, 220]));
+        outdated.put_pixel(x, y, Rgb([20, 30, 220]));
     }
-    Recording::open(&dir).unwrap().write_backgrounds(&[old.clone(), old]).unwrap();
-    succeeds(&vhull(&dir, &["--refine", "--frames", "10..12"]));
+    Recording::open(&dir).unwrap().write_backgrounds(&[outdated.clone(), outdated]).unwrap();
+    assert_success(&vhull(&dir, &["--refine", "--frames", "10..12"]));
     assert_masks(&dir, &[10, 11]);
-    says(&vhull(&dir, &["--refine", "--method", "chroma-key", "--force"]), 1, &["--refine", "clean-plate"]);
-    says(&vhull(&dir, &["--method", "chroma-key", "--key", "1,2"]), 2, &["red, green and blue", "1,2"]);
+    assert_error(
+        &vhull(&dir, &["--refine", "--method", "chroma-key", "--force"]),
+        1,
+        &["--refine", "clean-plate"],
+    );
+    assert_error(
+        &vhull(&dir, &["--method", "chroma-key", "--key", "1,2"]),
+        2,
+        &["red, green and blue", "1,2"],
+    );
 }

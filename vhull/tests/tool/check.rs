@@ -1,3 +1,5 @@
+//! `vhull check`: recordings that are fine, wrong calibrations and masks, and wrong input.
+
 use super::{folder, studio, vhull};
 use image::GrayImage;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
@@ -7,7 +9,7 @@ use ode_visual_hull::synthetic::layout;
 use ode_visual_hull_testing::captures;
 use std::path::Path;
 
-/// The rig in `folder` with the principal point of one camera moved.
+/// The rig of the studio in `folder`, with the principal point of camera `moved` shifted by pixels.
 fn with_camera_moved(folder: &Path, moved: usize, right: f64, down: f64) -> Rig {
     let rig = Rig::load(folder.join("studio/rig.toml")).unwrap();
     let camera = |(k, camera): (usize, &Camera)| {
@@ -22,13 +24,13 @@ fn with_camera_moved(folder: &Path, moved: usize, right: f64, down: f64) -> Rig 
     Rig::new(rig.cameras().iter().enumerate().map(camera).collect()).unwrap()
 }
 
-/// The last lines, from the verdict on.
+/// The last lines of the output, from the verdict on.
 fn verdict(out: &str) -> &str {
     &out[out.find("verdict").unwrap()..]
 }
 
 #[test]
-fn a_synthetic_recording_is_fine() {
+fn a_synthetic_recording_has_no_problems_and_its_overlays_have_the_size_of_its_images() {
     let folder = studio("check_fine", "person");
     let run = vhull(&folder, &["check", "studio", "--pictures", "overlays", "--frame", "1"]);
     assert_eq!((run.code, verdict(&run.out)), (0, "verdict: ok\n"), "{}{}", run.out, run.error);
@@ -36,25 +38,29 @@ fn a_synthetic_recording_is_fine() {
         let picture = image::open(folder.join(format!("overlays/cam{k}_000001.png"))).unwrap();
         assert_eq!((picture.width(), picture.height()), (200, 240));
     }
-    // Only the rig: by its folder and by its file.
+
+    // The rig file without the recording.
     assert_eq!(vhull(&folder, &["check", "studio/rig.toml"]).code, 0);
 }
 
 #[test]
-fn overlays_lie_on_images_of_their_own_time_alone() {
+fn overlays_are_drawn_on_masks_where_there_is_no_image_of_their_time() {
     let folder = studio("check_overlays", "box");
-    let corner = |colour: [u8; 3]| {
+    let assert_corner = |colour: [u8; 3]| {
         let run = vhull(&folder, &["check", "studio", "--pictures", "overlays", "--frame", "1"]);
         assert_eq!(run.code, 0, "{}{}", run.out, run.error);
         let picture = image::open(folder.join("overlays/cam2_000001.png")).unwrap().into_rgb8();
-        let far = picture.get_pixel(2, 2).0.iter().zip(colour).any(|(a, b)| a.abs_diff(b) > 30);
-        assert!(!far, "{:?}", picture.get_pixel(2, 2));
+        let is_near = picture.get_pixel(2, 2).0.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= 30);
+        assert!(is_near, "{:?}", picture.get_pixel(2, 2));
     };
 
+    // Without an image of frame 1 the mask is drawn, black in its corner.
     for camera in 0..5 {
         std::fs::remove_file(folder.join(format!("studio/cam{camera}/image/000001.png"))).unwrap();
     }
-    corner([0; 3]);
+    assert_corner([0; 3]);
+
+    // A blue video of 60 images per second has an image at the time of frame 1.
     for camera in 0..5 {
         std::fs::remove_dir_all(folder.join(format!("studio/cam{camera}/image"))).unwrap();
         let mut ffmpeg = std::process::Command::new("ffmpeg");
@@ -65,11 +71,11 @@ fn overlays_lie_on_images_of_their_own_time_alone() {
         assert!(ffmpeg.status().expect("ffmpeg, which scripts/setup installs").success());
     }
 
-    corner([0, 0, 254]);
+    assert_corner([0, 0, 254]);
 }
 
 #[test]
-fn a_camera_that_is_off_is_named_alone() {
+fn a_camera_with_a_shifted_principal_point_is_the_only_problem() {
     let folder = studio("check_off", "person");
     with_camera_moved(&folder, 3, -7.0, 6.0).save(folder.join("off.toml")).unwrap();
     let run = vhull(&folder, &["check", "off.toml", "studio"]);
@@ -94,7 +100,7 @@ fn poses_with_opengl_axes_are_recognised() {
 }
 
 #[test]
-fn an_empty_mask_is_told_as_the_reason_of_an_empty_hull() {
+fn an_empty_mask_is_named_as_the_cause_of_an_empty_hull() {
     let folder = studio("check_empty", "ball");
     for frame in 0..3 {
         let path = folder.join(format!("studio/cam2/mask/{frame:06}.png"));
@@ -106,7 +112,7 @@ fn an_empty_mask_is_told_as_the_reason_of_an_empty_hull() {
 }
 
 #[test]
-fn tents_are_told_as_high_as_they_are() {
+fn the_height_of_the_hull_above_a_table_is_the_measured_one() {
     let folder = folder("check_tent");
     let top = Point3::new(0.0, 0.0, 0.4);
     for (degrees, measured_mm) in [(30.0_f64, 109.0), (15.0, 51.0), (5.0, 17.0), (0.0, 0.0)] {
@@ -115,12 +121,13 @@ fn tents_are_told_as_high_as_they_are() {
         let eye = Point3::new(0.0, 0.0, 3.4);
         cameras.push(Camera::look_at("above", (320, 240), 0.6, eye, top, Vector3::y()).unwrap());
         Rig::new(cameras).unwrap().save(folder.join("rig.toml")).unwrap();
+
         let run = vhull(&folder, &["check", "rig.toml", "--table", "0,0,0.4,0.4"]);
         assert_eq!(run.code, 0, "{}{}", run.out, run.error);
         let line = run.out.lines().find(|line| line.contains("the hull rises")).unwrap();
-        let told: f64 = line.split("rises ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        let printed: f64 = line.split("rises ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
         // Printed in whole millimetres.
-        assert!((told - measured_mm).abs() <= 0.05 * measured_mm + 0.5, "{degrees} degrees: {line}");
+        assert!((printed - measured_mm).abs() <= 0.05 * measured_mm + 0.5, "{degrees} degrees: {line}");
     }
 }
 
@@ -134,19 +141,20 @@ fn the_balancing_persons_published_calibration_is_off_in_two_cameras() {
         problems.contains("- cam01: its silhouettes") && problems.contains("- cam03: its silhouettes"),
         "{problems}"
     );
+
     let run = vhull(&dir, &["check", "rig.toml", "."]);
     assert_eq!((run.code, verdict(&run.out)), (0, "verdict: ok\n"), "{}{}", run.out, run.error);
 }
 
 #[test]
-fn the_seated_person_is_fine_through_four_distorting_lenses() {
+fn the_seated_person_seen_through_four_distorting_lenses_has_no_problems() {
     let Some(dir) = captures::find("seated_person") else { return };
     let run = vhull(&dir, &["check", "."]);
     assert_eq!((run.code, verdict(&run.out)), (0, "verdict: ok\n"), "{}{}", run.out, run.error);
 }
 
 #[test]
-fn wrong_input_is_told_with_file_and_next_step() {
+fn errors_of_wrong_input_name_the_file_and_the_next_step() {
     let folder = studio("check_wrong", "ball");
     std::fs::write(folder.join("notes.txt"), "cameras: three\n").unwrap();
     std::fs::write(folder.join("studio/cam1/mask/000001.png"), "not a png").unwrap();
@@ -170,9 +178,10 @@ fn wrong_input_is_told_with_file_and_next_step() {
 }
 
 #[test]
-fn what_check_is_not_given_is_named_with_the_next_step() {
+fn errors_of_missing_input_name_the_option_or_path_and_the_next_step() {
     let folder = studio("check_next_step", "box");
     std::fs::create_dir(folder.join("empty")).unwrap();
+
     for (code, words, part) in [
         (
             1,
@@ -195,6 +204,7 @@ fn what_check_is_not_given_is_named_with_the_next_step() {
         assert!(run.error.contains(part), "{words:?}: {}", run.error);
     }
 
+    // A mask that is cut off in the middle.
     let mask = folder.join("studio/cam3/mask/000001.png");
     let png = std::fs::read(&mask).unwrap();
     std::fs::write(&mask, &png[..png.len() / 2]).unwrap();

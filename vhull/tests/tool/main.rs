@@ -1,4 +1,4 @@
-//! The tool as a user runs it: what it prints, writes and returns.
+//! `vhull` on the command line: its output, files and exit codes.
 
 mod check;
 mod convert;
@@ -8,14 +8,14 @@ mod synth;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The exit code and output of a run.
+/// Exit code, standard output and standard error of a run.
 struct Run {
     code: i32,
     out: String,
     error: String,
 }
 
-/// Runs the tool in a folder with the arguments of a command line.
+/// Runs `vhull` in `folder` with the arguments `words`.
 fn vhull(folder: &Path, words: &[&str]) -> Run {
     let output = Command::new(env!("CARGO_BIN_EXE_vhull")).args(words).current_dir(folder).output().unwrap();
     Run {
@@ -25,7 +25,7 @@ fn vhull(folder: &Path, words: &[&str]) -> Run {
     }
 }
 
-/// An empty folder for a test.
+/// Creates an empty folder for a test.
 fn folder(test: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("tool_{test}"));
     let _ = std::fs::remove_dir_all(&path);
@@ -33,7 +33,7 @@ fn folder(test: &str) -> PathBuf {
     path
 }
 
-/// A folder with a small recording in it, called `studio`.
+/// A folder that contains a small recording, `studio`, with five cameras and three frames.
 fn studio(test: &str, subject: &str) -> PathBuf {
     let folder = folder(test);
     let words =
@@ -44,7 +44,7 @@ fn studio(test: &str, subject: &str) -> PathBuf {
 }
 
 #[test]
-fn every_verb_explains_itself_with_examples() {
+fn the_help_of_every_subcommand_has_examples() {
     let here = Path::new(".");
     for verb in ["check", "convert", "mesh", "synth"] {
         let run = vhull(here, &[verb, "--help"]);

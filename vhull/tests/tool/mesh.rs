@@ -1,10 +1,12 @@
+//! `vhull mesh`: meshes are closed, have the volume of the hull, and are the same in both formats.
+
 use super::{studio, vhull};
 use nalgebra::Vector3;
 use ode_visual_hull_testing::captures;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Vertices, normals and triangles of a binary PLY as this tool writes it.
+/// Contents of a binary PLY file written by `vhull mesh`.
 struct Ply {
     points: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
@@ -22,11 +24,13 @@ fn read_ply(path: &Path) -> Ply {
         let line = header.lines().find_map(|line| line.strip_prefix(what)).unwrap();
         line.trim().parse().unwrap()
     };
+
     let (vertices, faces) = (count("element vertex"), count("element face"));
     let body = &bytes[end..];
 
     assert_eq!(body.len(), 24 * vertices + 13 * faces);
 
+    // Vertices take six floats of 4 bytes; faces a count of 1 byte and three indices of 4 bytes.
     let float = |at: usize| f64::from(f32::from_le_bytes(body[at..at + 4].try_into().unwrap()));
     let vector = |at: usize| Vector3::new(float(at), float(at + 4), float(at + 8));
     let index = |at: usize| u32::from_le_bytes(body[at..at + 4].try_into().unwrap()) as usize;
@@ -44,21 +48,22 @@ fn read_ply(path: &Path) -> Ply {
 }
 
 impl Ply {
+    /// Sum of the signed tetrahedra between the triangles and the origin.
     fn volume(&self) -> f64 {
         let signed =
             |&[a, b, c]: &[usize; 3]| self.points[a].dot(&self.points[b].cross(&self.points[c])) / 6.0;
         self.triangles.iter().map(signed).sum()
     }
 
-    /// Each edge is passed as often in one direction as in the other.
+    /// Each edge occurs as often in one direction as in the other.
     fn assert_closed(&self) {
-        let mut passed: HashMap<(usize, usize), i32> = HashMap::new();
+        let mut balance: HashMap<(usize, usize), i32> = HashMap::new();
         for &[a, b, c] in &self.triangles {
             for (from, to) in [(a, b), (b, c), (c, a)] {
-                *passed.entry((from.min(to), from.max(to))).or_default() += if from < to { 1 } else { -1 };
+                *balance.entry((from.min(to), from.max(to))).or_default() += if from < to { 1 } else { -1 };
             }
         }
-        assert!(passed.values().all(|&times| times == 0));
+        assert!(balance.values().all(|&times| times == 0));
     }
 }
 
@@ -72,20 +77,20 @@ fn a_balls_hull_is_closed_and_as_large_as_the_ball_or_a_little_larger() {
     let mesh = read_ply(&folder.join("ball.ply"));
     mesh.assert_closed();
 
-    // The ball has 0.268 m3; five cameras leave a hull that is larger, but no box around it.
+    // The ball has 0.268 m3; the hull of five cameras is larger, but smaller than the box around the ball.
     assert!((0.25..0.40).contains(&mesh.volume()), "{}", mesh.volume());
 
     let centre = Vector3::new(0.0, 0.0, 0.4);
     for (point, normal) in mesh.points.iter().zip(&mesh.normals) {
         assert!((normal.norm() - 1.0).abs() < 1e-5);
-        // A pixel covers 12 mm, and cells are 20 mm.
+        // A pixel covers 12 mm at the ball, and cells are 20 mm.
         assert!((point - centre).norm() > 0.4 - 0.025, "{point}");
         assert!(normal.dot(&(point - centre)) > 0.0, "a hull of a ball is convex: {point} {normal}");
     }
 }
 
 #[test]
-fn sequences_are_numbered_and_obj_holds_the_same_as_ply() {
+fn files_of_a_sequence_are_numbered_and_obj_has_as_many_elements_as_ply() {
     let folder = studio("mesh_sequence", "box");
     let run =
         vhull(&folder, &["mesh", "studio", "--frames", "1..3", "--resolution", "0.05", "-o", "hull.obj"]);
@@ -115,12 +120,12 @@ fn the_balancing_persons_mesh_has_the_measured_volume() {
     assert_eq!(run.code, 0, "{}", run.error);
     let mesh = read_ply(&out);
     mesh.assert_closed();
-    // As the hull measured by voxels.
+    // The volume of the hull counted in voxels is 0.122 m3; 5 % of it are allowed.
     assert!((mesh.volume() - 0.122).abs() < 0.006, "{}", mesh.volume());
 }
 
 #[test]
-fn meshes_that_cannot_be_are_refused() {
+fn errors_of_wrong_input_name_the_next_step_and_no_file_is_written() {
     let folder = studio("mesh_wrong", "ball");
     for (words, part) in [
         (&["mesh", "studio", "-o", "hull.stl"][..], "expected a name that ends in .ply or .obj"),
@@ -146,14 +151,15 @@ fn meshes_that_cannot_be_are_refused() {
 }
 
 #[test]
-fn the_folder_of_a_mesh_is_made_and_small_volumes_keep_their_digits() {
+fn the_folder_of_a_mesh_is_created_and_small_volumes_are_in_cubic_centimetres() {
     let folder = studio("mesh_small", "ball");
     let small = vhull(&folder, &["convert", "studio", "small/rig.toml", "--unit", "0.1"]);
-    assert_eq!(small.code, 0, "a recording is converted by its rig file: {}", small.error);
+    assert_eq!(small.code, 0, "the rig file of a recording is converted: {}", small.error);
     for camera in 0..5 {
         let [from, to] = ["studio", "small"].map(|name| folder.join(format!("{name}/cam{camera}")));
         std::fs::rename(from, to).unwrap();
     }
+
     let run = vhull(&folder, &["mesh", "small", "--resolution", "0.002", "-o", "made/for/it/hull.ply"]);
     assert_eq!(run.code, 0, "{}", run.error);
     let mesh = read_ply(&folder.join("made/for/it/hull.ply"));

@@ -27,7 +27,7 @@ impl FrameTimes {
         Ok(Self { is_assumed: true, ..Self::of(recording, Some(ASSUMED_RATE))? })
     }
 
-    /// Greatest difference in seconds at which an image still belongs to a frame: half the shortest step between frames.
+    /// Greatest difference in seconds between an image and its frame: half the shortest step between frames.
     pub fn bound(&self) -> f64 {
         let steps = self.times.windows(2).map(|pair| pair[1] - pair[0]);
         0.5 * steps.fold(1.0 / self.streaming.rate.unwrap_or(ASSUMED_RATE), f64::min)

@@ -18,8 +18,8 @@ pub struct Times {
 }
 
 impl Times {
-    /// Opens the table in `dir` and removes the lines of frames in `rewritten`. `None` where the table has columns other
-    /// than [`COLUMNS`].
+    /// Opens the table in `dir` and removes the lines of frames in `rewritten`. `None` where the table has columns
+    /// other than [`COLUMNS`].
     ///
     /// # Errors
     /// A table that exists and cannot be read, or cannot be written.

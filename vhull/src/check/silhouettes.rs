@@ -20,8 +20,8 @@ const COHERENCE_FRAMES: usize = 8;
 /// Least number of tangent planes that a shift must rest on to be reported.
 const MIN_PLANES: usize = 4;
 
-/// Least gain of undoing a shift, as a fraction of the tolerance. Long shifts with a small gain are hardly determined by
-/// the pairs of cameras.
+/// Least gain of undoing a shift, as a fraction of the tolerance. Long shifts with a small gain are hardly determined
+/// by the pairs of cameras.
 const MIN_GAIN: f64 = 0.1;
 
 /// Fraction of a view's silhouettes that the hull must fill; below it this view or another one is wrong.
@@ -99,10 +99,10 @@ fn print_table(rig: &Rig, shifts: &[ViewShift], coherence: &[SilhouetteCoherence
     }
 
     println!(
-        "  shifted by: right and down, relative to the other views; gain: decrease of the mean gap if this is undone\n  \
+        "  shifted by: right and down, relative to the other views; gain: decrease of the mean gap if undone\n  \
          gap: median at the outermost planes shared with other views, as it is and after all shifts are undone\n  \
-         filled: share of its silhouettes that the hull fills; cuts away: share of all silhouettes that this view alone \
-         removes from the hull, and how deep"
+         filled: share of its silhouettes that the hull fills; cuts away: share of all silhouettes that this view \
+         alone removes from the hull, and how deep"
     );
 }
 
@@ -131,8 +131,8 @@ fn report_problems(
     if rig.len() < 3 && !off_views.is_empty() {
         let gap = shifts.iter().map(|shift| shift.gap).fold(0.0, f64::max);
         report.add_problem(format!(
-            "the silhouettes of the two views disagree by {gap:.1} px; with two views alone it is unknown which one is off: \
-             calibrate both again"
+            "the silhouettes of the two views disagree by {gap:.1} px; with two views alone it is unknown which one is \
+             off: calibrate both again"
         ));
         return;
     }

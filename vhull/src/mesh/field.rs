@@ -36,7 +36,7 @@ struct Map<'h> {
 }
 
 impl SignedField {
-    /// Fills a grid around `hull` with cells of `cell` metres; the grid has no points if the hull is empty.
+    /// Fills a grid around `hull` with cells of `cell` metres. The grid has no points if the hull is empty.
     ///
     /// # Errors
     /// More than 250 million grid points.
@@ -49,8 +49,8 @@ impl SignedField {
         let counts = ((aabb.max - aabb.min) / cell).map(|n| n.ceil() + 1.0);
         if counts.product() > MAX_POINTS {
             return Err(Error::argument(format!(
-                "--resolution: expected at most {MAX_POINTS:e} grid points in the hull's box, found {:.1e}; take larger \
-                 cells than {cell} m, or smaller --bounds",
+                "--resolution: expected at most {MAX_POINTS:e} grid points in the hull's box, found {:.1e}; take \
+                 larger cells than {cell} m, or smaller --bounds",
                 counts.product()
             )));
         }
@@ -108,8 +108,8 @@ impl<'h> DistanceMap<'h> {
         Self { view, pixel_size_at_one, distances: silhouette.signed_distance(&silhouette.image()) }
     }
 
-    /// Approximate signed distance of `p` from the cone of the silhouette, in metres; `None` where the view does not see
-    /// `p`.
+    /// Approximate signed distance of `p` from the cone of the silhouette, in metres; `None` where the view does not
+    /// see `p`.
     fn distance(&self, p: &Point3<f64>) -> Option<f64> {
         self.view.pixel(p)?;
         let projected = self.view.project(p)?;

@@ -82,8 +82,8 @@ impl Tally {
 
         if self.written + self.kept == 0 {
             let problem = format!(
-                "expected frames with images of all cameras within {} s, found none; choose other --frames, or a greater \
-                 --bound",
+                "expected frames with images of all cameras within {} s, found none; choose other --frames, or a \
+                 greater --bound",
                 sets.bound()
             );
             return Err(Error::file(recording, problem));

@@ -127,7 +127,7 @@ fn report_problems(
     let mut off_views: Vec<usize> = (0..shifts.len()).filter(|&k| is_off(&shifts[k])).collect();
     off_views.sort_by(|&a, &b| shifts[b].shift.norm().total_cmp(&shifts[a].shift.norm()));
 
-    // Only the sum of two views' shifts is known.
+    // Two views show that one of them is shifted, but not which.
     if rig.len() < 3 && !off_views.is_empty() {
         let gap = shifts.iter().map(|shift| shift.gap).fold(0.0, f64::max);
         report.add_problem(format!(

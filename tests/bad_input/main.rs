@@ -350,7 +350,7 @@ fn sizes_whose_product_overflows_are_refused_before_memory_is_allocated() {
         assert_says(mask, &[name, "expected an image", "found"]);
     }
 
-    let lengths = vector![1e9, 1e9, 1e9];
+    let sides = vector![1e9, 1e9, 1e9];
     let far = [1e9, 2e9].map(|x| point![x, -x, x]);
     let triangle = [far[0], far[1], point![0.0, 1e9, 0.0]];
     let tetrahedron = [triangle[0], triangle[1], triangle[2], point![0.0, 0.0, -1e9]];

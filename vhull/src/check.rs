@@ -94,7 +94,6 @@ pub fn run(options: &Options) -> Result<Outcome> {
 
     // Silhouettes of cameras that do not see the work volume cannot be compared.
     let comparable = placement::describe_rig(&rig, options, &mut report)?;
-
     if let Some(folder) = folder.as_ref().filter(|_| !comparable) {
         println!("\nthe silhouettes in {} are not compared: fix the cameras first", folder.display());
     } else if let Some(folder) = &folder {

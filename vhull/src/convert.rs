@@ -74,7 +74,6 @@ pub fn run(options: &Options) -> Result<Outcome> {
     print!("{}", rig.describe());
     print_notes(&calibration);
     println!("written to {}", out.display());
-
     Ok(Outcome::Done)
 }
 

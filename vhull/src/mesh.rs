@@ -60,7 +60,6 @@ pub fn run(options: &Options) -> Result<Outcome> {
     make_folder_of(&options.out)?;
 
     let bar = progress::bar(frames.len(), "meshes");
-
     for &frame in &frames {
         let hull = recorded.hull(frame)?;
         let surface = Surface::of(&SignedField::of(&hull, options.resolution)?);
@@ -127,7 +126,6 @@ fn frames(options: &Options, recorded: &RecordedHulls) -> Result<Vec<u32>> {
             shown_frames(range)
         )));
     }
-
     Ok(frames)
 }
 

@@ -23,30 +23,30 @@ use std::sync::Arc;
 
 /// Drop virtual bodies on a recorded subject, or let it knock over a stack of boxes.
 ///
-/// The hulls of the recording's masks collide with the bodies at the pace of the recording; the first frame is held for
-/// a while so that the bodies come to rest. World z is up, the floor is at z = 0. Writes a film (GIF, 30 frames per
-/// second) and three stills of it, the state of each body in each frame of the film (CSV) and a plot of their heights,
-/// and prints where each body ends up. The film shows the recording's images or videos (these need ffmpeg), or its
-/// masks where there are none.
+/// The recording's masks collide with the bodies, at the pace at which they were recorded. The first frame is held until
+/// the bodies have come to rest. World z is up, the floor at z = 0. Writes a film (GIF, 30 frames a second) and three
+/// stills of it, the state of each body in each frame of the film (CSV) and a plot of their heights, and prints what
+/// became of the bodies. The film shows the recording's images or videos (these need ffmpeg), or its masks where there
+/// are none.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Folder of a recording: rig.toml, and masks in CAMERA/mask/000000.png.
     recording: PathBuf,
-    /// Folder for the results; created if missing.
+    /// Folder for the results; it is made if it is missing.
     #[arg(long, value_name = "DIR", default_value = "vhull_run")]
     out: PathBuf,
 
-    /// Bodies that fall on the subject [default: boxes].
+    /// Bodies to drop on the subject [default: boxes].
     #[arg(long, value_enum, value_name = "KIND", conflicts_with = "stack", help_heading = "Bodies")]
     drop: Option<Kind>,
-    /// Number of bodies that fall [default: 6].
+    /// Number of bodies to drop [default: 6].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=200), conflicts_with = "stack", help_heading = "Bodies")]
     count: Option<u16>,
-    /// Number of boxes stacked on the floor where the subject will knock them over, or on a subject that keeps still.
+    /// Stack so many boxes on the floor where the subject will knock them over, or on a subject that does not move.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=40), help_heading = "Bodies")]
     stack: Option<u16>,
-    /// Position of the stack, on the subject or the floor there, in metres [default: found automatically].
+    /// Place of the stack in metres, on the subject or the floor there [default: chosen by the subject's way].
     #[arg(long, value_name = "X,Y", value_parser = parse_place, allow_hyphen_values = true, requires = "stack", help_heading = "Bodies")]
     at: Option<[f64; 2]>,
     /// Edge of the boxes and diameter of the balls, in metres [default: 0.1, of a stack 0.2].
@@ -59,7 +59,7 @@ pub struct Options {
     /// Recorded frames to play, from A up to but not B; either may be left out [default: all].
     #[arg(long, value_name = "A..B", value_parser = parse_frames, help_heading = "Film")]
     frames: Option<Range<u32>>,
-    /// Recorded images per second [default: from frames.csv or the videos, else 30].
+    /// Recorded images a second [default: as frames.csv or the videos say, else 30].
     #[arg(long, value_name = "RATE", value_parser = parse_rate, help_heading = "Film")]
     rate: Option<f64>,
     /// Seconds for which the first frame is held.
@@ -68,10 +68,10 @@ pub struct Options {
     /// Seconds for which the last frame is held.
     #[arg(long, value_name = "SECONDS", value_parser = parse_hold, default_value = "1", help_heading = "Film")]
     linger: f64,
-    /// Camera whose view is drawn, by name or by number from 0 [default: the one nearest to the subject].
+    /// Camera whose view is drawn, by name or by number from 0 [default: the nearest].
     #[arg(long, value_name = "CAMERA", help_heading = "Film")]
     view: Option<String>,
-    /// Write states and plot only, no film; several times faster.
+    /// Write states and plot only, without a film: several times faster.
     #[arg(long, help_heading = "Film")]
     no_gif: bool,
     /// Seed of ODE's solver: the same seed gives the same run.
@@ -84,44 +84,40 @@ Examples:
   vhull run my_recording                                     six boxes fall on the subject
   vhull run my_recording --drop mix --count 20 --side 0.08   boxes and balls
   vhull run my_recording --stack 5 --view left               the subject knocks over five boxes, seen from `left`
-  vhull run my_recording --rate 60                           a recording of 60 images per second without times
-  vhull run my_recording --stack 3 --at 0.4,-0.2             three boxes stand at this place
+  vhull run my_recording --rate 60                           recorded at 60 images a second, which it does not state
+  vhull run my_recording --stack 3 --at 0.4,-0.2             the stack stands at a given place
   vhull run my_recording --no-gif --out states               states and plot only
 
-Recordings without masks need `vhull segment` first.";
+Images without masks: `vhull segment` first.";
 
-/// Values of `--drop`.
+/// The shapes of bodies to drop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
     /// Cubes.
     Boxes,
     /// Spheres.
     Spheres,
-    /// Cubes and balls in turn.
+    /// Cubes and spheres in turn.
     Mix,
 }
 
-/// Colours of the bodies, repeated.
 const COLOURS: [[u8; 3]; 6] =
     [[222, 86, 62], [66, 118, 202], [240, 188, 60], [146, 92, 186], [236, 236, 228], [64, 168, 160]];
 
-/// Vertical gap between the boxes of a stack at the start, in metres.
+/// Gap between the boxes of a stack, in metres.
 const GAP: f64 = 0.001;
 
 pub fn run(options: &Options) -> Result<Outcome> {
     set_random_seed(options.seed);
-
     let data = Arc::new(HullData::new());
     let mut playback = Playback::open(options, &data)?;
-    let view = view_of(&playback, options.view.as_deref(), &data)?;
-
+    let view = view_of(&playback, options.view.as_deref())?;
     let mut simulation = Simulation::new(&data, playback.pixel_size())?;
     let placed = match options.stack {
         Some(count) => stack(options, count.into(), &mut playback, &data, &mut simulation)?,
         None => drop(options, &playback, &data, &mut simulation)?,
     };
-
-    let film_options = FilmOptions {
+    let film = FilmOptions {
         out: &options.out,
         name: "run",
         frames: playback.frames(),
@@ -130,22 +126,23 @@ pub fn run(options: &Options) -> Result<Outcome> {
 
     if playback.is_rate_assumed() && playback.pace().0 > 1 {
         eprintln!(
-            "note: the recording holds no times; {ASSUMED_RATE} images per second are assumed, set others with --rate"
+            "note: the recording does not state its images a second; {ASSUMED_RATE} are assumed, give --rate if it has \
+             another rate"
         );
     }
 
-    let bar = progress::bar(film_options.frames, "frames");
-    let text = run_film(&film_options, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
+    let bar = progress::bar(film.frames, "frames");
+    let text = run_film(&film, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
     bar.finish_and_clear();
-
     let (count, seconds) = playback.pace();
-    let text = format!("{place}\n{count} recorded frames play in {seconds:.2} s\n{}", text?);
-    // Ignore a closed pipe: a pager may end before all is written.
+    let text = format!("{placed}\n{count} recorded frames play in {seconds:.2} s\n{}", text?);
+
+    // The reader may have closed the pipe.
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(Outcome::Done)
 }
 
-/// Adds the bodies that fall on the subject, and describes them.
+/// Lets bodies fall on the subject.
 fn drop(
     options: &Options,
     playback: &Playback,
@@ -169,15 +166,12 @@ fn drop(
         simulation.add(&shape, pose, COLOURS[i % COLOURS.len()])?;
     }
 
-    let fewer = if poses.len() < count {
-        format!("; there is no place for the rest of the {count}")
-    } else {
-        String::new()
-    };
+    let fewer =
+        if poses.len() < count { format!(", of {count}: there is no room for more") } else { String::new() };
     Ok(format!("{} bodies fall on the subject{fewer}", poses.len()))
 }
 
-/// Adds a stack of boxes in the way of the subject, or on it, and describes it.
+/// Stacks boxes in the way of the subject, or on it.
 fn stack(
     options: &Options,
     count: usize,
@@ -186,18 +180,16 @@ fn stack(
     simulation: &mut Simulation,
 ) -> Result<String> {
     let side = options.side.unwrap_or(0.2);
-
-    // The place of --at, else on the floor where a moving subject comes, else on top of a subject that keeps still.
     let (foot, found) = match options.at {
-        Some([x, y]) => (obstacle::ground(playback.first(), x, y), "at the given place"),
+        Some([x, y]) => (obstacle::ground(playback.first(), x, y), "on the subject or the floor there"),
         None => match obstacle::in_the_way(playback.sampled_hulls(), side, side * count as f64) {
             Some(foot) => (foot, "on the floor, in the subject's way"),
             None => {
                 let places = placement::poses(data, 1, side, playback.pixel_size())?;
                 let place = places.first().ok_or_else(|| {
                     Error::argument(
-                        "expected a place in the subject's way or on it, found none; give the position of the stack \
-                         with --at, or take a smaller --side",
+                        "expected a place in the subject's way or on it, found none; place the stack with --at, or take a \
+                         smaller --side",
                     )
                 })?;
                 let top = place.translation.vector - Vector3::z() * (0.5 * side + placement::DROP);
@@ -208,28 +200,25 @@ fn stack(
 
     for i in 0..count {
         let height = (i as f64 + 0.5) * side + (i as f64 + 1.0) * GAP;
-        // Each box is turned a little against the one below, so that the film shows them apart.
+        // Small turns let the boxes of the stack be told apart in the film.
         let turn = Vector3::z() * [0.05, -0.12, 0.20, -0.06, 0.30][i % 5];
         let pose = Isometry3::new(foot.coords + Vector3::z() * height, turn);
         simulation.add(&Shape::cube(side), &pose, COLOURS[i % COLOURS.len()])?;
     }
 
-    playback.show(&foot, side, side * count as f64);
+    playback.show_stack(&foot, side, side * count as f64);
     Ok(format!("{count} boxes stand at ({:.2}, {:.2}, {:.2}) m, {found}", foot.x, foot.y, foot.z))
 }
 
-/// Parses `X,Y`, in metres.
 fn parse_place(text: &str) -> std::result::Result<[f64; 2], String> {
     numbers(text, "x,y")
 }
 
-/// Parses an edge length of 0.05 to 2 m.
 fn parse_side(text: &str) -> std::result::Result<f64, String> {
     let side = text.parse().ok().filter(|side| (0.05..=2.0).contains(side));
     side.ok_or_else(|| format!("expected 0.05 to 2 m, found {text}"))
 }
 
-/// Parses a duration of 0 to 3600 s.
 fn parse_hold(text: &str) -> std::result::Result<f64, String> {
     let hold = text.parse().ok().filter(|hold| (0.0..=3600.0).contains(hold));
     hold.ok_or_else(|| format!("expected 0 to 3600 s, found {text}"))

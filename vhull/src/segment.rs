@@ -53,7 +53,7 @@ pub struct Options {
     /// recording agree are taken from them. For subjects that move about; clean-plate only.
     #[arg(long)]
     refine: bool,
-    /// Frames to segment, from A up to but not B; either may be left out [default: all].
+    /// Frames to segment, from A to before B; either may be left out [default: all].
     #[arg(long, value_name = "A..B", value_parser = parse_frames, default_value = "..", hide_default_value = true)]
     frames: Range<u32>,
     /// Images per second [default: from frames.csv or the videos, else 30].
@@ -102,7 +102,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let recording = open_recording(&options.recording)?;
     if !recording.has_images() {
         let problem =
-            "expected images or a video of every camera, found only masks; there is nothing to segment";
+            "expected images or a video of every camera, found masks alone; there is nothing to segment";
         return Err(Error::file(&options.recording, problem));
     }
 
@@ -151,7 +151,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     tally.print_summary(&options.recording, masks.dir(), &sets)
 }
 
-/// Refuses options that do not apply to the method.
+/// Refuses options that do not go with the method.
 fn check(options: &Options) -> Result<()> {
     if options.key.is_some() && options.method != Method::ChromaKey {
         return Err(Error::argument("--key: expected --method chroma-key, found another; leave one out"));
@@ -187,7 +187,7 @@ fn segmenters(
 
     let empty = EmptyRoom::find(options, recording, streaming)?.images;
     if options.method == Method::RunningGaussian {
-        return empty.iter().map(|images| learn(images)).collect();
+        return empty.iter().map(|images| learnt(images)).collect();
     }
 
     let plates = empty.iter().map(|images| CleanPlate::from_empty(images, Thresholds::default()));

@@ -99,7 +99,6 @@ pub fn run(options: &Options) -> Result<Outcome> {
 
     let mut times = Times::open(&options.dir, None)?;
     let bar = progress::bar(options.frames as usize, "frames");
-
     for frame in 0..options.frames {
         let scene = Scene { subject: subject(options.subject, f64::from(frame) / RATE)?, room: room.clone() };
         let render =

@@ -48,7 +48,6 @@ impl Times {
         if kept != text {
             std::fs::write(&path, kept).map_err(|e| not_written(&path, &e))?;
         }
-
         Ok(Some(Self { path, is_new: false }))
     }
 

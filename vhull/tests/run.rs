@@ -170,7 +170,6 @@ fn bodies_are_drawn_into_the_videos_of_the_recording() {
     success(&recording, &["--count", "1", "--hold", "0.2", "--frames", "1.."]);
     let stills = image::open(recording.join("out/run.png")).unwrap().into_rgb8();
     let [red, _, blue] = stills.get_pixel(3, 3).0;
-
     assert!(red < 30 && blue > 200, "{:?}", stills.get_pixel(3, 3));
 
     // A file that is no video.
@@ -178,7 +177,6 @@ fn bodies_are_drawn_into_the_videos_of_the_recording() {
         std::fs::write(recording.join(camera.name()).join("video.mkv"), b"no video").unwrap();
     }
     let (code, text) = failure(&recording, &["--count", "1", "--hold", "0"]);
-
     assert!(code == Some(1) && text.contains("video.mkv: expected a video"), "{text}");
 
     // A video that ends before the frames that are played.
@@ -187,7 +185,6 @@ fn bodies_are_drawn_into_the_videos_of_the_recording() {
     }
     film(&recording, "blue", 30, 1);
     let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--frames", "1.."]);
-
     assert!(code == Some(1) && text.contains("expected an image as frame 1"), "{text}");
     assert!(text.contains("--no-gif"), "{text}");
     success(&recording, &["--count", "1", "--hold", "0", "--frames", "1..", "--no-gif"]);
@@ -211,7 +208,6 @@ fn the_subject_moves_by_the_times_of_the_recording_whatever_the_frame_rate_of_th
     let (heights, note) = play(&[]);
     assert_eq!(heights.len(), 60, "1 s of hold and 30 recorded frames in 1 s");
     assert!(note.contains("--rate"), "{note}");
-
     let (at_60, note) = play(&["--rate", "60"]);
     assert_eq!((at_60.len(), note.as_str()), (45, ""), "1 s of hold and 30 recorded frames in 0.5 s");
 
@@ -219,7 +215,6 @@ fn the_subject_moves_by_the_times_of_the_recording_whatever_the_frame_rate_of_th
     let lines = (0..30).map(|frame| format!("{frame},{:.6}\n", 3.0 + f64::from(frame) / 60.0));
     std::fs::write(recording.join("frames.csv"), format!("frame,time\n{}", lines.collect::<String>()))
         .unwrap();
-
     assert_eq!(play(&[]).0, at_60);
     assert_eq!(play(&["--rate", "30"]).0, heights, "--rate takes precedence over frames.csv");
 
@@ -265,7 +260,6 @@ fn errors_name_a_missing_camera_folder_an_unknown_view_and_an_empty_hull() {
 
     std::fs::remove_dir_all(recording.join(&camera)).unwrap();
     let (code, text) = failure(&recording, &[]);
-
     assert_eq!(code, Some(1));
     assert!(text.contains(&camera) && text.contains("expected the folder"), "{text}");
 

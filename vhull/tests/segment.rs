@@ -183,7 +183,6 @@ fn masks_in_a_folder_of_their_own_keep_the_times_of_the_recording() {
         .unwrap();
     segment(&["--frames", "..1", "--force"]);
     segment(&["--frames", "..3", "--resume"]);
-
     assert_eq!(times(), Some(vec![5.0, 5.5, 6.25]));
 
     segment(&["--force", "--rate", "2"]);
@@ -214,7 +213,6 @@ fn the_background_can_be_a_folder_of_images_a_video_or_the_first_images() {
     }
     assert_success(&vhull(&dir, &["--background", backgrounds.to_str().unwrap()]));
     assert_masks(&dir, &[0, 1, 2, 3]);
-
     for camera in CAMERAS {
         // The first two images show the background alone.
         for number in 0..2 {
@@ -310,7 +308,6 @@ fn the_error_of_a_full_disk_names_the_frame_and_no_partial_file_is_left() {
     let parts = ["frame 2: ", "left/mask/000002.png", "make room", "2 frames are done", "--resume"];
     assert_error(&output, 1, &parts);
     assert_masks(&dir, &[0, 1]);
-
     for camera in CAMERAS {
         assert_eq!(files(&dir.join(camera).join("mask")), ["000000.png", "000001.png"]);
     }

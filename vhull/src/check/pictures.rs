@@ -36,7 +36,6 @@ pub fn write(recorded: &RecordedHulls, frame: Option<u32>, out: &Path) -> Result
     let frame_times = FrameTimes::of(recording, None)?;
     let time = frames.binary_search(&frame).map_or(0.0, |k| frame_times.times[k]);
     let bar = progress::bar(masks.len(), "pictures");
-
     for (k, (camera, mask)) in recording.rig().cameras().iter().zip(&masks).enumerate() {
         let moment = (frame, time);
         let (streaming, bound) = (&frame_times.streaming, frame_times.bound());

@@ -89,7 +89,6 @@ fn describe_volume(rig: &Rig, options: &Options, report: &mut Report) -> Result<
     println!("  seen by each: {}", listed.join(", "));
 
     let blind: Vec<_> = named.filter(|(_, share)| **share == 0.0).map(|(c, _)| c.name()).collect();
-
     if !blind.is_empty() {
         report.add_problem(format!(
             "nothing of the work volume is seen by {}; give --bounds around the subject, or check the poses",
@@ -100,7 +99,6 @@ fn describe_volume(rig: &Rig, options: &Options, report: &mut Report) -> Result<
             "no part of the work volume is seen by two cameras; give --bounds around the subject, or check the poses",
         );
     }
-
     Ok(blind.is_empty())
 }
 
@@ -140,7 +138,6 @@ fn describe_tent(rig: &Rig, table: &Table, report: &mut Report) -> Result<()> {
             top.z
         );
     }
-
     Ok(())
 }
 

@@ -50,7 +50,6 @@ pub fn describe_silhouettes(recorded: &RecordedHulls, options: &Options, report:
         }
         bar.inc(1);
     }
-
     bar.finish_and_clear();
 
     println!("silhouettes of {} frames, {} to {}", frames.len(), frames[0], frames[frames.len() - 1]);
@@ -63,7 +62,6 @@ pub fn describe_silhouettes(recorded: &RecordedHulls, options: &Options, report:
         report
             .add_problem(format!("frame {frame}: the hull is empty: {}", why_empty(hull, recorded, *frame)?));
     }
-
     Ok(())
 }
 

@@ -69,7 +69,6 @@ impl SignedField {
                 }
             }
         }
-
         Ok(Self { origin: aabb.min, cell, counts, distances })
     }
 }
@@ -100,12 +99,12 @@ fn distance(hull: &Hull, maps: &[Map], p: &Point3<f64>, cell: f64) -> f64 {
     if is_bounded { farthest.max(-2.0 * cell) } else { 2.0 * cell }
 }
 
-impl<'h> DistanceMap<'h> {
+impl<'h> Map<'h> {
     fn new(view: &'h View) -> Self {
         let k = view.camera().intrinsics();
-        let pixel_size_at_one = 1.0 / k[(0, 0)].max(k[(1, 1)]);
+        let metres_per_pixel_at_one = 1.0 / k[(0, 0)].max(k[(1, 1)]);
         let silhouette = view.silhouette();
-        Self { view, pixel_size_at_one, distances: silhouette.signed_distance(&silhouette.image()) }
+        Self { view, metres_per_pixel_at_one, distances: silhouette.signed_distance(&silhouette.image()) }
     }
 
     /// Approximate signed distance of `p` from the cone of the silhouette, in metres; `None` where the view does not

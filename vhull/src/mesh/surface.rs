@@ -33,7 +33,6 @@ impl Surface {
         let points: Vec<_> = buffer.positions.iter().map(world).collect();
         let triangles = buffer.indices.as_chunks::<3>().0.to_vec();
         let normals = normals(&points, &triangles);
-
         Self { points, normals, triangles }
     }
 
@@ -66,7 +65,6 @@ impl Surface {
             bytes.push(3);
             triangle.iter().for_each(|k| bytes.extend(k.to_le_bytes()));
         }
-
         bytes
     }
 

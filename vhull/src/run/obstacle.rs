@@ -1,51 +1,47 @@
-//! Places for a stack on the floor, in the way of a moving subject.
+//! Finds a place on the floor where a stack stands in the way of a moving subject.
 
 use nalgebra::Point3;
 use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::{Aabb, Hull};
 use std::sync::Arc;
 
-/// Spacing of the candidate places and of the points in a column, in metres.
+/// Grid of the candidate places, in metres.
 const CELL: f64 = 0.04;
 
-/// Least distance of the stack from the subject in the first frame, in metres.
+/// Distance of the stack from the subject in the first frame, in metres.
 const CLEARANCE: f64 = 0.04;
 
-/// Least overlap that certainly knocks the stack over: the fraction of its upper two thirds inside the hull of a frame.
+/// Share of the stack's upper two thirds that the subject fills at a time: the least that surely knocks it over, and the
+/// best. More makes the boxes fly.
 const MIN_OVERLAP: f64 = 0.05;
-
-/// Overlap that is aimed at; more of it throws the boxes through the air.
 const BEST_OVERLAP: f64 = 0.15;
 
-/// Foot of a stack of this `side` and `height`, in metres, at a place that the subject enters after the first of
-/// `hulls`: in the first two thirds of the time, so that the film shows the fall, and in the upper two thirds of the
-/// stack, so that it falls. `None` if there is no such place.
+/// The foot of a stack of this `side` and `height` where the subject is not in the first of `hulls` but comes later: into
+/// the upper part, so that the stack falls, and in the first two thirds of the hulls, so that the film shows it. `None`
+/// if the subject comes to no such place.
 pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<f64>> {
     let (first, later) = hulls.split_first()?;
     let later = &later[..(2 * later.len()).div_ceil(3)];
-    let swept =
+    let whole =
         later.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty()).reduce(|a, b| a.union(&b))?;
-
-    // Candidate places on the floor below the later hulls.
-    let size = (swept.max - swept.min) / CELL;
+    let size = (whole.max - whole.min) / CELL;
     let places = (0..=size.y as usize).flat_map(|y| (0..=size.x as usize).map(move |x| (x, y)));
     let foot = |(x, y): (usize, usize)| {
-        Point3::new(swept.min.x + (x as f64 + 0.5) * CELL, swept.min.y + (y as f64 + 0.5) * CELL, 0.0)
+        Point3::new(whole.min.x + (x as f64 + 0.5) * CELL, whole.min.y + (y as f64 + 0.5) * CELL, 0.0)
     };
-
-    // Keep places that are hit hard enough and clear at the start, rated by the distance from the best overlap.
-    let rated = |foot: Point3<f64>| {
+    let struck = |foot: Point3<f64>| {
         let upper = column(&foot, 0.5 * side, height / 3.0, height);
-        let overlap = later.iter().map(|hull| fraction_inside(hull, &upper)).fold(0.0, f64::max);
+        let most = later.iter().map(|hull| part_inside(hull, &upper)).fold(0.0, f64::max);
         let is_clear =
-            || fraction_inside(first, &column(&foot, 0.5 * side + CLEARANCE, 0.0, height + CLEARANCE)) == 0.0;
-        (overlap >= MIN_OVERLAP && is_clear()).then_some(((overlap - BEST_OVERLAP).abs(), foot))
+            || part_inside(first, &column(&foot, 0.5 * side + CLEARANCE, 0.0, height + CLEARANCE)) == 0.0;
+        (most >= MIN_OVERLAP && is_clear()).then_some(((most - BEST_OVERLAP).abs(), foot))
     };
-    let best = places.map(foot).filter_map(rated).min_by(|a, b| a.0.total_cmp(&b.0));
+    let best = places.map(foot).filter_map(struck).min_by(|a, b| a.0.total_cmp(&b.0));
+
     best.map(|(_, foot)| foot)
 }
 
-/// The highest point at `(x, y)`: on top of `hull`, else on the floor.
+/// The highest point of `hull` at `(x, y)`, else the floor.
 pub fn ground(hull: &Hull, x: f64, y: f64) -> Point3<f64> {
     let top = hull.aabb().max.z + 0.01;
     let ray = Ray { origin: Point3::new(x, y, top), direction: -nalgebra::Vector3::z() };
@@ -53,7 +49,7 @@ pub fn ground(hull: &Hull, x: f64, y: f64) -> Point3<f64> {
     Point3::new(x, y, entry.map_or(0.0, |entry| (top - entry.t).max(0.0)))
 }
 
-/// Points of a square column with half edge `half` around the vertical through `foot`, between two heights.
+/// Points of a column around the vertical through `foot`, between two heights.
 fn column(foot: &Point3<f64>, half: f64, bottom: f64, top: f64) -> Vec<Point3<f64>> {
     const ACROSS: [f64; 3] = [-1.0, 0.0, 1.0];
     let layers = ((top - bottom) / CELL).ceil().max(1.0);
@@ -65,8 +61,7 @@ fn column(foot: &Point3<f64>, half: f64, bottom: f64, top: f64) -> Vec<Point3<f6
     heights.flat_map(layer).collect()
 }
 
-/// Fraction of `points` inside the hull.
-fn fraction_inside(hull: &Hull, points: &[Point3<f64>]) -> f64 {
+fn part_inside(hull: &Hull, points: &[Point3<f64>]) -> f64 {
     let around = Aabb::of_points(points);
     if around.intersection(hull.aabb()).is_empty() {
         return 0.0;

@@ -1,4 +1,4 @@
-//! Places on a subject where bodies come to rest: level places of the hull's surface seen from above, tested by
+//! Finds places where boxes come to rest on a subject: level places of the hull seen from above, each tried in a
 //! simulation.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
@@ -9,61 +9,56 @@ use ode_visual_hull::shape::Shape;
 use ode_visual_hull_film::{Simulation, Support};
 use std::sync::Arc;
 
-/// Cell size of the height map, in metres.
+/// Grid of the heights, in metres.
 const CELL: f64 = 0.015;
 
-/// Least fraction of the cells below a box that the subject must cover.
+/// Least share of the cells below a box that must be the subject's.
 const MIN_COVERED: f64 = 0.7;
 
-/// RMS roughness in metres that lowers the flatness of a place as much as a slope of 1.
-const ROUGHNESS_SCALE: f64 = 0.04;
+/// Roughness, in metres, that counts as much as a slope of 1.
+const ROUGHNESS_OF_SLOPE: f64 = 0.04;
 
-/// Least height of a place, in metres, which excludes feet and floor.
+/// Least height of a place, in metres: lower ones are feet and floor.
 const MIN_HEIGHT: f64 = 0.3;
 
-/// Greatest number of places that are tested.
+/// Limit of the places that are tried.
 const MAX_TRIALS: usize = 150;
 
-/// Duration of the simulation of a place, in seconds.
-const TRIAL_DURATION: f64 = 1.5;
+/// Duration of a trial in seconds.
+const TRIAL_SECONDS: f64 = 1.5;
 
-/// Height from which a body is dropped on its place, in metres.
+/// Height above the place from which a box is dropped, in metres.
 pub const DROP: f64 = 0.06;
 
-/// A candidate place for a box.
+/// A place for a box.
 #[derive(Debug, Clone, Copy)]
 struct Placement {
-    /// Centre of the place, at the height of its highest cell, which a box touches first.
+    /// The centre of the place, at the height that a box touches first.
     top: Point3<f64>,
-    /// 1 for a fully covered, even and level place, less for others.
+    /// 1 for an even, level place, less for others.
     flatness: f64,
 }
 
-/// Poses from which to drop up to `count` boxes with edges of `side` metres, apart from each other. Places on which a
-/// single box came to rest in a simulation come first, then others; within both, the flattest come first.
-pub fn poses(data: &Arc<HullData>, count: usize, side: f64, pixel_size: f64) -> Result<Vec<Isometry3<f64>>> {
+/// Poses from which to drop `n` boxes with edges of `side` metres, apart from each other: first those from which a single
+/// box came to rest on the subject, then others, the most level places first.
+pub fn poses(data: &Arc<HullData>, n: usize, side: f64, pixel_size: f64) -> Result<Vec<Isometry3<f64>>> {
     let Some((_, hull)) = data.latest() else { return Ok(Vec::new()) };
-
-    // The best candidates, with few duplicates among overlapping ones.
-    let mut placements = HeightMap::of(&hull).placements(side);
+    let mut placements = Heights::of(&hull).placements(side);
     placements.sort_by(|a, b| b.score().total_cmp(&a.score()));
     let places = apart(placements.iter().map(|placement| placement.top), 0.3 * side, MAX_TRIALS);
-
-    // Simulate one box at each.
     let mut chosen: Vec<Isometry3<f64>> = Vec::new();
     let mut unsteady = Vec::new();
     for (i, top) in places.iter().enumerate() {
         let turn = Vector3::z() * 0.15 * (i % 3) as f64;
         let pose = Isometry3::new(top.coords + Vector3::z() * (0.5 * side + DROP), turn);
-        if chosen.len() < count && is_apart(&pose, &chosen, side) {
+        if chosen.len() < n && is_apart(&pose, &chosen, side) {
             let kept = if is_steady(data, &pose, side, pixel_size)? { &mut chosen } else { &mut unsteady };
             kept.push(pose);
         }
     }
 
-    // Fill up with places where the box fell off.
     for pose in unsteady {
-        if chosen.len() < count && is_apart(&pose, &chosen, side) {
+        if chosen.len() < n && is_apart(&pose, &chosen, side) {
             chosen.push(pose);
         }
     }
@@ -71,7 +66,7 @@ pub fn poses(data: &Arc<HullData>, count: usize, side: f64, pixel_size: f64) -> 
     Ok(chosen)
 }
 
-/// Whether a box at `pose` keeps a distance of 1.1 `side` from the `others`, along x or y.
+/// Whether a box at `pose` is clear of the `others`.
 fn is_apart(pose: &Isometry3<f64>, others: &[Isometry3<f64>], side: f64) -> bool {
     let offset = |other: &Isometry3<f64>| (other.translation.vector - pose.translation.vector).xy().amax();
     others.iter().all(|other| offset(other) >= 1.1 * side)
@@ -80,20 +75,20 @@ fn is_apart(pose: &Isometry3<f64>, others: &[Isometry3<f64>], side: f64) -> bool
 /// Whether a box dropped from `pose` comes to rest on the subject near by.
 fn is_steady(data: &Arc<HullData>, pose: &Isometry3<f64>, side: f64, pixel_size: f64) -> Result<bool> {
     let mut trial = Simulation::new(data, pixel_size)?;
-    trial.add(Form::cube(side), pose, [0; 3])?;
-    trial.advance(TRIAL_DURATION)?;
+    trial.add(&Shape::cube(side), pose, [0; 3])?;
+    trial.advance(TRIAL_SECONDS)?;
     let state = trial.states()[0];
-    let moved = state.pose.translation.vector - pose.translation.vector;
+    let strayed = state.pose.translation.vector - pose.translation.vector;
     Ok(trial.supports()[0] == Support::Subject
         && state.linear_velocity.norm() < 0.01
-        && moved.xy().norm() < 0.5 * side)
+        && strayed.xy().norm() < 0.5 * side)
 }
 
-/// The first `max_count` of `points` that lie at least `distance` apart along x or y.
-fn apart(points: impl Iterator<Item = Point3<f64>>, distance: f64, max_count: usize) -> Vec<Point3<f64>> {
+/// The first `n` of `points` that lie at least `distance` apart along x or y.
+fn apart(points: impl Iterator<Item = Point3<f64>>, distance: f64, n: usize) -> Vec<Point3<f64>> {
     let mut chosen: Vec<Point3<f64>> = Vec::new();
     for point in points {
-        if chosen.len() < max_count && chosen.iter().all(|other| (other - point).xy().amax() >= distance) {
+        if chosen.len() < n && chosen.iter().all(|other| (other - point).xy().amax() >= distance) {
             chosen.push(point);
         }
     }
@@ -101,29 +96,26 @@ fn apart(points: impl Iterator<Item = Point3<f64>>, distance: f64, max_count: us
 }
 
 impl Placement {
-    /// Flatness, with a preference for high places: a head before a lap that is equally flat.
+    /// Of two equally level places the higher one is better.
     fn score(&self) -> f64 {
         self.flatness + 0.1 * self.top.z
     }
 }
 
-/// Height map of the hull's upper surface in the world, in metres; minus infinity where a cell lies beside the hull.
-struct HeightMap {
+/// Heights of the hull over a grid, minus infinity beside the hull.
+struct Heights {
     origin: Point3<f64>,
     columns: usize,
     rows: usize,
-    /// Heights in rows along x.
     values: Vec<f64>,
 }
 
-impl HeightMap {
-    /// Casts a vertical ray onto the hull at the centre of each cell.
+impl Heights {
     fn of(hull: &Hull) -> Self {
         let aabb = hull.aabb();
         let size = (aabb.max - aabb.min) / CELL;
         let (columns, rows) = (size.x.max(0.0) as usize + 1, size.y.max(0.0) as usize + 1);
         let top = aabb.max.z + 0.01;
-
         let value = |k: usize| {
             let (x, y) = (k % columns, k / columns);
             let offset = Vector3::new(x as f64 + 0.5, y as f64 + 0.5, 0.0) * CELL;
@@ -134,7 +126,7 @@ impl HeightMap {
         Self { origin: aabb.min, columns, rows, values: (0..columns * rows).map(value).collect() }
     }
 
-    /// Candidate places of a box with edges of `side` metres, all positions on the grid.
+    /// All places for a box of edge length `side`.
     fn placements(&self, side: f64) -> Vec<Placement> {
         let n = (side / CELL).round().max(1.0) as usize;
         let places = (0..(self.rows + 1).saturating_sub(n))
@@ -142,7 +134,7 @@ impl HeightMap {
         places.filter_map(|(x, y)| self.placement_at(x, y, n)).collect()
     }
 
-    /// The place whose base covers `n` by `n` cells from cell (x, y) on, unless it is too low or hardly covered.
+    /// The place for a box whose base covers `n` by `n` cells from cell (x, y) on.
     fn placement_at(&self, x: usize, y: usize, n: usize) -> Option<Placement> {
         let half = 0.5 * (n as f64 - 1.0);
         let cells: Vec<Vector3<f64>> = (0..n * n)
@@ -153,21 +145,20 @@ impl HeightMap {
             })
             .filter(|cell| cell.z.is_finite())
             .collect();
-
         let top = cells.iter().map(|cell| cell.z).fold(f64::NEG_INFINITY, f64::max);
         let covered = cells.len() as f64 / (n * n) as f64;
         if top < MIN_HEIGHT || covered < MIN_COVERED {
             return None;
         }
-
         let (slope, roughness) = plane(&cells)?;
         let offset = Vector3::new(x as f64 + 0.5 * n as f64, y as f64 + 0.5 * n as f64, 0.0) * CELL;
         let corner = Point3::new(self.origin.x, self.origin.y, top);
-        Some(Placement { top: corner + offset, flatness: covered - slope - roughness / ROUGHNESS_SCALE })
+
+        Some(Placement { top: corner + offset, flatness: covered - slope - roughness / ROUGHNESS_OF_SLOPE })
     }
 }
 
-/// Slope of the least-squares plane through `points`, and the RMS of their vertical distances from it, in metres.
+/// The slope of the least-squares plane of `points`, and the RMS of their heights above it.
 fn plane(points: &[Vector3<f64>]) -> Option<(f64, f64)> {
     let (mut matrix, mut vector) = (Matrix3::zeros(), Vector3::zeros());
     for point in points {

@@ -1,21 +1,20 @@
-//! Mapping from the time of the film to the recorded frame that collides then.
+//! Which recorded frame is current at which time of the film.
 
 use ode_visual_hull_film::{FRAME_RATE, STEPS_PER_SECOND};
 
-/// Start times of the recorded frames, which are independent of the frame rate of the film.
+/// The times of recorded frames, by index, on the clock of the film.
 #[derive(Debug)]
 pub struct Timeline {
-    /// Time from which each frame is in force, in seconds of the film.
+    /// When each frame becomes current, in seconds of the film.
     starts: Vec<f64>,
     /// From the first frame's start to the last one's end, in seconds.
     duration: f64,
-    /// Seconds for which the last frame is held.
     linger: f64,
 }
 
 impl Timeline {
-    /// A timeline of frames captured at `times`, at least one, in seconds. The first frame is held for `hold` seconds
-    /// before time runs. The last frame stays for the mean step between frames, then is held for `linger` seconds.
+    /// The first frame is held for `hold` seconds. Then frames follow at their `times`, of which there has to be at least
+    /// one. The last frame is current for as long as the others on average, and then for `linger` seconds more.
     pub fn new(times: &[f64], hold: f64, linger: f64) -> Self {
         let starts: Vec<f64> = times.iter().map(|time| hold + time - times[0]).collect();
         let last = starts[starts.len() - 1];
@@ -24,13 +23,13 @@ impl Timeline {
         Self { starts, duration: last - hold + step, linger }
     }
 
-    /// Index of the frame in force: the latest one that starts before half a simulation step after `time`.
+    /// The current frame: the last one that has started, or starts within half a step of the simulation.
     pub fn at(&self, time: f64) -> usize {
         let soon = time + 0.5 / STEPS_PER_SECOND;
         self.starts.partition_point(|&start| start <= soon).max(1) - 1
     }
 
-    /// Time from which a frame is in force, in seconds; the first one is from 0.
+    /// When a frame becomes current; the first one is from the beginning.
     pub fn start(&self, frame: usize) -> f64 {
         if frame == 0 { 0.0 } else { self.starts[frame] }
     }
@@ -50,7 +49,7 @@ impl Timeline {
 mod tests {
     use super::*;
 
-    /// The recorded frames in the order in which they are in force, each with its number of simulation steps.
+    /// The current frames over the steps of the simulation, each with its number of steps.
     fn played(timeline: &Timeline) -> Vec<(usize, u32)> {
         let mut played: Vec<(usize, u32)> = Vec::new();
         let steps = timeline.film_frames() as f64 / FRAME_RATE * STEPS_PER_SECOND;
@@ -64,7 +63,6 @@ mod tests {
         played
     }
 
-    /// Capture times of `count` frames at `rate`, which start at 7 s.
     fn times(rate: f64, count: u32) -> Vec<f64> {
         (0..count).map(|frame| 7.0 + f64::from(frame) / rate).collect()
     }
@@ -78,7 +76,7 @@ mod tests {
             assert!((timeline.duration() - 24.0 / rate).abs() < 1e-9);
         }
 
-        // 240 steps per second are no multiple of 25: frames are rounded to 9 or 10 steps.
+        // A rate that no step fits: never off by more than half a step.
         let timeline = Timeline::new(&times(25.0, 50), 0.0, 0.0);
         assert!(
             played(&timeline).iter().all(|(_, steps)| (9..=10).contains(steps)),

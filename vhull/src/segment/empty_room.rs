@@ -90,7 +90,6 @@ fn background(options: &Options, camera: &str) -> Result<PathBuf> {
             return Ok(path);
         }
     }
-
     Err(Error::file(folder.join(&stems[0]), ABSENT))
 }
 

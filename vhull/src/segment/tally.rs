@@ -71,7 +71,6 @@ impl Tally {
                 self.renumbered
             );
         }
-
         if let [(first, missing), ..] = self.incomplete.as_slice() {
             let count = self.incomplete.len();
             eprintln!(

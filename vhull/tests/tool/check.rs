@@ -211,6 +211,5 @@ fn errors_of_missing_input_name_the_option_or_path_and_the_next_step() {
     let run = vhull(&folder, &["check", "studio"]);
     let parts =
         ["view \"cam3\"", "cam3/mask/000001.png", "expected an image", "put a whole one in its place"];
-
     assert!(run.code == 1 && parts.iter().all(|part| run.error.contains(part)), "{}", run.error);
 }

@@ -17,9 +17,7 @@ fn read_ply(path: &Path) -> Ply {
     let bytes = std::fs::read(path).unwrap();
     let end = bytes.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
     let header = std::str::from_utf8(&bytes[..end]).unwrap();
-
     assert!(header.starts_with("ply\nformat binary_little_endian 1.0\n"), "{header}");
-
     let count = |what: &str| -> usize {
         let line = header.lines().find_map(|line| line.strip_prefix(what)).unwrap();
         line.trim().parse().unwrap()
@@ -27,7 +25,6 @@ fn read_ply(path: &Path) -> Ply {
 
     let (vertices, faces) = (count("element vertex"), count("element face"));
     let body = &bytes[end..];
-
     assert_eq!(body.len(), 24 * vertices + 13 * faces);
 
     // Vertices take six floats of 4 bytes; faces a count of 1 byte and three indices of 4 bytes.
@@ -71,15 +68,12 @@ impl Ply {
 fn a_balls_hull_is_closed_and_as_large_as_the_ball_or_a_little_larger() {
     let folder = studio("mesh_ball", "ball");
     let run = vhull(&folder, &["mesh", "studio", "--resolution", "0.02", "-o", "ball.ply"]);
-
     assert_eq!((run.code, run.error.as_str()), (0, ""), "{}", run.out);
-
     let mesh = read_ply(&folder.join("ball.ply"));
     mesh.assert_closed();
 
     // The ball has 0.268 m3; the hull of five cameras is larger, but smaller than the box around the ball.
     assert!((0.25..0.40).contains(&mesh.volume()), "{}", mesh.volume());
-
     let centre = Vector3::new(0.0, 0.0, 0.4);
     for (point, normal) in mesh.points.iter().zip(&mesh.normals) {
         assert!((normal.norm() - 1.0).abs() < 1e-5);
@@ -94,7 +88,6 @@ fn files_of_a_sequence_are_numbered_and_obj_has_as_many_elements_as_ply() {
     let folder = studio("mesh_sequence", "box");
     let run =
         vhull(&folder, &["mesh", "studio", "--frames", "1..3", "--resolution", "0.05", "-o", "hull.obj"]);
-
     assert_eq!(run.code, 0, "{}", run.error);
     assert!(!folder.join("hull.obj").exists() && !folder.join("hull_000000.obj").exists());
     assert_eq!(run.out.lines().count(), 2);
@@ -103,7 +96,6 @@ fn files_of_a_sequence_are_numbered_and_obj_has_as_many_elements_as_ply() {
     vhull(&folder, &["mesh", "studio", "--frame", "2", "--resolution", "0.05", "-o", "hull.ply"]);
     let ply = read_ply(&folder.join("hull.ply"));
     let lines = |start: &str| obj.lines().filter(|line| line.starts_with(start)).count();
-
     assert_eq!(
         (lines("v "), lines("vn "), lines("f ")),
         (ply.points.len(), ply.points.len(), ply.triangles.len())
@@ -146,7 +138,6 @@ fn errors_of_wrong_input_name_the_next_step_and_no_file_is_written() {
         assert_eq!(run.code, 1, "{words:?}: {}{}", run.out, run.error);
         assert!(run.error.contains(part), "{words:?}: {}", run.error);
     }
-
     assert!(!folder.join("hull.ply").exists());
 }
 

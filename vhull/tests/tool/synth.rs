@@ -7,9 +7,7 @@ use ode_visual_hull::recording::{Recording, StreamOptions};
 fn a_recording_has_images_backgrounds_and_masks() {
     let folder = studio("synth_all", "ring");
     let recording = Recording::open(folder.join("studio")).unwrap();
-
     assert_eq!((recording.rig().len(), recording.frames()), (5, &[0, 1, 2][..]));
-
     let times = recording.frame_times(&StreamOptions::default()).unwrap();
     assert_eq!(times, Some(vec![0.0, 0.033333, 0.066667]));
 
@@ -17,7 +15,6 @@ fn a_recording_has_images_backgrounds_and_masks() {
     let (images, masks) = (recording.images(2).unwrap(), recording.masks(2).unwrap());
     let plate = recording.background(4).unwrap();
     let (mut inside, mut outside) = ((0.0, 0), (0.0, 0));
-
     for (x, y, mask) in masks[4].enumerate_pixels() {
         let [a, b] = [images[4].get_pixel(x, y), plate.get_pixel(x, y)];
         let difference: f64 = (0..3).map(|c| f64::from(a.0[c].abs_diff(b.0[c]))).sum();
@@ -57,7 +54,6 @@ fn equal_seeds_give_equal_recordings_and_masks_can_be_left_out() {
     assert_eq!(file("a"), file("b"));
     assert_ne!(file("a"), file("c"));
     assert!(Recording::open(folder.join("a")).unwrap().frames().is_empty());
-
     let run = vhull(&folder, &["check", "a"]);
     assert!(run.code == 1 && run.error.contains("make them first: vhull segment a"), "{}", run.error);
 }

@@ -58,9 +58,9 @@ pub struct ViewShift {
     /// principal point of its calibration is off by the opposite.
     pub shift: Vector2<f64>,
     /// The median disagreement with the other views as they are, in pixels.
-    pub gap: f64,
+    pub error: f64,
     /// The median disagreement after all views have been shifted, in pixels.
-    pub gap_after: f64,
+    pub error_after: f64,
     /// By how many pixels the mean disagreement would grow if this view alone were not shifted. Some shifts
     /// are poorly determined by the pairs of cameras: a long shift that gains little means nothing.
     pub gain: f64,
@@ -102,8 +102,8 @@ impl EpipolarTangency {
             others.fixed_rows_mut::<2>(2 * view).fill(0.0);
             ViewShift {
                 shift: shifts.fixed_rows::<2>(2 * view).into(),
-                gap: median(errors(&unshifted)),
-                gap_after: median(errors(&shifts)),
+                error: median(errors(&unshifted)),
+                error_after: median(errors(&shifts)),
                 gain: (errors(&others).sum::<f64>() - errors(&shifts).sum::<f64>())
                     / own().count().max(1) as f64,
                 planes: own().count(),

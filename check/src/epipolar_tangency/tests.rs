@@ -49,7 +49,7 @@ fn silhouettes_of_one_subject_agree() {
     let cameras = cameras();
     for shift in shifts(&cameras, &cameras) {
         // Binary masks: each edge is known to half a pixel.
-        assert!(shift.gap < 0.5 && shift.shift.norm() < 0.5 && shift.planes >= 24, "{shift:?}");
+        assert!(shift.error < 0.5 && shift.shift.norm() < 0.5 && shift.planes >= 24, "{shift:?}");
     }
 }
 
@@ -67,7 +67,7 @@ fn a_view_whose_principal_point_is_off_is_distinguished_from_the_others() {
         assert!((found.shift - expected).norm() < 1.5, "view {view}: {found:?}");
     }
 
-    assert!(shifts[2].gain > 2.0 && shifts[2].gap > 3.0 && shifts[2].gap_after < 1.0, "{:?}", shifts[2]);
+    assert!(shifts[2].gain > 2.0 && shifts[2].error > 3.0 && shifts[2].error_after < 1.0, "{:?}", shifts[2]);
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn a_part_that_only_one_view_sees_does_not_count() {
 
     let mut tangency = EpipolarTangency::new();
     tangency.add(&data.update(0.0).unwrap());
-    assert!(tangency.shifts().iter().all(|shift| shift.gap < 1.0 && shift.shift.norm() < 1.0));
+    assert!(tangency.shifts().iter().all(|shift| shift.error < 1.0 && shift.shift.norm() < 1.0));
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn nothing_is_known_of_views_without_a_subject() {
     let mut tangency = EpipolarTangency::new();
     tangency.add(&data.update(0.0).unwrap());
     for shift in tangency.shifts() {
-        assert_eq!((shift.planes, shift.gap, shift.shift), (0, 0.0, Vector2::zeros()));
+        assert_eq!((shift.planes, shift.error, shift.shift), (0, 0.0, Vector2::zeros()));
     }
     assert!(EpipolarTangency::new().shifts().is_empty());
 }

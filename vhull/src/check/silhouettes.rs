@@ -71,7 +71,7 @@ fn print_table(rig: &Rig, shifts: &[ViewShift], coherence: &[SilhouetteCoherence
     let all_pixels: usize = coherence.iter().map(|view| view.pixels).sum();
     println!(
         "  {:width$}  {:>16}  {:>7}  {:>11}  {:>6}  {:>22}",
-        "camera", "shifted by, px", "gain", "gap", "filled", "cuts away"
+        "camera", "shifted by, px", "gain", "error", "filled", "cuts away"
     );
 
     for ((camera, shift), view) in rig.cameras().iter().zip(shifts).zip(coherence) {
@@ -91,14 +91,14 @@ fn print_table(rig: &Rig, shifts: &[ViewShift], coherence: &[SilhouetteCoherence
             "  {:width$}  {by:>16}  {:>4.1} px  {:>11}  {:>4.0} %  {cuts:>22}",
             camera.name(),
             tenths(shift.gain),
-            format!("{:.1}, {:.1} px", shift.gap, shift.gap_after),
+            format!("{:.1}, {:.1} px", shift.error, shift.error_after),
             100.0 * view.filled_share(),
         );
     }
 
     println!(
-        "  shifted by: right and down, relative to the other views; gain: decrease of the mean gap if undone\n  \
-         gap: median at the outermost planes shared with other views, as it is and after all shifts are undone\n  \
+        "  shifted by: right and down, relative to the other views; gain: decrease of the mean error if undone\n  \
+         error: median at the outermost planes shared with other views, as it is and after all shifts are undone\n  \
          filled: share of its silhouettes that the hull fills; cuts away: share of all silhouettes that this view \
          alone removes from the hull, and how deep"
     );
@@ -127,9 +127,9 @@ fn report_problems(
 
     // Two views show that one of them is shifted, but not which.
     if rig.len() < 3 && !off_views.is_empty() {
-        let gap = shifts.iter().map(|shift| shift.gap).fold(0.0, f64::max);
+        let error = shifts.iter().map(|shift| shift.error).fold(0.0, f64::max);
         report.add_problem(format!(
-            "the silhouettes of the two views disagree by {gap:.1} px; with two views alone it is unknown which one is \
+            "the silhouettes of the two views disagree by {error:.1} px; with two views alone it is unknown which one is \
              off: calibrate both again"
         ));
         return;

@@ -3,7 +3,7 @@
 //! Bodies are ray-cast pixel by pixel through the camera's own lens, so that they appear where the camera would see them.
 //! Real surfaces close to a body are shaded a little, or the body would seem to float.
 
-use crate::ray_cast::{self, Entry};
+use crate::ray_cast::{self, EntryPoint};
 use crate::window::Window;
 use image::RgbImage;
 use image::imageops::{FilterType, crop_imm, resize};
@@ -170,7 +170,7 @@ fn distance(point: &Point3<f64>, one: &Drawn) -> f64 {
 }
 
 /// Where `ray` enters a body.
-fn entry(ray: &Ray, one: &Drawn) -> Option<Entry> {
+fn entry(ray: &Ray, one: &Drawn) -> Option<EntryPoint> {
     let in_body = Ray {
         origin: one.world_from_body.inverse_transform_point(&ray.origin),
         direction: one.world_from_body.inverse_transform_vector(&ray.direction),

@@ -15,7 +15,7 @@ const LINE_BRIGHTNESS: f64 = 0.45;
 
 /// Where a ray enters a body.
 #[derive(Debug, Clone, Copy)]
-pub struct Entry {
+pub struct EntryPoint {
     /// Metres along the ray.
     pub t: f64,
     /// The axis normal to the face of a box.
@@ -69,7 +69,7 @@ pub fn distance(shape: &Shape, point: &Point3<f64>) -> f64 {
 }
 
 /// Where `ray` enters the body.
-pub fn entry(shape: &Shape, ray: &Ray) -> Option<Entry> {
+pub fn entry(shape: &Shape, ray: &Ray) -> Option<EntryPoint> {
     match *shape {
         Shape::Box { sides } => enter_box(ray, &(0.5 * sides)),
         Shape::Sphere { radius } => {
@@ -77,14 +77,14 @@ pub fn entry(shape: &Shape, ray: &Ray) -> Option<Entry> {
             let root = (along * along - ray.origin.coords.norm_squared() + radius * radius).sqrt();
             // A miss is NaN, and no greater than 0.
             let t = -along - root;
-            (t > 0.0).then_some(Entry { t, axis: 0 })
+            (t > 0.0).then_some(EntryPoint { t, axis: 0 })
         }
         _ => None,
     }
 }
 
 /// The outward normal at `point`, where a ray enters.
-pub fn normal(shape: &Shape, point: &Point3<f64>, entry: &Entry) -> Vector3<f64> {
+pub fn normal(shape: &Shape, point: &Point3<f64>, entry: &EntryPoint) -> Vector3<f64> {
     match *shape {
         Shape::Sphere { radius } => point.coords / radius,
         _ => {
@@ -96,7 +96,7 @@ pub fn normal(shape: &Shape, point: &Point3<f64>, entry: &Entry) -> Vector3<f64>
 }
 
 /// The brightness at `point`, where a ray enters: dark lines with soft sides show edges, and how a sphere rolls.
-pub fn line_brightness(shape: &Shape, point: &Point3<f64>, entry: &Entry) -> f64 {
+pub fn line_brightness(shape: &Shape, point: &Point3<f64>, entry: &EntryPoint) -> f64 {
     let to_line = match *shape {
         Shape::Box { sides } => {
             let half = 0.5 * sides;
@@ -109,9 +109,9 @@ pub fn line_brightness(shape: &Shape, point: &Point3<f64>, entry: &Entry) -> f64
 }
 
 /// The slab test: the ray is inside the box between its last entry and its first exit of the three pairs of planes.
-fn enter_box(ray: &Ray, half: &Vector3<f64>) -> Option<Entry> {
+fn enter_box(ray: &Ray, half: &Vector3<f64>) -> Option<EntryPoint> {
     let Ray { origin, direction } = ray;
-    let (mut enter, mut leave) = (Entry { t: 0.0, axis: 0 }, f64::INFINITY);
+    let (mut enter, mut leave) = (EntryPoint { t: 0.0, axis: 0 }, f64::INFINITY);
 
     for axis in 0..3 {
         let (a, b) = (-half[axis] - origin[axis], half[axis] - origin[axis]);
@@ -119,7 +119,7 @@ fn enter_box(ray: &Ray, half: &Vector3<f64>) -> Option<Entry> {
         // A direction of zero gives infinities of the right signs, or NaN on the face itself, which is a miss.
         let (near, far) = (near / direction[axis], far / direction[axis]);
         if near > enter.t {
-            enter = Entry { t: near, axis };
+            enter = EntryPoint { t: near, axis };
         }
         leave = leave.min(far);
     }

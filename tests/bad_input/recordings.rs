@@ -52,7 +52,7 @@ fn faults_of_a_recording_name_the_file_and_the_view() {
     let recording = Recording::open(&dir).unwrap();
 
     assert_eq!(recording.frames(), [0]);
-    assert_says(recording.masks(1), &["view \"cam3\"", "cam3/mask/000001", "frame 0 alone"]);
+    assert_says(recording.masks(1), &["view \"cam3\"", "cam3/mask/000001", "only frame 0"]);
 
     std::fs::rename(dir.join("cam2"), dir.join("camera2")).unwrap();
     assert_says(Recording::open(&dir), &["view \"cam2\"", "expected the folder", "found none"]);

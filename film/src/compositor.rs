@@ -118,6 +118,8 @@ impl Compositor {
     ) -> Vector3<f64> {
         let surface = surface(first, real);
         let background = pixel * surface.map_or(1.0, |point| 1.0 - shade_at(&point, near.iter().copied()));
+
+        // Each ray shows the nearest of body and real subject.
         let colour = |ray: &Option<Ray>| {
             let Some(ray) = ray else { return background };
             let Some(hit) = self.body_hit(ray, near, bodies) else { return background };
@@ -134,6 +136,8 @@ impl Compositor {
         let local = one.world_from_body.inverse_transform_point(&point);
         let normal = one.world_from_body * ray_cast::normal(&one.shape, &local, &entry);
         let others = bodies.iter().filter(|other| !std::ptr::eq(*other, one));
+
+        // A body is lit by the lamp, and shaded by the others.
         let light = self.brightness(&point, &normal) * (1.0 - 0.5 * shade_at(&point, others));
         let line = ray_cast::line_brightness(&one.shape, &local, &entry);
         Some(BodyHit { t: entry.t, colour: Vector3::from(one.colour.map(f64::from)) * light * line })

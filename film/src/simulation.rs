@@ -94,8 +94,10 @@ impl Simulation {
         world.set_erp(0.2)?;
         world.set_cfm(1e-5)?;
         world.set_quick_step_iterations(50)?;
+
         // Edges of live masks flicker by up to a pixel. A layer of half a pixel keeps contacts steady.
         world.set_contact_surface_layer(0.5 * pixel_size)?;
+
         let root = world.root_space();
         let floor = world.add_geom(root, &Shape::Plane { normal: Vector3::z(), offset: 0.0 })?;
         let hull = world.add_hull(root, data)?;
@@ -112,6 +114,7 @@ impl Simulation {
         let body = self.world.add_body();
         let geom = self.world.add_geom(self.world.root_space(), shape)?;
         self.world.geom_mut(geom).set_body(Some(body))?;
+
         let mut body_mut = self.world.body_mut(body);
         body_mut.set_mass(&Mass::of(shape, Amount::Density(DENSITY))?)?;
         body_mut.set_pose(pose)?;
@@ -135,6 +138,7 @@ impl Simulation {
     pub fn advance(&mut self, duration: f64) -> Result<()> {
         let steps = (duration * STEPS_PER_SECOND).round().max(1.0);
         let dt = duration / steps;
+
         for _ in 0..steps as u32 {
             self.collide()?;
             self.world.quick_step(dt)?;
@@ -159,6 +163,7 @@ impl Simulation {
         for one in bodies.iter_mut() {
             one.touched = Touched::default();
         }
+
         let surface = Surface::with_friction(FRICTION);
         world.collide(|pair| {
             let contacts = pair.contacts(MAX_CONTACTS);
@@ -168,6 +173,8 @@ impl Simulation {
             if contacts.is_empty() {
                 return;
             }
+
+            // Both bodies of the pair record what they touch.
             let of_body = |body| bodies.iter().position(|one| one.body == body);
             let [first, second] = pair.bodies().map(|body| body.and_then(of_body));
             let depth = contacts.iter().map(|contact| contact.depth).fold(0.0, f64::max);
@@ -222,6 +229,8 @@ impl Simulation {
             Touched { floor: true, .. } => Support::Floor,
             _ => Support::Nothing,
         };
+
+        // Support spreads from body to body, by one contact in each round.
         let mut supports: Vec<_> = self.bodies.iter().map(direct).collect();
         for _ in 0..self.bodies.len() {
             for (i, one) in self.bodies.iter().enumerate() {

@@ -51,9 +51,12 @@ impl Playback {
         options.volume.prepare(data, recording.rig())?;
         let recorded = RecordedHulls::new(recording, dir, &options.volume)?;
         let frames = frames_of(&recorded.recording, &frame_times, options)?;
+
+        // The hulls of some frames show where the subject will be.
         let sampled = evenly_spaced(frames.len(), SAMPLED_FRAMES);
         let sampled_hulls = sampled.map(|k| recorded.hull(frames[k].0)).collect::<Result<Vec<_>>>()?;
         check_hull(dir, frames[0].0, &sampled_hulls[0])?;
+
         let times: Vec<f64> = frames.iter().map(|&(_, time)| time).collect();
         let shown = sampled_hulls.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
         let mut playback = Self {

@@ -278,7 +278,7 @@ fn an_invalid_command_line_exits_with_code_2_and_names_what_was_expected() {
         (&["--hold=-1"], "0 to 3600 s"),
         (&["--hold", "NaN"], "0 to 3600 s"),
         (&["--linger", "x"], "0 to 3600 s"),
-        (&["--rate", "0"], "images a second"),
+        (&["--rate", "0"], "images per second"),
         (&["--frames", "5..5"], "A below B"),
         (&["--frames", "x..y"], "20..60"),
         (&["--stack", "2", "--at", "1"], "x,y"),

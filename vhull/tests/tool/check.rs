@@ -209,7 +209,6 @@ fn errors_of_missing_input_name_the_option_or_path_and_the_next_step() {
     let png = std::fs::read(&mask).unwrap();
     std::fs::write(&mask, &png[..png.len() / 2]).unwrap();
     let run = vhull(&folder, &["check", "studio"]);
-    let parts =
-        ["view \"cam3\"", "cam3/mask/000001.png", "expected an image", "put a whole one in its place"];
+    let parts = ["view \"cam3\"", "cam3/mask/000001.png", "expected an image", "replace it by an intact one"];
     assert!(run.code == 1 && parts.iter().all(|part| run.error.contains(part)), "{}", run.error);
 }

@@ -1,14 +1,13 @@
 //! The exit directions that silhouette edges give, for many points at once: the back-projected normals of the edges.
 
-use super::nearest_edge::EdgeQuery;
+use super::edge_query::EdgeQuery;
 use super::projection::ViewKernel;
 use super::{ExitRay, Wide};
-use crate::hull::query::towards;
 use crate::math::lanes::{lane_mask, set_bits};
 use crate::math::point_cloud::LANES;
 use crate::math::vectorised;
 use crate::silhouette::{Bits, Edge, EdgePixel, SHORTEST_MEAN};
-use nalgebra::{Point2, Vector3};
+use nalgebra::Vector3;
 
 /// Lines in the image, each given by a point on it and its unit normal.
 struct EdgeLines {
@@ -59,18 +58,6 @@ vectorised! {
             }
 
             kernel.write_directions(&lines, queries, rays);
-        }
-    }
-}
-
-impl EdgeQuery {
-    /// The replacement of an edge without a normal: a line through pixel `(i, j)` across the offset from the point's
-    /// pixel.
-    #[inline(always)]
-    fn edge_towards(&self, (i, j): (i32, i32)) -> Edge {
-        Edge {
-            point: Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5),
-            normal: towards(i - self.pixel.0, j - self.pixel.1),
         }
     }
 }

@@ -18,6 +18,7 @@
 #![allow(clippy::needless_range_loop)]
 
 mod directions;
+mod edge_query;
 mod exits;
 mod image_lines;
 mod line_walk;

@@ -4,6 +4,7 @@
 //! side.
 
 use super::directions::{find_contact_directions, find_paper_directions};
+use super::edge_query::{EdgeQuery, OPEN_LIST};
 use super::projection::{PointBlock, ViewKernel};
 use super::{ExitRay, Wide};
 use crate::hull::EdgeModel;
@@ -11,7 +12,7 @@ use crate::hull::query::window_half_width;
 use crate::math::lanes::{floor, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
 use crate::math::vectorised;
-use crate::silhouette::ring_search::{NEAR, Pixels, nearest};
+use crate::silhouette::ring_search::{Pixels, nearest};
 use crate::silhouette::{self, EdgePixel, Silhouette};
 use nalgebra::Vector3;
 
@@ -26,25 +27,6 @@ pub(super) struct EdgeQueries {
     nearest: [Vec<EdgePixel>; 3],
     /// The edge pixels of one view whose edges have not been computed yet.
     new_edges: Vec<EdgePixel>,
-}
-
-/// Index of the list of points whose background is near.
-const NEAR_LIST: usize = 0;
-/// Index of the list of points whose background is farther away.
-const FAR_LIST: usize = 1;
-/// Index of the list of points whose search may reach beyond an open border.
-const OPEN_LIST: usize = 2;
-
-/// A point, as projected into the view that decides.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct EdgeQuery {
-    /// Index of the point's ray.
-    pub(super) ray: u32,
-    pub(super) pixel: (i32, i32),
-    /// Chebyshev distance to the background, in pixels: half-width of the first window that holds any.
-    first: i32,
-    /// Half-width of the window in which the nearest background is searched for, in pixels.
-    half: i32,
 }
 
 /// The decision of the window search for each point.
@@ -127,28 +109,6 @@ impl EdgeQueries {
                 queries.clear();
             }
         }
-    }
-}
-
-impl EdgeQuery {
-    /// Index of the list that the query belongs to.
-    #[inline(always)]
-    fn list(&self, kernel: &ViewKernel) -> usize {
-        // The nearest background lies within sqrt(2) times the Chebyshev distance.
-        let reach = self.first + self.first / 2 + 1;
-        if !kernel.is_closed && !kernel.view.silhouette().keeps_window(self.pixel, reach) {
-            OPEN_LIST
-        } else if self.first > NEAR {
-            FAR_LIST
-        } else {
-            NEAR_LIST
-        }
-    }
-
-    /// The background pixel nearest to the point, found by the search of the single query.
-    fn find_nearest_scalar(&self, kernel: &ViewKernel) -> (i32, i32) {
-        let (i, j) = self.pixel;
-        kernel.view.silhouette().nearest_background(i, j, self.half).unwrap_or(self.pixel)
     }
 }
 

@@ -12,6 +12,8 @@
 //! Without the feature `ode`, which is on by default, there is no simulation and no log: captures remain, and pictures of
 //! bodies whose poses come from elsewhere.
 
+#[cfg(feature = "ode")]
+mod body_shape;
 mod capture;
 mod compositor;
 mod film;

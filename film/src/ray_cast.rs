@@ -5,7 +5,6 @@
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Ray;
 use ode_visual_hull::shape::Shape;
-use ode_visual_hull::{Error, Result};
 
 /// Half the width of the dark lines along a box's edges and around a sphere, in metres.
 const LINE: f64 = 0.003;
@@ -20,34 +19,6 @@ pub struct EntryPoint {
     pub t: f64,
     /// The axis normal to the face of a box.
     axis: usize,
-}
-
-/// Checks that a shape can be drawn.
-pub fn check_drawable(shape: &Shape) -> Result<()> {
-    match shape {
-        Shape::Box { .. } | Shape::Sphere { .. } => Ok(()),
-        other => Err(Error::argument(format!(
-            "body to draw: expected a box or a sphere, found {other:?}; draw it as the box around it"
-        ))),
-    }
-}
-
-/// The word for the shape in tables.
-pub fn name(shape: &Shape) -> &'static str {
-    match shape {
-        Shape::Box { .. } => "box",
-        Shape::Sphere { .. } => "ball",
-        _ => "body",
-    }
-}
-
-/// Full lengths along the body's axes.
-pub fn lengths(shape: &Shape) -> Vector3<f64> {
-    match *shape {
-        Shape::Box { sides } => sides,
-        Shape::Sphere { radius } => Vector3::repeat(2.0 * radius),
-        _ => Vector3::zeros(),
-    }
 }
 
 /// The radius of the smallest sphere around the body's origin that holds it.
@@ -168,12 +139,5 @@ mod tests {
             let entry = entry(&shape, &ray).unwrap();
             assert_eq!(normal(&shape, &ray.at(entry.t), &entry).map(f64::round), Vector3::x(), "{shape:?}");
         }
-    }
-
-    #[test]
-    fn only_boxes_and_spheres_are_drawn() {
-        assert!(check_drawable(&Shape::cube(0.1)).is_ok());
-        let message = check_drawable(&Shape::Ray { length: 1.0 }).unwrap_err().to_string();
-        assert!(message.contains("expected a box or a sphere, found Ray"), "{message}");
     }
 }

@@ -1,7 +1,7 @@
 //! A world of ODE with the hull, a floor, and virtual bodies.
 
+use crate::body_shape::check_drawable;
 use crate::compositor::Drawn;
-use crate::ray_cast::check_drawable;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, World};

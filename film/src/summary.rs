@@ -1,9 +1,9 @@
 //! The results of a run: files, and a table for the terminal.
 
+use crate::body_shape;
 use crate::film::Film;
 use crate::log::{Entry, Log};
 use crate::plot;
-use crate::ray_cast;
 use crate::simulation::{Simulation, State, Support, lean_deg};
 use ode_visual_hull::Result;
 use std::fmt::Write;
@@ -49,7 +49,7 @@ pub(crate) fn table(log: &Log, simulation: &Simulation, still_until: f64, subjec
     );
     let still: Vec<&Entry> = log.between(still_until - STILLNESS_SECONDS, still_until + 1e-6).collect();
     for (i, one) in simulation.bodies().iter().enumerate() {
-        let size = ray_cast::lengths(&one.shape) * 100.0;
+        let size = body_shape::lengths(&one.shape) * 100.0;
         let _ = write!(text, "{:>7} {:>2.0}x{:>2.0}x{:>2.0} ", log.bodies[i].0, size.x, size.y, size.z);
         let _ = match Stillness::of(&still, i) {
             Some(s) => {

@@ -1,8 +1,8 @@
 //! Whether the silhouettes of a frame fit one another, which shows a wrong calibration or a wrong mask without any
 //! other reference.
 //!
-//! - [`EpipolarTangency`]: the outermost planes through two cameras that touch the subject touch both silhouettes. Where
-//!   they do not, the image of a view is shifted.
+//! - [`EpipolarTangency`]: the outermost planes through two cameras that touch the subject touch both silhouettes.
+//!   Where they do not, the image of a view is shifted.
 //! - [`silhouette_coherence`]: where a silhouette holds pixels whose viewing rays miss the hull, another view cuts away
 //!   what this one sees.
 

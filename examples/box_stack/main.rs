@@ -4,7 +4,8 @@
 //!   cameras ──► masks ──► HullData ──► World (ODE) ──► one camera's view with the boxes in it, CSV, plot, table
 //! ```
 //!
-//! `cargo run --release --example box_stack -- --help` lists the options. `vhull run` does the same with recordings of real cameras.
+//! `cargo run --release --example box_stack -- --help` lists the options. `vhull run` does the same with recordings of
+//! real cameras.
 
 mod options;
 mod sensor;

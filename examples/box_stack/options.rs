@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 /// Virtual boxes rest on a real object that cameras see, and fall when it moves.
 ///
-/// Eight synthetic cameras watch a real box. Five virtual boxes are stacked on it. The real box is lifted and tilted, and
-/// the stack tips over. Each frame goes through all steps: colour images with sensor noise, segmentation, silhouettes,
-/// visual hull, physics.
+/// Eight synthetic cameras watch a real box. Five virtual boxes are stacked on it. The real box is lifted and tilted,
+/// and the stack tips over. Each frame goes through all steps: colour images with sensor noise, segmentation,
+/// silhouettes, visual hull, physics.
 #[derive(Debug, Parser)]
 #[command(name = "box_stack", version, after_help = EXAMPLES)]
 pub struct Options {

@@ -7,8 +7,8 @@ use ode_visual_hull::synthetic::add_noise;
 /// The field is this many pixels wider and higher than an image: each offset gives another noise.
 const NOISE_MARGIN: u32 = 64;
 
-/// A field of sensor noise. Each image uses another part of it, which is much faster than drawing a million normal numbers
-/// for each image.
+/// A field of sensor noise. Each image uses another part of it, which is much faster than drawing a million normal
+/// numbers for each image.
 pub struct Sensor {
     field: RgbImage,
 }

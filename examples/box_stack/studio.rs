@@ -1,8 +1,8 @@
 //! Eight synthetic cameras around a real box that stands, is lifted, and is tilted.
 //!
 //! Above a flat top the visual hull is a tent unless a camera looks along the top. So seven cameras stand at heights
-//! through which the top moves. Two of them stand on the axis of the tilt and look along the top at any angle. The eighth
-//! camera looks down and shows the scene.
+//! through which the top moves. Two of them stand on the axis of the tilt and look along the top at any angle. The
+//! eighth camera looks down and shows the scene.
 
 use super::sensor::Sensor;
 use image::RgbImage;

@@ -187,8 +187,8 @@ fn dino(dir: &Path, _: &mut Vec<Coded>) -> Vec<Figure> {
     data.set_bounds(DINO.grown(0.008)).expect("a volume");
 
     let (volume, aabb) = carve(&data.update(0.0).expect("masks in all views"), 0.001);
-    // All cameras look down, so that the hull ends in a wedge below the box of the dinosaur. Points up to 6.5 mm below the
-    // box project to bright pixels in every view, so that exact silhouettes contain them too.
+    // All cameras look down, so that the hull ends in a wedge below the box of the dinosaur. Points up to 6.5 mm
+    // below the box project to bright pixels in every view, so that exact silhouettes contain them too.
     let (below, above) = ((DINO.min - aabb.min) * 1e3, (aabb.max - DINO.max) * 1e3);
     let five_sides = below.x.max(below.z).max(above.max());
 

@@ -1,7 +1,7 @@
 //! Draws virtual bodies into a camera's picture, hidden where the real subject is in front.
 //!
-//! Bodies are ray-cast pixel by pixel through the camera's own lens, so that they appear where the camera would see them.
-//! Real surfaces close to a body are shaded a little, or the body would seem to float.
+//! Bodies are ray-cast pixel by pixel through the camera's own lens, so that they appear where the camera would see
+//! them. Real surfaces close to a body are shaded a little, or the body would seem to float.
 
 use crate::ray_cast::{self, EntryPoint};
 use crate::window::Window;
@@ -60,8 +60,8 @@ struct BodyHit {
 }
 
 impl Compositor {
-    /// A compositor for the `window` of pictures of `camera`, drawn with a longer side of `size` pixels and lit by a lamp
-    /// at `light`.
+    /// A compositor for the `window` of pictures of `camera`, drawn with a longer side of `size` pixels and lit by a
+    /// lamp at `light`.
     pub fn new(camera: &Camera, window: Window, size: u32, light: Point3<f64>) -> Self {
         let longer = window.width.max(window.height);
         let scale = (f64::from(size) / f64::from(longer)).min(MAX_SCALE);

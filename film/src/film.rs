@@ -170,7 +170,8 @@ impl Palette {
         Self { nearest: nearest.collect(), colours }
     }
 
-    /// The colour index of each pixel, by ordered dithering (Bayer's 4 x 4 matrix), so that what rests does not flicker.
+    /// The colour index of each pixel, by ordered dithering (Bayer's 4 x 4 matrix), so that what rests does not
+    /// flicker.
     fn apply(&self, frame: &RgbImage) -> Vec<u8> {
         const PATTERN: [[i16; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
         let index = |(x, y, pixel): (u32, u32, &Rgb<u8>)| {

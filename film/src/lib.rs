@@ -1,7 +1,7 @@
 //! Virtual bodies and a captured subject in one simulation, and films of it.
 //!
 //! ```text
-//!   Frames ──► HullData ──► Simulation (ODE) ──► Compositor (one camera's view with the bodies in it) ──► Film (GIF)
+//!   Frames ──► HullData ──► Simulation (ODE) ──► Compositor (bodies in one camera's view) ──► Film (GIF)
 //!                                  └───────────► Log ──► CSV, plot, table
 //! ```
 //!
@@ -9,8 +9,8 @@
 //! and its [`Story`] is what to show of them. Capture, simulation and film have time steps of their own. World z is up,
 //! the floor at z = 0; metres, seconds, radians.
 //!
-//! Without the feature `ode`, which is on by default, there is no simulation and no log: captures remain, and pictures of
-//! bodies whose poses come from elsewhere.
+//! Without the feature `ode`, which is on by default, there is no simulation and no log: captures remain, and
+//! pictures of bodies whose poses come from elsewhere.
 
 #[cfg(feature = "ode")]
 mod body_shape;

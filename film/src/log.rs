@@ -55,8 +55,8 @@ impl Log {
         self.entries.iter().filter(move |entry| entry.time >= from && entry.time <= to)
     }
 
-    /// Writes one line for each frame and body, bodies numbered from 1: time, position, rotation (quaternion, real part first),
-    /// velocity, angular velocity, all in the world's frame.
+    /// Writes one line for each frame and body, bodies numbered from 1: time, position, rotation (quaternion, real
+    /// part first), velocity, angular velocity, all in the world's frame.
     ///
     /// # Errors
     /// A file that cannot be written.

@@ -35,8 +35,8 @@ pub struct FilmOptions<'s> {
 /// became of each body, and a list of the files written. `shown` is called after each frame with a short summary of it.
 ///
 /// # Errors
-/// A frame that cannot be read, or a simulation that diverges: the results of the frames before are written all the same.
-/// A file that cannot be written.
+/// A frame that cannot be read, or a simulation that diverges: the results of the frames before are written all the
+/// same. A file that cannot be written.
 pub fn run_film(
     options: &FilmOptions,
     capture: &mut (impl Frames + Story),

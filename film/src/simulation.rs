@@ -20,8 +20,8 @@ const FRICTION: f64 = 0.8;
 /// Limit of the contacts of a pair.
 const MAX_CONTACTS: usize = 8;
 
-/// Thinnest feature of the subject that must not pass through a body, in metres; small, because noisy masks make features
-/// thinner.
+/// Thinnest feature of the subject that must not pass through a body, in metres; small, because noisy masks make
+/// features thinner.
 const MIN_FEATURE: f64 = 0.015;
 
 /// A virtual body.

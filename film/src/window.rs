@@ -23,8 +23,8 @@ impl Window {
         Self { left: 0, top: 0, width, height }
     }
 
-    /// The smallest window that holds the images of `points` (world), cut off at the image's border; the whole image where
-    /// none of them is in it.
+    /// The smallest window that holds the images of `points` (world), cut off at the image's border; the whole image
+    /// where none of them is in it.
     pub fn around(camera: &Camera, points: &[Point3<f64>]) -> Self {
         let (width, height) = camera.size();
         let pixels: Vec<_> = points.iter().filter_map(|point| camera.project(point)).collect();

@@ -1,7 +1,7 @@
 //! Raw bindings to the [Open Dynamics Engine](https://ode.org) 0.16 as Debian ships it (double precision).
 //!
-//! All names that start with `d` in `<ode/ode.h>`, with C's own types (`c_int`, `FILE`) from the crate `libc`. Names, units
-//! and rules are ODE's own, and its manual is the documentation. Three things differ from C:
+//! All names that start with `d` in `<ode/ode.h>`, with C's own types (`c_int`, `FILE`) from the crate `libc`. Names,
+//! units and rules are ODE's own, and its manual is the documentation. Three things differ from C:
 //!
 //! - constants of unnamed enums are `u32`, while the functions take `c_int`: cast;
 //! - [`CONTACTS_UNIMPORTANT`] is the sign bit of `dCollide`'s `flags`: cast it with `as c_int`;

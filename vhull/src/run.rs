@@ -23,11 +23,11 @@ use std::sync::Arc;
 
 /// Drop virtual bodies on a recorded subject, or let it knock over a stack of boxes.
 ///
-/// The recording's masks collide with the bodies, at the pace at which they were recorded. The first frame is held until
-/// the bodies have come to rest. World z is up, the floor at z = 0. Writes a film (GIF, 30 frames a second) and three
-/// stills of it, the state of each body in each frame of the film (CSV) and a plot of their heights, and prints what
-/// became of the bodies. The film shows the recording's images or videos (these need ffmpeg), or its masks where there
-/// are none.
+/// The recording's masks collide with the bodies, at the pace at which they were recorded. The first frame is held
+/// until the bodies have come to rest. World z is up, the floor at z = 0. Writes a film (GIF, 30 frames a second) and
+/// three stills of it, the state of each body in each frame of the film (CSV) and a plot of their heights, and prints
+/// what became of the bodies. The film shows the recording's images or videos (these need ffmpeg), or its masks where
+/// there are none.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {

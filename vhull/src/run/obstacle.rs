@@ -11,14 +11,14 @@ const CELL: f64 = 0.04;
 /// Distance of the stack from the subject in the first frame, in metres.
 const CLEARANCE: f64 = 0.04;
 
-/// Share of the stack's upper two thirds that the subject fills at a time: the least that surely knocks it over, and the
-/// best. More makes the boxes fly.
+/// Share of the stack's upper two thirds that the subject fills at a time: the least that surely knocks it over, and
+/// the best. More makes the boxes fly.
 const MIN_OVERLAP: f64 = 0.05;
 const BEST_OVERLAP: f64 = 0.15;
 
-/// The foot of a stack of this `side` and `height` where the subject is not in the first of `hulls` but comes later: into
-/// the upper part, so that the stack falls, and in the first two thirds of the hulls, so that the film shows it. `None`
-/// if the subject comes to no such place.
+/// The foot of a stack of this `side` and `height` where the subject is not in the first of `hulls` but comes later:
+/// into the upper part, so that the stack falls, and in the first two thirds of the hulls, so that the film shows it.
+/// `None` if the subject comes to no such place.
 pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<f64>> {
     let (first, later) = hulls.split_first()?;
     let later = &later[..(2 * later.len()).div_ceil(3)];

@@ -39,8 +39,8 @@ struct Placement {
     flatness: f64,
 }
 
-/// Poses from which to drop `n` boxes with edges of `side` metres, apart from each other: first those from which a single
-/// box came to rest on the subject, then others, the most level places first.
+/// Poses from which to drop `n` boxes with edges of `side` metres, apart from each other: first those from which a
+/// single box came to rest on the subject, then others, the most level places first.
 pub fn poses(data: &Arc<HullData>, n: usize, side: f64, pixel_size: f64) -> Result<Vec<Isometry3<f64>>> {
     let Some((_, hull)) = data.latest() else { return Ok(Vec::new()) };
     let mut placements = Heights::of(&hull).placements(side);

@@ -13,8 +13,8 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// The first frame is held for `hold` seconds. Then frames follow at their `times`, of which there has to be at least
-    /// one. The last frame is current for as long as the others on average, and then for `linger` seconds more.
+    /// The first frame is held for `hold` seconds. Then frames follow at their `times`, of which there has to be at
+    /// least one. The last frame is current for as long as the others on average, and then for `linger` seconds more.
     pub fn new(times: &[f64], hold: f64, linger: f64) -> Self {
         let starts: Vec<f64> = times.iter().map(|time| hold + time - times[0]).collect();
         let last = starts[starts.len() - 1];

@@ -147,7 +147,7 @@ unsafe fn triangles(mesh: dGeomID, world_from_geom: &Isometry3<f64>) -> Vec<[Poi
 }
 
 /// The vertices of a convex geom in its own frame. ODE has no getter for them, but reports every vertex behind a
-/// plane as a contact: two opposite planes through the middle of its box set_samples them all.
+/// plane as a contact: two opposite planes through the middle of its box give them all.
 ///
 /// # Safety
 /// `convex` is a living convex geom and `world_from_geom` its pose.

@@ -97,7 +97,7 @@ struct Measured {
 
 /// Figures of each kind of cameras: the agreement in the worst scene, with its bound, and in each scene; and where
 /// views abstain, the mean share of points inside that some view does not see.
-pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let mut figures = Vec::new();
     for kind in KINDS {
         let scenes = scene::SHAPES.into_iter().flat_map(|shape| [5, 7].map(|n| (shape, n)));

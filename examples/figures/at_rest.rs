@@ -29,7 +29,7 @@ const LIVE_HZ: f64 = 30.0;
 
 const BOX: Vector3<f64> = Vector3::new(0.2, 0.2, 0.2);
 
-pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("a box on still, noisy masks");
     let still: Vec<f64> = SEEDS.map(|seed| on_still_masks(seed, Mode::Clustered)).collect();
     let single = median(SEEDS.map(|seed| on_still_masks(seed, Mode::Single)));

@@ -40,7 +40,7 @@ const SCENES: u64 = 8;
 const POINTS: usize = 2000;
 const BODIES: usize = 20;
 
-pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("calls of the C functions");
     let scenes: Vec<Scene> = (0..SCENES).map(Scene::new).collect();
     let mut figures = Vec::new();

@@ -27,7 +27,7 @@ const BOUNDS: [(&str, Option<Bound>); 15] = [
 ];
 
 /// Every figure of each scene, as `name_torus_7`, and the worst over all scenes as `name`, with its bound.
-pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let mut by_scene = Vec::new();
     for scene in scene::all() {
         progress(&scene.name);

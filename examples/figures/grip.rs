@@ -10,7 +10,7 @@ use ode_visual_hull_testing::figure::{
     Figure,
 };
 
-pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("bodies inside, pierced and held");
     let arm = Placed::new(
         Solid::capsule(0.04, 0.8).expect("positive sizes"),

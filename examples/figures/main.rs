@@ -23,14 +23,14 @@ type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
 const GROUPS: [(&str, Measure); 8] = [
-    ("geometry", geometry::measure),
-    ("agreement", agreement::measure),
-    ("trajectories", trajectories::measure),
-    ("rest", at_rest::measure),
-    ("stack", stack::measure),
-    ("grip", grip::measure),
-    ("capi", capi::measure),
-    ("segmentation", segmentation::measure),
+    ("geometry", geometry::run_group),
+    ("agreement", agreement::run_group),
+    ("trajectories", trajectories::run_group),
+    ("rest", at_rest::run_group),
+    ("stack", stack::run_group),
+    ("grip", grip::run_group),
+    ("capi", capi::run_group),
+    ("segmentation", segmentation::run_group),
 ];
 
 fn main() -> ExitCode {
@@ -42,9 +42,9 @@ fn main() -> ExitCode {
     }
 
     let mut figures = Vec::new();
-    for (name, measure) in GROUPS {
+    for (name, run_group) in GROUPS {
         if groups.is_empty() || groups.iter().any(|group| group == name) {
-            figures.extend(measure(&|step| eprintln!("{name}: {step}")));
+            figures.extend(run_group(&|step| eprintln!("{name}: {step}")));
         }
     }
 

@@ -19,7 +19,7 @@ use std::path::Path;
 const EMPTY_FRAMES: u32 = 24;
 
 /// The figures of all captures that are present, and of the synthetic studio.
-pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let (mut figures, mut coded) = (Vec::new(), Vec::new());
     for (name, capture) in
         [("seated_person", seated as Capture), ("balancing_person", balancing), ("dino", dino)]

@@ -8,7 +8,7 @@ use ode_visual_hull_testing::figure::{Bound::AtMost, Figure};
 
 const SIDE: f64 = 0.15;
 
-pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("five boxes on the table");
     let native = median(SEEDS.map(|seed| creep(seed, false)));
     let hull = median(SEEDS.map(|seed| creep(seed, true)));

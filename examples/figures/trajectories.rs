@@ -6,7 +6,7 @@ use ode_visual_hull_testing::figure::{
     Figure,
 };
 
-pub fn measure(progress: &dyn Fn(&str)) -> Vec<Figure> {
+pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let figure = |(name, value): (String, f64)| {
         let bound = match name.as_str() {
             "trajectory_worst_px" => Some(AtMost(2.0)),

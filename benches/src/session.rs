@@ -36,7 +36,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session of `rounds` rounds a comparison, which writes its plots below the folder `docs`.
+    /// A run of `rounds` rounds for each comparison, which writes its plots below the folder `docs`.
     pub fn new(rounds: usize, docs: PathBuf) -> Self {
         let style = ProgressStyle::with_template("{msg:28} [{bar:40}] {pos}/{len} rounds, {elapsed}")
             .expect("a valid template")

@@ -121,3 +121,23 @@ pub(super) fn assert_sees(camera: &Camera, point: [f64; 3], u: f64, v: f64) {
     let found = camera.project(&Point3::from(point)).unwrap();
     assert!((found.u - u).abs() < 1e-9 && (found.v - v).abs() < 1e-9, "found {found:?}, not {u}, {v}");
 }
+
+/// Asserts that a thousand points spread over the image, at depths of 0.3 to 8 m, return to their pixels when they are
+/// unprojected and projected, twice. Returns how many of them the lens model reaches.
+pub(super) fn assert_points_return(camera: &Camera) -> usize {
+    let (width, height) = camera.size();
+    // Powers of the inverse of the root of x^4 = x + 1 spread points evenly in three dimensions.
+    let unit = |i: u32, power: i32| (f64::from(i) * 0.819_172_513_396_164_4_f64.powi(power)).fract();
+    let mut reached = 0;
+    for i in 0..1000 {
+        let (u, v) = (f64::from(width) * unit(i, 1), f64::from(height) * unit(i, 2));
+        let Some(world) = camera.unproject(u, v, 0.3 + 7.7 * unit(i, 3)) else { continue };
+        let seen = camera.project(&world).unwrap();
+        let again = camera.project(&camera.unproject(seen.u, seen.v, seen.depth).unwrap()).unwrap();
+        for pixel in [seen, again] {
+            assert!((pixel.u - u).abs() < 1e-6 && (pixel.v - v).abs() < 1e-6, "{pixel:?}, not {u}, {v}");
+        }
+        reached += 1;
+    }
+    reached
+}

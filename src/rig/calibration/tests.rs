@@ -1,6 +1,9 @@
 mod hostile;
 
-use super::super::testing::{Folder, HINTS, Sample, assert_refused, load_text, several_files, single_files};
+use super::super::testing::{
+    Folder, HINTS, Sample, assert_points_return, assert_refused, load_folder, load_text, several_files,
+    single_files,
+};
 use super::{Calibration, Hints, UPSIDE_DOWN, colmap, easymocap, opencv, ros};
 use crate::Result;
 use std::collections::HashSet;
@@ -26,6 +29,20 @@ fn a_camera_too_far_for_metres_is_noted_unless_the_unit_was_given() {
         calibration.is_unit_doubtful
     };
     assert!(is_noted(load(None)) && !is_noted(load(Some(1.0))));
+}
+
+#[test]
+fn unprojected_points_project_to_their_pixels_in_every_format() {
+    let single =
+        single_files().map(|Sample { name, text }| Calibration::parse(name, text.as_bytes(), &HINTS));
+    let several = several_files().into_iter().map(|files| load_folder(files, &HINTS));
+    for calibration in single.chain(several) {
+        for camera in calibration.unwrap().rig.cameras() {
+            // The strongest lens of these files folds back towards the image's corners.
+            let reached = assert_points_return(camera);
+            assert!(reached > 500, "{}: {reached}", camera.name());
+        }
+    }
 }
 
 /// The calibration, or the error's message with the first `old` replaced by `new`.

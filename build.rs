@@ -7,7 +7,7 @@ fn main() {
     if env::var_os("CARGO_FEATURE_ODE").is_some() {
         check_precision();
     }
-    name_library();
+    link_shared_library();
     // Tests compile C programs for the same target.
     println!("cargo::rustc-env=TEST_TARGET={}", env::var("TARGET").unwrap_or_default());
     println!("cargo::rustc-env=TEST_HOST={}", env::var("HOST").unwrap_or_default());
@@ -23,10 +23,14 @@ fn check_precision() {
     }
 }
 
-/// Gives `libode_visual_hull.so` its name and interface version, which cargo leaves out. cargo-c, which sets the
+/// Gives `libode_visual_hull.so` its name and interface version, which cargo leaves out, and keeps it loaded. cargo-c, which sets the
 /// feature `capi`, does it itself, and a second name would win over its own.
-fn name_library() {
+fn link_shared_library() {
     let linux = env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "linux");
+    if linux {
+        // ODE keeps the addresses of the library's functions, so a plugin host must not unload it.
+        println!("cargo::rustc-cdylib-link-arg=-Wl,-z,nodelete");
+    }
     if linux && env::var_os("CARGO_FEATURE_CAPI").is_none() {
         let major = env::var("CARGO_PKG_VERSION_MAJOR").unwrap_or_default();
         println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libode_visual_hull.so.{major}");

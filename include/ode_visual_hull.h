@@ -27,11 +27,29 @@
  * Functions that can fail return nonzero, an id or an index on success, and 0, NULL or -1 on failure. After a failure
  * dVisualHullGetErrorMessage returns what was expected, what was found, and what to do. No function aborts or prints.
  * Ids that are NULL, stale or of another kind are refused and never dereferenced.
+ *
+ * A hull collides with spheres, boxes, capsules, cylinders, convex geoms, meshes and rays, alone or in a dGeomTransform,
+ * and with geoms of other classes that have samples (dGeomVisualHullSetSamples). A hull against a plane, a heightfield
+ * or another hull gives no contacts.
+ *
+ * ODE lets bodies sleep and wakes them only through contacts with bodies that are awake. This library wakes a sleeping
+ * body when the hull's surface at it has moved, touches it first, or has left. It can do so only where the near callback
+ * calls dCollide: a callback that skips pairs whose bodies all sleep never wakes any. As with any static geom, nothing
+ * wakes bodies when the program disables or destroys a hull, or removes it from its space: call dBodyEnable for the bodies
+ * on it.
+ *
+ * Collision detection keeps addresses of this library's functions in ODE, so the shared library stays loaded after
+ * dlclose. Several copies of the library in one process take one of ODE's four user classes each.
  */
 #ifndef _ODE_VISUAL_HULL_H_
 #define _ODE_VISUAL_HULL_H_
 
 #include <ode/ode.h>
+
+#ifndef dDOUBLE
+#error "ode_visual_hull.h needs an ODE of double precision, but <ode/precision.h> says single: its dReal would be read as \
+double. Use Debian's libode-dev, or build ODE with --enable-double-precision, and check the order of the include paths."
+#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -94,7 +112,7 @@ const char *dVisualHullGetVersion(void);
  * @brief Creates a data object without views, without a work volume, and with the policy dVisualHullUnseenOutside.
  *
  * The caller destroys it with dGeomVisualHullDataDestroy. All functions on data objects may be called from any thread,
- * except dGeomVisualHullDataUpdate.
+ * except dGeomVisualHullDataUpdate, which also changes geoms.
  *
  * @return The id.
  */
@@ -224,7 +242,8 @@ int dGeomVisualHullDataSetViewEnabled(dVisualHullDataID d, int view, int enabled
  * this frame from now on.
  *
  * The call is cheap. Make it on the thread that runs the simulation, between two collides: it marks the bounding boxes
- * of all bound geoms as changed, which ODE forbids inside a near callback.
+ * of all bound geoms as changed, which ODE forbids inside a near callback. Where worlds on several threads have geoms of
+ * one data object, use dGeomVisualHullDataPublish and dGeomVisualHullUpdate instead.
  *
  * @return Nonzero on success; 0 if a view has no mask, if there are no bounds, or if the time is before the last
  * frame's, and then the last frame stays in use.
@@ -232,16 +251,31 @@ int dGeomVisualHullDataSetViewEnabled(dVisualHullDataID d, int view, int enabled
 int dGeomVisualHullDataUpdate(dVisualHullDataID d, dReal time);
 
 /**
+ * @brief As dGeomVisualHullDataUpdate, but bound geoms do not collide with the frame until dGeomVisualHullUpdate is
+ * called for each. May be called from any thread.
+ */
+int dGeomVisualHullDataPublish(dVisualHullDataID d, dReal time);
+
+/**
  * @brief Creates a geom of the class, bound to a data object. It is placeable, at the origin and without a body.
  *
  * dGeomDestroy or the destruction of its space destroys it, as any geom. Its pose is the transform from the cameras'
- * world frame to ODE's world, so it moves the subject as the cameras see it.
+ * world frame to ODE's world, so it moves the subject as the cameras see it. It may be inside a dGeomTransform; after
+ * dGeomVisualHullDataSetBounds or dGeomVisualHullSetData, call dGeomMoved for the transform, whose box ODE keeps.
  *
  * @param space the space to add the geom to; may be 0
  * @param d the data object
  * @return The geom; 0 on failure.
  */
 dGeomID dCreateVisualHull(dSpaceID space, dVisualHullDataID d);
+
+/**
+ * @brief Lets a hull collide with the latest frame of its data object from now on. Call it between two collides, on the
+ * thread that steps the geom's world. Calling it without a new frame is allowed and changes nothing.
+ *
+ * @return Nonzero on success; 0 if the geom is no visual hull.
+ */
+int dGeomVisualHullUpdate(dGeomID g);
 
 /** @brief Binds a hull to another data object. Call it between two collides only. */
 void dGeomVisualHullSetData(dGeomID g, dVisualHullDataID d);
@@ -291,7 +325,9 @@ void dGeomVisualHullSetMinFeature(dGeomID g, dReal diameter);
 /**
  * @brief Sets surface samples for a geom, in place of its class's own samples or for a class that has none.
  *
- * The samples belong to the geom until dGeomVisualHullClearSamples; call that before you destroy the geom.
+ * The samples belong to the geom until dGeomVisualHullClearSamples. Call that before you destroy the geom: ODE does not
+ * report its end, and a new geom of equal shape at its address would inherit the samples. If the geom is resized, those of
+ * its class are used again, and dVisualHullGetErrorMessage says so: set samples for the new size.
  *
  * @param body any geom
  * @param points count vectors of three numbers in the geom's frame; copied

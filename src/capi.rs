@@ -283,6 +283,11 @@ extern "C" fn dGeomVisualHullDataUpdate(d: DataId, time: dReal) -> c_int {
     })
 }
 
+#[unsafe(no_mangle)]
+extern "C" fn dGeomVisualHullDataPublish(d: DataId, time: dReal) -> c_int {
+    fenced(FAILED, || data::get(d)?.update(time).map(|_| OK))
+}
+
 /// # Safety
 /// `space` is NULL or a living space that is not being collided.
 #[unsafe(no_mangle)]
@@ -291,6 +296,16 @@ unsafe extern "C" fn dCreateVisualHull(space: dSpaceID, d: DataId) -> dGeomID {
         let data = data::get(d)?;
         // SAFETY: the caller guarantees a living space or NULL.
         unsafe { ode::create_hull_in(space, data) }
+    })
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn dGeomVisualHullUpdate(g: dGeomID) -> c_int {
+    fenced(FAILED, || {
+        let hull = RawHull::find(g)?;
+        // SAFETY: the header requires a call between two collides, on the thread that steps the geom's world.
+        unsafe { hull.apply_latest_frame() };
+        Ok(OK)
     })
 }
 

@@ -13,10 +13,10 @@ use ode_visual_hull_testing::figure::{Bound::AtMost, Figure};
 use std::sync::Arc;
 
 /// Seconds of settling before the measurement.
-const SETTLE: f64 = 3.0;
+pub const SETTLE: f64 = 3.0;
 
 /// Seconds of the measurement.
-const MEASURE: f64 = 5.0;
+pub const MEASURE: f64 = 5.0;
 
 /// Share of boundary pixels that are flipped once for all frames.
 const CONSTANT_FLIPS: f64 = 0.37;
@@ -107,25 +107,30 @@ fn on_still_masks(seed: u64, mode: Mode) -> f64 {
     rms_speed(&mut world, body, |_| ())
 }
 
-fn on_live_masks(seed: u64) -> f64 {
+/// A world with the box above a table whose masks flicker, and what shows the masks of a time.
+pub fn box_on_live_masks(seed: u64) -> (World, BodyId, impl FnMut(f64)) {
     let cameras = level_ring(TOP);
     let data = data(&cameras);
     let clean = masks(&cameras, &table(), silhouette);
     publish(&data, &noisy(&clean, LIVE_FLIPS, seed), 0.0);
     let (mut world, body) = box_above(seed, 0.5 * pixel(), Some((&data, Mode::Clustered)));
-
     let hull = world.geoms().next().expect("the hull came first");
     world.hull_mut(hull).set_min_feature(0.015).expect("positive");
 
     let mut frame = 0;
-
-    rms_speed(&mut world, body, |time| {
+    let next_masks = move |time: f64| {
         let due = (time * LIVE_HZ) as u64;
         if due > frame {
             frame = due;
             publish(&data, &noisy(&clean, LIVE_FLIPS, seed + 10_000 * frame), time);
         }
-    })
+    };
+    (world, body, next_masks)
+}
+
+fn on_live_masks(seed: u64) -> f64 {
+    let (mut world, body, next_masks) = box_on_live_masks(seed);
+    rms_speed(&mut world, body, next_masks)
 }
 
 /// RMS speed in mm/s by the paper's section 3, without a solver: the box moves by its response vector, and its velocity

@@ -10,6 +10,7 @@ mod capi;
 mod geometry;
 mod grip;
 mod segmentation;
+mod sleepers;
 mod stack;
 mod studio;
 mod trajectories;
@@ -22,11 +23,12 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 8] = [
+const GROUPS: [(&str, Measure); 9] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("trajectories", trajectories::run_group),
     ("rest", at_rest::run_group),
+    ("sleepers", sleepers::run_group),
     ("stack", stack::run_group),
     ("grip", grip::run_group),
     ("capi", capi::run_group),

@@ -1,18 +1,21 @@
 //! The boundary between C and Rust: errors and panics become messages, and no panic unwinds into C.
 
 use crate::Result;
+use crate::ode::per_thread::per_thread;
 use crate::ode::{catch, is_fenced, take_last_error, take_parked_panic};
 use std::any::Any;
-use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
 use std::panic;
 use std::sync::Once;
 
-thread_local! {
+per_thread! {
     /// The message of this thread's last failure.
-    static MESSAGE: RefCell<CString> = RefCell::default();
+    static MESSAGE: CString
+}
+
+per_thread! {
     /// The source location of the last fenced panic.
-    static PLACE: RefCell<String> = const { RefCell::new(String::new()) };
+    static PLACE: String
 }
 
 /// Installs a panic hook that does not print fenced panics, which become messages. It prints all others as before.
@@ -49,8 +52,11 @@ pub(super) fn message() -> *const c_char {
     if let Some(payload) = take_parked_panic() {
         set_message(panic_message(payload.as_ref()));
     }
-    // The string is valid until the next failure on this thread.
-    MESSAGE.with_borrow(|message| message.as_ptr())
+    // The string's memory stays where it is, and is valid until the next failure on this thread.
+    let Some(message) = MESSAGE.take() else { return c"".as_ptr() };
+    let start = message.as_ptr();
+    MESSAGE.set(message);
+    start
 }
 
 /// Makes `text` this thread's message.
@@ -65,7 +71,7 @@ fn panic_message(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().copied();
     let text =
         text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("without a message");
-    let place = PLACE.take();
+    let place = PLACE.take().unwrap_or_default();
     format!("internal error of this library, not of its caller: {text} ({place}); please report it")
 }
 

@@ -15,11 +15,13 @@ use super::manifold::{Manifolds, PendingManifold};
 use super::reduce::Reduction;
 use super::{BodyContacts, Manifold, ManifoldPoint, Mode, PenetratingSample, SampledBody, Settings, tilt};
 use crate::hull::{EdgeModel, ExitRay, Hull, Scratch, Workspace};
+use crate::recycle::{keep_scratch, take_scratch};
 use nalgebra::{Point3, Vector3};
 use std::cell::Cell;
 use std::ops::Range;
 
 thread_local! {
+    /// Memory that this thread's batches reuse, one at a time.
     static SCRATCH: Cell<Option<Box<ContactPipeline>>> = const { Cell::new(None) };
 }
 
@@ -72,9 +74,9 @@ struct ExitScratch {
 impl ContactPipeline {
     /// Runs `work` on the pipeline that belongs to the thread.
     pub(super) fn with_scratch<R>(work: impl FnOnce(&mut Self) -> R) -> R {
-        let mut pipeline = SCRATCH.take().unwrap_or_default();
+        let mut pipeline = take_scratch(&SCRATCH);
         let result = work(&mut pipeline);
-        SCRATCH.set(Some(pipeline));
+        keep_scratch(&SCRATCH, pipeline);
         result
     }
 

@@ -2,12 +2,12 @@
 //!
 //! Each function takes the argument's name for the error message.
 
-use nalgebra::{Isometry3, Unit, Vector3};
+use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use crate::{Error, Result};
 
-pub use crate::shape::REACH;
 pub(super) use crate::shape::check_point as point;
+pub use crate::shape::{MIN_SIZE, REACH};
 
 /// Larger numbers are refused as if they were infinite, because their squares and products in ODE would overflow.
 const LARGEST: f64 = 1e30;
@@ -53,12 +53,14 @@ pub(super) fn not_negative_or_infinite(name: &str, value: f64) -> Result<f64> {
     if value == f64::INFINITY { Ok(value) } else { not_negative(name, value) }
 }
 
-/// Accepts a length above zero and up to [`REACH`], in metres.
+/// Accepts a length from [`MIN_SIZE`] to [`REACH`], in metres.
 pub(super) fn length(name: &str, value: f64) -> Result<f64> {
-    if value > 0.0 && value <= REACH {
+    if (MIN_SIZE..=REACH).contains(&value) {
         Ok(value)
     } else {
-        Err(Error::argument(format!("{name}: expected a length above 0 and up to {REACH} m, found {value}")))
+        Err(Error::argument(format!(
+            "{name}: expected a length from {MIN_SIZE:e} to {REACH:e} m, found {value}"
+        )))
     }
 }
 
@@ -82,7 +84,12 @@ pub(super) fn direction(name: &str, value: &Vector3<f64>) -> Result<Unit<Vector3
 /// Accepts a pose with coordinates within [`REACH`] and a unit quaternion.
 pub(super) fn pose(name: &str, value: &Isometry3<f64>) -> Result<()> {
     point(name, &value.translation.vector.into())?;
-    let norm = value.rotation.as_ref().norm();
+    rotation(name, &value.rotation)
+}
+
+/// Accepts a unit quaternion.
+pub(super) fn rotation(name: &str, value: &UnitQuaternion<f64>) -> Result<()> {
+    let norm = value.as_ref().norm();
     if (norm - 1.0).abs() <= 1e-6 {
         Ok(())
     } else {

@@ -11,10 +11,10 @@ use std::sync::Mutex;
 
 use nalgebra::{Point3, Vector3};
 use ode_sys::{
-    CONTACTS_UNIMPORTANT, dAreConnectedExcluding, dBodyID, dCollide, dContact, dContactGeom, dGeomGetBody,
-    dGeomGetClass, dGeomID, dGeomIsEnabled, dGeomIsSpace, dJointAttach, dJointCreateContact,
-    dJointGroupEmpty, dJointGroupID, dJointID, dJointTypeContact, dSpaceCollide, dSpaceCollide2,
-    dTriMeshClass, dWorldID,
+    CONTACTS_UNIMPORTANT, dAreConnectedExcluding, dBodyID, dCapsuleClass, dCollide, dContact, dContactGeom,
+    dCylinderClass, dGeomGetBody, dGeomGetClass, dGeomID, dGeomIsEnabled, dGeomIsSpace, dJointAttach,
+    dJointCreateContact, dJointGroupEmpty, dJointGroupID, dJointID, dJointTypeContact, dSpaceCollide,
+    dSpaceCollide2, dTriMeshClass, dWorldID,
 };
 
 use super::arena::{BodyId, GeomId};
@@ -27,6 +27,10 @@ use crate::{Error, Result};
 
 /// The largest number of contacts that one call of ODE can return: the count has 16 bits.
 const MAX_CONTACTS: usize = 0xffff;
+
+/// The largest number of contacts of a capsule or cylinder with a mesh, for which ODE takes 80 bytes a contact asked for
+/// from the stack.
+const MAX_STACK_CONTACTS: usize = 1000;
 
 /// Guards the cache that Debian's ODE shares between all threads for collisions with meshes.
 static MESH_CACHE: Mutex<()> = Mutex::new(());
@@ -187,14 +191,17 @@ impl<'c> Pair<'c> {
             && unsafe { dAreConnectedExcluding(first, second, dJointTypeContact as i32) } != 0
     }
 
-    /// Up to `max` contacts, at most 65 535.
+    /// Up to `max` contacts, at most 65 535; at most 1000 of a capsule or cylinder with a triangle mesh.
     pub fn contacts(&self, max: usize) -> Contacts<'c> {
         contacts(self.world, self.raw, self.geoms, max, 0)
     }
 
-    /// Whether the two geoms touch. This is faster than computing their contacts.
+    /// Whether the two geoms touch. For visual hulls this is faster than computing their contacts.
     pub fn touches(&self) -> bool {
-        !contacts(self.world, self.raw, self.geoms, 1, CONTACTS_UNIMPORTANT).is_empty()
+        // ODE's own colliders miss touching boxes with this flag, and read contacts that they have not written.
+        let has_hull = self.raw.iter().any(|&geom| self.world.is_hull(geom));
+        let flags = if has_hull { CONTACTS_UNIMPORTANT } else { 0 };
+        !contacts(self.world, self.raw, self.geoms, 1, flags).is_empty()
     }
 
     /// Attaches a contact joint between the pair's bodies, which lasts until the next [`collide`](World::collide). A
@@ -267,7 +274,8 @@ fn contacts<'c>(
     max: usize,
     flags: u32,
 ) -> Contacts<'c> {
-    let max = max.min(MAX_CONTACTS);
+    // SAFETY: both geoms are alive.
+    let max = max.min(unsafe { max_contacts(raw) });
     let reused = &world.buffers.contacts;
     let mut points = reused.take();
     points.clear();
@@ -294,6 +302,19 @@ fn contacts<'c>(
         world.buffers.raw_contacts.set(found);
     }
     Contacts { points, reused }
+}
+
+/// The largest number of contacts to ask ODE for.
+///
+/// # Safety
+///
+/// Both geoms are alive.
+unsafe fn max_contacts(geoms: [dGeomID; 2]) -> usize {
+    // SAFETY: the caller guarantees living geoms.
+    let classes = geoms.map(|geom| unsafe { dGeomGetClass(geom) } as u32);
+    let takes_stack = |class: &u32| *class == dCapsuleClass || *class == dCylinderClass;
+    let is_on_stack = classes.contains(&dTriMeshClass) && classes.iter().any(takes_stack);
+    if is_on_stack { MAX_STACK_CONTACTS } else { MAX_CONTACTS }
 }
 
 /// Collides two geoms with ODE, writes their contacts to `found`, and returns their number.

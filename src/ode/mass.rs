@@ -98,11 +98,16 @@ impl Mass {
     }
 
     /// The mass of this solid after a rotation about the frame's origin.
-    pub fn rotated(&self, by: &UnitQuaternion<f64>) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for a quaternion that is not of unit length.
+    pub fn rotated(&self, by: &UnitQuaternion<f64>) -> Result<Self> {
+        check::rotation("rotation of the mass", by)?;
         let rotation = by.to_rotation_matrix();
         let inertia = rotation.matrix() * self.inertia * rotation.matrix().transpose();
         let inertia = (inertia + inertia.transpose()) / 2.0;
-        Self { total: self.total, center: by * self.center, inertia }
+        Self { total: self.total, center: by * self.center, inertia }.checked()
     }
 
     /// The mass of a solid of this shape and density distribution with another total mass, in kg.

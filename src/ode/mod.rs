@@ -61,6 +61,7 @@ mod joint;
 mod mass;
 mod panic;
 mod parameters;
+pub(crate) mod per_thread;
 mod shape;
 mod space;
 mod step;
@@ -70,7 +71,7 @@ mod world;
 
 pub use arena::{BodyId, GeomId, JointGroupId, JointId, SpaceId};
 pub use body::{Body, BodyMut};
-pub use check::REACH;
+pub use check::{MIN_SIZE, REACH};
 pub use collide::{ContactGeom, Contacts, Pair};
 pub use geom::{Geom, GeomMut, RayFlags};
 pub use hull::{HullMut, HullView};

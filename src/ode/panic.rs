@@ -1,13 +1,17 @@
 //! Panics never unwind through ODE: a callback that panics returns a default value to ODE, and the panic resumes once
 //! ODE has returned.
 
+use super::per_thread::per_thread;
 use std::any::Any;
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
-thread_local! {
+per_thread! {
     /// The first panic in a callback since the last call of `take_parked`.
-    static PARKED: RefCell<Option<Box<dyn Any + Send>>> = const { RefCell::new(None) };
+    static PARKED: Box<dyn Any + Send>
+}
+
+thread_local! {
     /// The number of nested `catch` calls that this thread is in.
     static FENCES: Cell<usize> = const { Cell::new(0) };
 }
@@ -28,9 +32,7 @@ pub(crate) fn is_fenced() -> bool {
 /// The result of `callback`. If it panics, the panic is parked on this thread and `default` is returned.
 pub(super) fn fence<T>(default: T, callback: impl FnOnce() -> T) -> T {
     catch(callback).unwrap_or_else(|payload| {
-        PARKED.with(|parked| {
-            parked.borrow_mut().get_or_insert(payload);
-        });
+        PARKED.set(PARKED.take().unwrap_or(payload));
         default
     })
 }

@@ -2,7 +2,7 @@
 
 use super::check;
 use super::trimesh::MeshData;
-use crate::shape::Shape;
+use crate::shape::{MAX_ASPECT, Shape};
 use crate::{Error, Result};
 use ode_sys::{
     dCreateBox, dCreateCapsule, dCreateConvex, dCreateCylinder, dCreatePlane, dCreateRay, dCreateSphere,
@@ -21,14 +21,17 @@ pub(super) fn checked(shape: &Shape) -> Result<Shape> {
             for (axis, &side) in ["x", "y", "z"].iter().zip(sides.iter()) {
                 check::length(&format!("{axis} side of the box"), side)?;
             }
+            check_aspect("sides of the box", sides.as_slice())?;
         }
         Shape::Capsule { radius, length } => {
             check::length("radius of the capsule", *radius)?;
             check::length("length of the capsule", *length)?;
+            check_aspect("radius and length of the capsule", &[*radius, *length])?;
         }
         Shape::Cylinder { radius, length } => {
             check::length("radius of the cylinder", *radius)?;
             check::length("length of the cylinder", *length)?;
+            check_aspect("radius and length of the cylinder", &[*radius, *length])?;
         }
         Shape::Plane { normal, offset } => {
             let normal = check::direction("normal of the plane", normal)?.into_inner();
@@ -43,6 +46,17 @@ pub(super) fn checked(shape: &Shape) -> Result<Shape> {
     }
 
     Ok(shape.clone())
+}
+
+/// Refuses sizes of one shape that differ by a larger factor than ODE's colliders can compute with.
+fn check_aspect(name: &str, sizes: &[f64]) -> Result<()> {
+    let (least, most) = sizes.iter().fold((f64::INFINITY, 0.0), |(a, b), &size| (size.min(a), size.max(b)));
+    if most <= MAX_ASPECT * least {
+        return Ok(());
+    }
+    Err(Error::argument(format!(
+        "{name}: expected sizes that differ by a factor of at most {MAX_ASPECT:e}, found {least} and {most} m"
+    )))
 }
 
 /// Creates a geom of this shape, in no space, and for a mesh its search tree.

@@ -202,8 +202,12 @@ impl World {
     }
 
     /// Removes a geom. Returns false if it was removed before.
+    ///
+    /// Bodies that sleep on a visual hull wake when it is removed. Those on other geoms sleep on in the air, as in any
+    /// program with ODE: [enable](super::BodyMut::set_enabled) them.
     pub fn remove_geom(&mut self, id: GeomId) -> bool {
         let Some(record) = self.geoms.remove(id.0) else { return false };
+        self.wake_bodies_on(record.raw);
         clear_samples(record.raw);
         // SAFETY: the geom was alive, and its record was just removed, so it is destroyed only once. The data that the
         // geom borrows is in the record, which is dropped later.

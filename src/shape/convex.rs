@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector3};
 
-use super::check_point;
+use super::{MIN_SIZE, check_point};
 use crate::{Error, Result};
 
 /// The tolerance for roundoff in planes, as a part of the polyhedron's size.
@@ -160,10 +160,11 @@ fn plane(points: &[Point3<f64>], face: &[u32], tolerance: f64) -> std::result::R
             ));
         }
     }
-    if distance <= tolerance {
-        return Err(
-            "expected the origin inside the polyhedron, found it on the face or in front of it".into()
-        );
+    if distance <= tolerance.max(0.5 * MIN_SIZE) {
+        return Err(format!(
+            "expected the origin inside the polyhedron, at least {:e} m behind each face, found it {distance} m behind",
+            0.5 * MIN_SIZE
+        ));
     }
     Ok([normal.x, normal.y, normal.z, distance])
 }

@@ -5,7 +5,9 @@ mod reach;
 mod trimesh;
 
 pub use convex::Convex;
-pub use reach::REACH;
+#[cfg(feature = "ode")]
+pub(crate) use reach::MAX_ASPECT;
+pub use reach::{MIN_SIZE, REACH};
 pub use trimesh::TriMesh;
 
 pub(crate) use reach::check_point;

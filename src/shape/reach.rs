@@ -9,6 +9,14 @@ use nalgebra::Point3;
 /// flies or falls beyond this limit is stopped by the step in which it does.
 pub const REACH: f64 = 1e7;
 
+/// The smallest size of a shape, in metres: a micrometre. ODE's colliders divide by squares of sizes, and abort the process
+/// or never return for much smaller ones.
+pub const MIN_SIZE: f64 = 1e-6;
+
+/// The largest ratio of the longest to the shortest size of one shape, for the same reason.
+#[cfg(feature = "ode")]
+pub(crate) const MAX_ASPECT: f64 = 1e7;
+
 /// Accepts a point whose coordinates are each within [`REACH`].
 pub(crate) fn check_point(name: &str, value: &Point3<f64>) -> Result<()> {
     if value.iter().all(|x| x.abs() <= REACH) {

@@ -1,11 +1,12 @@
 //! Triangle meshes.
 
-use super::check_point;
+use super::{MIN_SIZE, check_point};
 use crate::{Error, Result};
 use nalgebra::Point3;
 
-/// A triangle lower than this part of its longest side counts as one without area.
-const FLAT: f64 = 1e-9;
+/// A triangle lower than this part of its longest side counts as one without area: ODE's colliders may not return for
+/// longer ones.
+const FLAT: f64 = 1e-7;
 
 /// A triangle mesh in a geom's own frame, in metres. Triangles are counter-clockwise seen from outside.
 ///
@@ -19,7 +20,8 @@ pub struct TriMesh {
 impl TriMesh {
     /// A mesh of triangles, each given by three indices into `points`.
     ///
-    /// Triangles without area collide with nothing and are left out, as are points that no triangle uses.
+    /// Triangles lower than [`MIN_SIZE`], or than 1e-7 of their longest side, are left out, as are points that no triangle
+    /// uses.
     ///
     /// # Errors
     ///
@@ -90,12 +92,12 @@ impl TriMesh {
     }
 }
 
-/// Whether a triangle's area is more than roundoff.
+/// Whether a triangle is high enough for ODE's colliders.
 fn has_area([a, b, c]: [Point3<f64>; 3]) -> bool {
-    let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
     // Twice the area is the longest side times the height above it.
-    let height_over_side = (b - a).cross(&(c - a)).norm() / longest;
-    longest > FLAT * FLAT && height_over_side > FLAT
+    let height = (b - a).cross(&(c - a)).norm() / longest;
+    height >= MIN_SIZE && height > FLAT * longest
 }
 
 #[cfg(test)]

@@ -101,6 +101,11 @@ impl HullData {
         Ok(())
     }
 
+    /// The work volume, if it was set.
+    pub fn bounds(&self) -> Option<Aabb> {
+        self.lock().bounds
+    }
+
     /// Sets the policy for views that do not see a point, from the next [`update`](Self::update) on.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use crate::camera::{Pixel, floor_pixel};
 use crate::hull::{EdgeModel, Hull, Verdict, View};
+use crate::recycle::{keep_scratch, take_scratch};
 use crate::silhouette::HALF_COVERAGE;
 use nalgebra::Point3;
 use std::cell::Cell;
@@ -35,9 +36,9 @@ thread_local! {
 impl ViewSamples {
     /// Runs `query` with reused memory.
     pub(super) fn with<R>(query: impl FnOnce(&mut Self) -> R) -> R {
-        let mut samples = SCRATCH.take().unwrap_or_default();
+        let mut samples = take_scratch(&SCRATCH);
         let result = query(&mut samples);
-        SCRATCH.set(Some(samples));
+        keep_scratch(&SCRATCH, samples);
         result
     }
 

@@ -222,6 +222,7 @@ impl<'w> GeomMut<'w> {
         let to = self.world.spaces.find(space)?.raw;
         let from = self.world.spaces.expect(self.view().space()).raw;
 
+        self.world.wake_bodies_on(self.raw);
         // A geom keeps its "clean" flag when it changes spaces. Without `dGeomMoved` the new space would overlook it.
         // SAFETY: the geom is in `from`, both spaces are alive, and no collide is running.
         unsafe {
@@ -287,20 +288,27 @@ impl<'w> GeomMut<'w> {
         Ok(())
     }
 
-    /// Sets the bits of the geom's categories, see [`Geom::category_bits`].
+    /// Sets the bits of the geom's categories, see [`Geom::category_bits`]. Bodies that sleep on a visual hull wake.
     pub fn set_category_bits(&mut self, bits: u32) {
+        self.world.wake_bodies_on(self.raw);
         // SAFETY: the geom is alive.
         unsafe { dGeomSetCategoryBits(self.raw, bits.into()) };
     }
 
-    /// Sets the bits of the categories that the geom collides with, see [`Geom::category_bits`].
+    /// Sets the bits of the categories that the geom collides with, see [`Geom::category_bits`]. Bodies that
+    /// sleep on a visual hull wake.
     pub fn set_collide_bits(&mut self, bits: u32) {
+        self.world.wake_bodies_on(self.raw);
         // SAFETY: the geom is alive.
         unsafe { dGeomSetCollideBits(self.raw, bits.into()) };
     }
 
-    /// Enables or disables the geom. A disabled geom does not collide.
+    /// Enables or disables the geom. A disabled geom does not collide. Bodies that sleep on a visual hull wake when it is
+    /// disabled.
     pub fn set_enabled(&mut self, enabled: bool) {
+        if !enabled {
+            self.world.wake_bodies_on(self.raw);
+        }
         // SAFETY: the geom is alive.
         unsafe { if enabled { dGeomEnable(self.raw) } else { dGeomDisable(self.raw) } };
     }

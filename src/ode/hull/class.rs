@@ -3,46 +3,57 @@
 //! ODE has room for four user classes in a process, cannot remove one, and forgets all of them when it closes. So this
 //! crate registers one class, at most once while ODE is open, whether this crate or the program opened it.
 
-use super::collider;
 use super::geom::HullGeom;
+use super::{canary, collider};
 use crate::lock::lock;
 use crate::ode::abort;
+use crate::ode::init::Ode;
 use crate::ode::panic::fence;
 use crate::{Error, Result};
 use ode_sys::{
-    dCollide, dColliderFn, dContactGeom, dCreateGeomClass, dCreateRay, dGeomClass, dGeomDestroy,
-    dGeomGetClass, dGeomGetClassData, dGeomID, dPlaneClass, dRayClass, dReal, dSetColliderOverride,
+    dColliderFn, dContactGeom, dCreateGeomClass, dGeomClass, dGeomGetClass, dGeomGetClassData, dGeomID,
+    dPlaneClass, dRayClass, dReal,
 };
-use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::ffi::c_int;
 use std::mem::size_of;
-use std::ptr::{null, null_mut};
+use std::ptr::null;
 use std::sync::{Arc, Mutex};
 
-/// What ODE keeps in a geom of the class: the geom's data, which `HULL_GEOMS` owns, or null before it is filled in.
-type ClassData = *const HullGeom;
+/// What ODE keeps in a geom of the class.
+#[repr(C)]
+struct ClassData {
+    /// The geom's data, which `HULL_GEOMS` owns; null before it is filled in.
+    geom: *const HullGeom,
+    /// The [`Registration::serial`] under which the geom was made.
+    registration: u64,
+}
 
-/// The number under which the class was registered last.
-static NUMBER: Mutex<Option<c_int>> = Mutex::new(None);
+/// A registration of the class in ODE.
+#[derive(Debug, Clone, Copy)]
+struct Registration {
+    number: c_int,
+    /// Counts the registrations of this process, and so tells geoms of this one from older ones.
+    serial: u64,
+}
+
+/// The registration that is in force, as far as this library knows.
+static REGISTRATION: Mutex<Option<Registration>> = Mutex::new(None);
 
 /// All living hull geoms by their addresses, which are not followed here: another thread may be about to destroy one.
 static HULL_GEOMS: Mutex<BTreeMap<usize, Arc<HullGeom>>> = Mutex::new(BTreeMap::new());
-
-thread_local! {
-    static CANARY_RAN: Cell<bool> = const { Cell::new(false) };
-}
 
 /// The class's number. Registers the class where ODE does not know it. ODE must be open.
 ///
 /// # Errors
 /// All four user classes are taken by other libraries.
 pub(super) fn number() -> Result<c_int> {
-    let mut number = lock(&NUMBER);
-    if let Some(known) = *number
-        && is_still_registered()
+    static SERIAL: Mutex<u64> = Mutex::new(0);
+    let mut serial = lock(&SERIAL);
+    if is_still_registered()
+        && let Some(known) = *lock(&REGISTRATION)
     {
-        return Ok(known);
+        return Ok(known.number);
     }
 
     let class = dGeomClass {
@@ -55,39 +66,33 @@ pub(super) fn number() -> Result<c_int> {
     // SAFETY: ODE is open, copies the class, and the callbacks live as long as the process; a full table is refused
     // before anything changes.
     let fresh = unsafe { abort::guarded(|| dCreateGeomClass(&raw const class)) };
-    let fresh = fresh.map_err(|message| {
+    let number = fresh.map_err(|message| {
         Error::Ode(format!(
             "expected room for one more user class, found all four taken ({message}); register fewer classes in this \
              process"
         ))
     })?;
-    // SAFETY: both numbers are ODE's own; two rays never touch, so that no other library collides the pair.
-    unsafe { dSetColliderOverride(dRayClass as c_int, dRayClass as c_int, Some(canary_collider)) };
-    *number = Some(fresh);
-    Ok(fresh)
+
+    canary::register(number);
+    *serial += 1;
+    *lock(&REGISTRATION) = Some(Registration { number, serial: *serial });
+    Ok(number)
 }
 
-/// Whether ODE, which must be open, has stayed open since the class was registered.
-///
-/// ODE has no getter for that, and a stale class number may be another library's class by now. But ODE forgets collider
-/// overrides together with its classes: if the one between two rays, a pair that never collides, still runs, then the
-/// class is registered too.
+/// Whether ODE still knows the class. Where it was closed since the class was registered, all geoms of the class are
+/// forgotten: ODE no longer reports when they are destroyed.
 pub(super) fn is_still_registered() -> bool {
-    CANARY_RAN.set(false);
-    // SAFETY: ODE is open; the rays are in no space and destroyed here; the buffer holds the one contact asked for.
-    unsafe {
-        let (one, other) = (dCreateRay(null_mut(), 1.0), dCreateRay(null_mut(), 1.0));
-        let mut contact: dContactGeom = std::mem::zeroed();
-        dCollide(one, other, 1, &raw mut contact, size_of::<dContactGeom>() as c_int);
-        dGeomDestroy(one);
-        dGeomDestroy(other);
-    }
-    CANARY_RAN.get()
-}
+    let Some(Registration { number, .. }) = *lock(&REGISTRATION) else { return false };
 
-extern "C" fn canary_collider(_: dGeomID, _: dGeomID, _: c_int, _: *mut dContactGeom, _: c_int) -> c_int {
-    CANARY_RAN.set(true);
-    0
+    // A reference of its own opens a closed ODE, which has forgotten the class, and closes it again.
+    let is_registered = Ode::init().is_ok_and(|_ode| canary::is_registered(number));
+    if !is_registered {
+        *lock(&REGISTRATION) = None;
+        // Outside the lock, since this may free data objects with all their frames.
+        let forgotten = std::mem::take(&mut *lock(&HULL_GEOMS));
+        drop(forgotten);
+    }
+    is_registered
 }
 
 /// Binds `data` to a new geom of the class, which owns it from here on.
@@ -96,14 +101,24 @@ extern "C" fn canary_collider(_: dGeomID, _: dGeomID, _: c_int, _: *mut dContact
 /// `geom` is a living geom of the class without data.
 pub(super) unsafe fn give_data(geom: dGeomID, data: HullGeom) {
     let data = Arc::new(data);
-    // SAFETY: the caller vouches for the geom's class, whose data is one pointer.
-    unsafe { *dGeomGetClassData(geom).cast::<ClassData>() = Arc::as_ptr(&data) };
+    let registration = lock(&REGISTRATION).map_or(0, |registration| registration.serial);
+    // SAFETY: the caller vouches for the geom's class, whose data is of this type.
+    unsafe {
+        dGeomGetClassData(geom)
+            .cast::<ClassData>()
+            .write(ClassData { geom: Arc::as_ptr(&data), registration });
+    }
     lock(&HULL_GEOMS).insert(geom as usize, data);
 }
 
 /// The data of the hull geom that lives at this address, which is not followed.
 pub(super) fn find(geom: dGeomID) -> Option<Arc<HullGeom>> {
     lock(&HULL_GEOMS).get(&(geom as usize)).cloned()
+}
+
+/// As [`find`], for an address that a program has passed: ODE may have been closed since.
+pub(super) fn find_current(geom: dGeomID) -> Option<Arc<HullGeom>> {
+    if is_still_registered() { find(geom) } else { None }
 }
 
 /// All hull geoms of the process, in the order of their addresses.
@@ -116,20 +131,22 @@ pub(super) fn all() -> Vec<(dGeomID, Arc<HullGeom>)> {
 /// # Safety
 /// `geom` is a living geom, and lives as long as `'a`.
 pub(super) unsafe fn data<'a>(geom: dGeomID) -> Option<&'a HullGeom> {
-    let number = *lock(&NUMBER);
-    // SAFETY: the class is checked first, since ODE aborts on a geom without class data.
+    let Registration { number, serial } = (*lock(&REGISTRATION))?;
+    // SAFETY: the class is checked first, since ODE aborts on a geom without class data. A geom of an older registration
+    // is not followed, since its data was dropped.
     unsafe {
-        if geom.is_null() || Some(dGeomGetClass(geom)) != number {
+        if geom.is_null() || dGeomGetClass(geom) != number {
             return None;
         }
-        (*dGeomGetClassData(geom).cast::<ClassData>()).as_ref()
+        let ClassData { geom: data, registration } = dGeomGetClassData(geom).cast::<ClassData>().read();
+        if registration == serial { data.as_ref() } else { None }
     }
 }
 
 /// The collider of a pair of classes, which ODE looks up once. A hull collides with all classes but itself and planes,
 /// which are unbounded and cannot be sampled.
 extern "C" fn collider(other: c_int) -> dColliderFn {
-    let own = *lock(&NUMBER);
+    let own = lock(&REGISTRATION).map(|registration| registration.number);
     if other == dPlaneClass as c_int || Some(other) == own {
         None
     } else if other == dRayClass as c_int {
@@ -183,7 +200,7 @@ extern "C" fn aabb(geom: dGeomID, into: *mut dReal) {
 extern "C" fn destroy(geom: dGeomID) {
     fence((), || {
         // SAFETY: ODE passes a living geom of the class, once, while its data can still be reached.
-        unsafe { *dGeomGetClassData(geom).cast::<ClassData>() = null() };
+        unsafe { (*dGeomGetClassData(geom).cast::<ClassData>()).geom = null() };
         // Outside the lock, since it may free a data object with all its frames.
         let data = lock(&HULL_GEOMS).remove(&(geom as usize));
         drop(data);

@@ -1,16 +1,16 @@
 //! The collider of the class: a hull against a body's samples, and against a ray.
 
 use super::geom::{self, HullGeom};
-use super::last_contacts::NewContact;
 use super::prefetch;
-use super::query::{CollideContext, ContactQuery};
+use super::query::ContactQuery;
+use super::wake::{self, MetBody};
 use crate::camera::Ray;
 use crate::contact::{self, BodyContacts, Contact};
 use crate::ode::convert;
+use crate::recycle::{keep_scratch, take_scratch};
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{
-    CONTACTS_UNIMPORTANT, dBodyEnable, dBodyIsEnabled, dContactGeom, dGeomGetBody, dGeomID, dGeomRayGet,
-    dGeomRayGetBackfaceCull, dGeomRayGetLength,
+    CONTACTS_UNIMPORTANT, dContactGeom, dGeomID, dGeomRayGet, dGeomRayGetBackfaceCull, dGeomRayGetLength,
 };
 use std::cell::Cell;
 use std::ffi::c_int;
@@ -20,8 +20,7 @@ const CONTACT_CAPACITY_MASK: u32 = 0xffff;
 
 thread_local! {
     /// Memory for the contacts of one pair at a time.
-    static SCRATCH: Cell<BodyContacts> =
-        const { Cell::new(BodyContacts { manifolds: Vec::new(), points: Vec::new(), escape: None }) };
+    static SCRATCH: Cell<Option<BodyContacts>> = const { Cell::new(None) };
 }
 
 /// Writes the contacts of the geom `hull`, whose data is `geom`, with the geom `other`; returns how many there are.
@@ -53,14 +52,16 @@ pub(super) unsafe fn collide_body(
         }
     };
 
-    let (hull_from_other, mut found) = (query.stamp.hull_from_other, SCRATCH.take());
+    let (hull_from_other, mut found) = (query.stamp.hull_from_other, take_scratch(&SCRATCH));
     if flags & CONTACTS_UNIMPORTANT != 0 {
         contact::collide_any(&mut found, &context.hull, &query.samples, &hull_from_other, &context.settings);
     } else {
         // SAFETY: the caller vouches for the geoms, and ODE for those in the spaces that it collides.
         unsafe {
+            let samples = query.samples.clone();
             prefetch::contacts_for(&geom.prefetch, &context, other, query, &mut found);
-            record_contact(&context, other, &found, &hull_from_other);
+            let met = MetBody { geom: other, samples: &samples, hull_from_body: hull_from_other };
+            wake::record_contacts(&context, &met, &found);
         }
     }
 
@@ -72,35 +73,8 @@ pub(super) unsafe fn collide_body(
         };
     }
     let count = found.points.len();
-    SCRATCH.set(found);
+    keep_scratch(&SCRATCH, found);
     count as c_int
-}
-
-/// Records how `other` meets the hull, and wakes its body where that sleeps and the hull at it has changed: ODE wakes a
-/// body only through an enabled one. The body is the one that ODE names now, not one remembered.
-///
-/// # Safety
-/// `other` is a living geom.
-unsafe fn record_contact(
-    context: &CollideContext,
-    other: dGeomID,
-    found: &BodyContacts,
-    hull_from_other: &Isometry3<f64>,
-) {
-    // SAFETY: the caller vouches for the geom, and ODE for its body.
-    let body = unsafe { dGeomGetBody(other) };
-    let contact = NewContact {
-        other: other as usize,
-        // SAFETY: as above.
-        is_asleep: !body.is_null() && unsafe { dBodyIsEnabled(body) } == 0,
-        depth: found.points.iter().map(|point| point.depth).reduce(f64::max),
-        escape: found.escape,
-        pixel_size: context.hull.pixel_size(&Point3::from(hull_from_other.translation.vector)),
-    };
-    if context.last_contacts.record(&contact) {
-        // SAFETY: as above; it sets flags of the body and touches no space.
-        unsafe { dBodyEnable(body) };
-    }
 }
 
 /// ODE's convention: the normal points into geom 1, which is the hull, so it is minus the exit direction.

@@ -9,14 +9,14 @@ use crate::contact::tuning::MIN_FEATURE;
 use crate::hull::{Aabb, Hull, HullData};
 use crate::lock::lock;
 use crate::ode::convert;
+use crate::ode::per_thread::per_thread;
 use nalgebra::{Isometry3, Point3};
-use ode_sys::{dGeomCopyPosition, dGeomGetQuaternion, dGeomID, dGeomMoved};
-use std::cell::RefCell;
+use ode_sys::{dGeomGetSpace, dGeomID, dGeomMoved};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-thread_local! {
+per_thread! {
     /// The last error of a collider on this thread, for programs that own ODE themselves and may have no geom to query.
-    static LAST_ERROR: RefCell<Option<String>> = const { RefCell::new(None) };
+    static LAST_ERROR: String
 }
 
 /// Takes the message of the last error of a collider on this thread.
@@ -43,11 +43,6 @@ struct State {
     settings: Settings,
     /// In metres.
     min_feature: f64,
-    /// The box of the previous frame, kept so that the broad phase still pairs bodies there with the hull once: they learn
-    /// that it has left.
-    previous_aabb: Aabb,
-    /// Whether the collider has run since the frame in force came.
-    collided_since_update: bool,
     /// The first error of the collider since it was taken last.
     error: Option<Error>,
 }
@@ -61,8 +56,6 @@ impl HullGeom {
             frame_count: 0,
             settings: Settings::default(),
             min_feature: MIN_FEATURE,
-            previous_aabb: Aabb::EMPTY,
-            collided_since_update: false,
             error: None,
         };
         Self {
@@ -113,7 +106,7 @@ impl HullGeom {
 
     /// Records an error of the collider, which cannot return one to ODE.
     pub(super) fn record_error(&self, error: Error) {
-        LAST_ERROR.set(Some(error.to_string()));
+        LAST_ERROR.set(error.to_string());
         self.lock().error.get_or_insert(error);
     }
 
@@ -133,29 +126,31 @@ impl HullGeom {
         };
 
         if is_new {
-            // Boxes of frames that no collide has seen add up.
-            let left = state.aabb();
-            let was_seen = state.collided_since_update;
-            state.previous_aabb = if was_seen { left } else { state.previous_aabb.union(&left) };
-            (state.hull, state.collided_since_update) = (hull, false);
+            state.hull = hull;
             state.frame_count += 1;
         }
         is_new
     }
 
-    /// The box around the hull in this frame and in the previous one, in the world. ODE wants it finite, never NaN.
+    /// The box of the geom in the world: around the hull, and around the bodies that touched it last and may sleep, so
+    /// that the broad phase still pairs these with the hull when it has left. Never NaN, on which ODE aborts.
     ///
     /// # Safety
     /// `geom` is the living geom that owns this data.
     pub(super) unsafe fn world_aabb(&self, geom: dGeomID) -> [f64; 6] {
-        // SAFETY: the caller vouches for the geom; the class is placeable.
-        let world_from_hull = unsafe { pose(geom) };
-        let state = self.lock();
-        let both = state.aabb().union(&state.previous_aabb);
+        // SAFETY: the caller vouches for the geom.
+        let (world_from_hull, is_in_space) = unsafe { (pose(geom), !dGeomGetSpace(geom).is_null()) };
+        let hull = if is_in_space { Some(self.lock().aabb()) } else { self.lock().bounds() };
+        let Some(hull) = hull else {
+            const LOW: f64 = f64::NEG_INFINITY;
+            const HIGH: f64 = f64::INFINITY;
+            return [LOW, HIGH, LOW, HIGH, LOW, HIGH];
+        };
 
         // An empty hull is a point, so that it is near nothing, yet neither NaN nor infinite.
-        let both = if both.is_empty() { Aabb { min: Point3::origin(), max: Point3::origin() } } else { both };
-        let aabb = both.transformed(&world_from_hull);
+        let hull = if hull.is_empty() { Aabb { min: Point3::origin(), max: Point3::origin() } } else { hull };
+        let touching = self.last_contacts.touching_bodies();
+        let aabb = avoid_overlooked_cells(hull.transformed(&world_from_hull).union(&touching));
         [aabb.min.x, aabb.max.x, aabb.min.y, aabb.max.y, aabb.min.z, aabb.max.z]
     }
 
@@ -164,19 +159,16 @@ impl HullGeom {
     /// # Safety
     /// `geom` is the living geom that owns this data.
     pub(super) unsafe fn start_collide(&self, geom: dGeomID) -> Option<CollideContext<'_>> {
-        // SAFETY: the caller vouches for the geom; the class is placeable.
+        // SAFETY: the caller vouches for the geom.
         let hull_from_world = unsafe { pose(geom).inverse() };
-        self.last_contacts.count_collide();
-
-        let mut state = self.lock();
-        state.collided_since_update = true;
+        let state = self.lock();
         Some(CollideContext {
             hull: state.hull.clone()?,
             frame: state.frame_count,
             settings: state.settings,
             min_feature: state.min_feature,
             hull_from_world,
-            last_contacts: &self.last_contacts,
+            geom: self,
         })
     }
 }
@@ -186,6 +178,31 @@ impl State {
     fn aabb(&self) -> Aabb {
         self.hull.as_ref().map_or(Aabb::EMPTY, |hull| *hull.aabb())
     }
+
+    /// A box around the frames to come, in the hull's frame of reference: the work volume. It is for a geom in no space,
+    /// which may be inside a geom transform: ODE does not tell the transform that a frame has changed the box inside it.
+    /// `None` where it is not set yet.
+    fn bounds(&self) -> Option<Aabb> {
+        self.hull.as_ref().map(|hull| *hull.bounds()).or_else(|| self.data.bounds())
+    }
+}
+
+/// A box around `aabb` whose pairs ODE's hash space finds.
+///
+/// ODE 0.16 overlooks pairs of boxes that are 0.5 to 1 units long and cross z = 0 where x and y are from 0 to 1: the sum
+/// from which it computes the hashes of cells of that size, at the origin, is negative below z = 0 and wraps around. A box
+/// of a unit or more has cells of another size.
+fn avoid_overlooked_cells(aabb: Aabb) -> Aabb {
+    const LONG_ENOUGH: f64 = 1.001;
+    let axis = (aabb.max - aabb.min).imax();
+    let length = aabb.max[axis] - aabb.min[axis];
+    let is_overlooked = (0.5..1.0).contains(&length) && aabb.min.z < 0.0 && aabb.max.z >= 0.0;
+    let mut longer = aabb;
+    if is_overlooked {
+        longer.min[axis] -= 0.5 * (LONG_ENOUGH - length);
+        longer.max[axis] += 0.5 * (LONG_ENOUGH - length);
+    }
+    longer
 }
 
 /// Brings the latest published frame into force in `geom`, and tells ODE that its box has changed.
@@ -199,18 +216,14 @@ pub(super) unsafe fn apply_latest_frame(geom: dGeomID, hull: &HullGeom) {
     }
 }
 
-/// The pose of a hull geom, world from hull.
+/// The pose of a hull geom, world from hull, also inside a geom transform, where ODE's getter of the quaternion returns
+/// that of the body.
 ///
 /// # Safety
-/// `geom` is a living, placeable geom.
+/// `geom` is a living geom.
 pub(super) unsafe fn pose(geom: dGeomID) -> Isometry3<f64> {
-    let (mut position, mut quaternion) = ([0.0; 4], [0.0; 4]);
-    // SAFETY: the caller vouches for the geom; both arrays hold four numbers.
-    unsafe {
-        dGeomCopyPosition(geom, position.as_mut_ptr());
-        dGeomGetQuaternion(geom, quaternion.as_mut_ptr());
-    }
-    convert::pose(&position, &quaternion)
+    // SAFETY: the caller vouches for the geom.
+    unsafe { convert::any_pose(geom) }
 }
 
 #[cfg(test)]

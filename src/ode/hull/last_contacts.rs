@@ -1,13 +1,17 @@
 //! How each body met a hull geom when it was last awake: what wakes sleeping bodies, and which escape direction to keep.
 
-use crate::contact::tuning::WAKE_PX;
+use crate::hull::Aabb;
 use crate::lock::lock;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-/// Collides after which a contact that was not renewed is forgotten.
+/// Steps after which a contact that was not renewed is forgotten.
 const FORGET_AFTER: u64 = 1000;
+
+/// Steps for which a body counts as touching after it has touched: a body at rest need not touch in every step, and
+/// falls asleep after ten steps at rest, by ODE's default.
+const TOUCH_LASTS: u64 = 20;
 
 /// The last contacts of all bodies with one hull geom, under the addresses of the bodies' geoms.
 ///
@@ -20,77 +24,161 @@ pub(super) struct LastContacts {
 #[derive(Debug, Default)]
 struct Table {
     by_geom: HashMap<usize, LastContact>,
-    /// How often the hull geom has collided.
-    collide_count: u64,
+    /// The number of steps so far. ODE does not tell when a step begins; here it does when a geom is collided again that
+    /// was already collided in this step.
+    steps: u64,
+}
+
+/// How a body touches the hull.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Touch {
+    /// The deepest contact's depth in metres.
+    pub(super) depth: f64,
+    /// The deepest contact's direction out of the hull, in the hull's frame.
+    pub(super) direction: Vector3<f64>,
+}
+
+/// What a collide has found of one body.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Meeting {
+    pub(super) is_asleep: bool,
+    /// `None` without contact.
+    pub(super) touch: Option<Touch>,
+    /// The escape direction that was chosen, in the hull's frame.
+    pub(super) escape: Option<Vector3<f64>>,
+    /// A box around the body, in the world's frame.
+    pub(super) body: Aabb,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct LastContact {
-    /// The deepest contact's depth in metres; `None` without contact.
-    depth: Option<f64>,
-    /// The escape direction that was chosen, in the hull's frame.
-    escape: Option<Vector3<f64>>,
-    /// The [`Table::collide_count`] at which it was renewed.
+    /// The last meeting, but while the body sleeps with the touch and the escape direction of when it fell asleep, so that
+    /// slow motions of the hull's surface add up.
+    meeting: Meeting,
+    /// The [`Table::steps`] in which the body was last met, and in which it last touched while awake.
     renewed: u64,
-}
-
-/// What a collide has found of one body.
-pub(super) struct NewContact {
-    /// The address of the body's geom.
-    pub(super) other: usize,
-    pub(super) is_asleep: bool,
-    /// The deepest contact's depth in metres; `None` without contact.
-    pub(super) depth: Option<f64>,
-    /// The escape direction that was chosen, in the hull's frame.
-    pub(super) escape: Option<Vector3<f64>>,
-    /// Metres that a pixel covers at the body.
-    pub(super) pixel_size: f64,
+    touched: u64,
 }
 
 impl LastContacts {
-    /// Counts a collide of the hull geom.
-    pub(super) fn count_collide(&self) {
-        lock(&self.table).collide_count += 1;
-    }
-
     /// The escape direction chosen last for the geom at address `other`, in the hull's frame.
     pub(super) fn escape(&self, other: usize) -> Option<Vector3<f64>> {
-        lock(&self.table).by_geom.get(&other)?.escape
+        lock(&self.table).by_geom.get(&other)?.meeting.escape
     }
 
-    /// Records a contact. Returns true where the body sleeps and should wake, since the hull's surface at it is no longer
-    /// where it was when the body fell asleep.
-    pub(super) fn record(&self, new: &NewContact) -> bool {
+    /// How the geom at address `other` touched the hull when it was last awake.
+    pub(super) fn touch(&self, other: usize) -> Option<Touch> {
+        lock(&self.table).by_geom.get(&other)?.meeting.touch
+    }
+
+    /// Records that the geom at address `other` was met. `is_woken` tells that its body was asleep until now.
+    pub(super) fn record(&self, other: usize, mut meeting: Meeting, is_woken: bool) {
         let mut table = lock(&self.table);
-        table.forget_old();
-        let NewContact { other, is_asleep, depth, escape, pixel_size } = *new;
-        let renewed = table.collide_count;
+        table.count_steps(other);
+        let steps = table.steps;
+        let last = table.by_geom.get(&other).copied();
 
-        // A sleeping body keeps its record, so that slow motions of the surface add up.
-        if is_asleep && let Some(last) = table.by_geom.get_mut(&other) {
-            last.renewed = renewed;
-            let has_moved = match (last.depth, depth) {
-                (Some(before), Some(now)) => (now - before).abs() > WAKE_PX * pixel_size,
-                (None, None) => false,
-                _ => true,
-            };
-            if has_moved {
-                last.depth = depth;
-            }
-            return has_moved;
+        if let Some(last) = last.filter(|_| meeting.is_asleep) {
+            meeting.escape = last.meeting.escape;
         }
+        let touched = if meeting.touch.is_some() { steps } else { last.map_or(0, |last| last.touched) };
+        let keeps_touch = if meeting.is_asleep { !is_woken } else { touched + TOUCH_LASTS >= steps };
+        if let Some(last) = last
+            && keeps_touch
+            && (meeting.is_asleep || meeting.touch.is_none())
+        {
+            meeting.touch = last.meeting.touch;
+        }
+        table.by_geom.insert(other, LastContact { meeting, renewed: steps, touched });
+    }
 
-        table.by_geom.insert(other, LastContact { depth, escape, renewed });
-        false
+    /// A box around the bodies that touched the hull when they were last awake, in the world's frame: those that sleep,
+    /// and those of the last step, which may have fallen asleep since.
+    pub(super) fn touching_bodies(&self) -> Aabb {
+        let table = lock(&self.table);
+        let may_sleep = |last: &&LastContact| last.meeting.is_asleep || last.renewed + 1 >= table.steps;
+        let bodies = table.by_geom.values().filter(may_sleep).map(|last| &last.meeting);
+        bodies
+            .filter(|meeting| meeting.touch.is_some())
+            .fold(Aabb::EMPTY, |union, meeting| union.union(&meeting.body))
+    }
+
+    /// The addresses of the geoms that touched the hull when their bodies were last awake.
+    pub(super) fn touching_geoms(&self) -> Vec<usize> {
+        let table = lock(&self.table);
+        let touching = table.by_geom.iter().filter(|(_, last)| last.meeting.touch.is_some());
+        touching.map(|(&geom, _)| geom).collect()
     }
 }
 
 impl Table {
-    /// Removes contacts that were not renewed for long; their geoms may be gone.
-    fn forget_old(&mut self) {
-        let now = self.collide_count;
-        if now.is_multiple_of(FORGET_AFTER) {
+    /// Counts the steps, and now and then removes contacts that were not renewed for long: their geoms may be gone.
+    fn count_steps(&mut self, geom: usize) {
+        if self.by_geom.get(&geom).is_none_or(|last| last.renewed != self.steps) {
+            return;
+        }
+        self.steps += 1;
+        if self.steps.is_multiple_of(FORGET_AFTER) {
+            let now = self.steps;
             self.by_geom.retain(|_, last| last.renewed + FORGET_AFTER >= now);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+
+    const AT_ORIGIN: Aabb = Aabb { min: Point3::new(0.0, 0.0, 0.0), max: Point3::new(1.0, 1.0, 1.0) };
+
+    fn meeting(is_asleep: bool, depth: Option<f64>) -> Meeting {
+        let touch = depth.map(|depth| Touch { depth, direction: Vector3::z() });
+        Meeting { is_asleep, touch, escape: None, body: AT_ORIGIN }
+    }
+
+    fn depth(contacts: &LastContacts, geom: usize) -> Option<f64> {
+        contacts.touch(geom).map(|touch| touch.depth)
+    }
+
+    #[test]
+    fn a_sleeping_body_keeps_the_touch_with_which_it_fell_asleep_until_it_is_woken() {
+        let contacts = LastContacts::default();
+        contacts.record(1, meeting(false, Some(0.1)), false);
+        contacts.record(1, meeting(true, Some(0.2)), false);
+        contacts.record(1, meeting(true, None), false);
+        assert_eq!(depth(&contacts, 1), Some(0.1));
+        contacts.record(1, meeting(true, None), true);
+        assert_eq!(depth(&contacts, 1), None);
+    }
+
+    #[test]
+    fn a_body_that_touches_now_and_then_counts_as_touching() {
+        let contacts = LastContacts::default();
+        contacts.record(1, meeting(false, Some(0.1)), false);
+        (0..TOUCH_LASTS).for_each(|_| contacts.record(1, meeting(false, None), false));
+        assert_eq!(depth(&contacts, 1), Some(0.1));
+        contacts.record(1, meeting(false, None), false);
+        assert_eq!(depth(&contacts, 1), None);
+    }
+
+    #[test]
+    fn no_contact_is_forgotten_within_a_step_however_many_bodies_it_has() {
+        let contacts = LastContacts::default();
+        for _ in 0..3 {
+            (0..5000).for_each(|geom| contacts.record(geom, meeting(true, Some(0.1)), false));
+        }
+        assert!((0..5000).all(|geom| depth(&contacts, geom) == Some(0.1)));
+        assert_eq!(contacts.touching_geoms().len(), 5000);
+        assert_eq!(contacts.touching_bodies(), AT_ORIGIN);
+    }
+
+    #[test]
+    fn contacts_of_geoms_that_are_gone_are_forgotten() {
+        let contacts = LastContacts::default();
+        contacts.record(1, meeting(true, Some(0.1)), false);
+        (0..2 * FORGET_AFTER).for_each(|_| contacts.record(2, meeting(false, None), false));
+        assert_eq!(contacts.touching_geoms(), []);
+        assert!(contacts.touching_bodies().is_empty());
     }
 }

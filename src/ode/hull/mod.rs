@@ -9,6 +9,7 @@
 //! ```
 
 mod body_samples;
+mod canary;
 mod class;
 mod collider;
 mod geom;
@@ -18,6 +19,7 @@ mod prefetch;
 mod query;
 mod raw;
 mod view;
+mod wake;
 
 pub(crate) use body_samples::{clear_samples, set_samples};
 pub(crate) use geom::take_last_error;

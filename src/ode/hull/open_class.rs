@@ -2,10 +2,8 @@
 
 use super::class;
 use crate::lock::lock;
-use crate::ode::abort;
 use crate::ode::init::Ode;
 use crate::{Error, Result};
-use ode_sys::{dAllocateMaskAll, dAllocateODEDataForThread};
 use std::sync::{Mutex, MutexGuard};
 
 /// How often the class is open, and the reference on ODE that the openings share.
@@ -26,7 +24,7 @@ impl Openings {
     /// program may have opened ODE again since, and dropping the reference would close that.
     fn drop_if_stolen(&mut self) {
         if self.ode.is_some()
-            && !(ode_is_open() && class::is_still_registered())
+            && !class::is_still_registered()
             && let Some(ode) = self.ode.take()
         {
             ode.forget();
@@ -84,11 +82,6 @@ pub(crate) fn number() -> Result<i32> {
         ));
     }
     class::number()
-}
-
-fn ode_is_open() -> bool {
-    // SAFETY: where ODE is closed it refuses before it changes anything; else the data is allocated already.
-    unsafe { abort::guarded(|| dAllocateODEDataForThread(dAllocateMaskAll as u32)) }.is_ok()
 }
 
 fn closed() -> Error {

@@ -1,7 +1,7 @@
 //! What the contacts of a body with a hull depend on.
 
-use super::body_samples;
-use super::last_contacts::LastContacts;
+use super::body_samples::{self, BodySamples};
+use super::geom::HullGeom;
 use crate::Result;
 use crate::contact::{SampledBody, Settings};
 use crate::hull::Hull;
@@ -21,7 +21,7 @@ pub(super) struct CollideContext<'g> {
     /// The diameter in metres of the thinnest real feature that must not pass between a body's samples.
     pub(super) min_feature: f64,
     pub(super) hull_from_world: Isometry3<f64>,
-    pub(super) last_contacts: &'g LastContacts,
+    pub(super) geom: &'g HullGeom,
 }
 
 /// A request for the contacts of one body. Equal queries have equal contacts.
@@ -60,14 +60,19 @@ impl ContactQuery {
         }
 
         // SAFETY: as above; the pose is the geom's.
-        let samples = unsafe { body_samples::of(geom, &world_from_geom, context.min_feature)? };
+        let BodySamples { samples, outdated } =
+            unsafe { body_samples::of(geom, &world_from_geom, context.min_feature)? };
+        if let Some(error) = outdated {
+            context.geom.record_error(error);
+        }
+
         let other = geom as usize;
         Ok(samples.map(|samples| Self {
             other,
             samples,
             stamp: PoseStamp { frame: context.frame, hull_from_other },
             settings: context.settings,
-            last_escape: context.last_contacts.escape(other),
+            last_escape: context.geom.last_contacts.escape(other),
         }))
     }
 

@@ -58,6 +58,9 @@ pub(crate) unsafe fn create_in(space: dSpaceID, data: Arc<HullData>) -> Result<d
 /// No space that holds one of them is being collided, nor is one of them being destroyed. Geoms bound to other data
 /// may be.
 pub(crate) unsafe fn apply_latest_frame_everywhere(data: &Arc<HullData>) {
+    if !class::is_still_registered() {
+        return;
+    }
     for (raw, geom) in class::all() {
         if Arc::ptr_eq(&geom.data(), data) {
             // SAFETY: the geom is listed, and so it is living; the caller vouches that it stays so, and for its space.
@@ -72,12 +75,24 @@ impl RawHull {
     /// # Errors
     /// An address at which there is no hull geom.
     pub(crate) fn find(raw: dGeomID) -> Result<Self> {
-        let geom = class::find(raw).ok_or_else(|| {
-            let found =
-                if raw.is_null() { "NULL" } else { "a geom of another class, or one that was destroyed" };
+        let geom = class::find_current(raw).ok_or_else(|| {
+            let found = if raw.is_null() {
+                "NULL"
+            } else {
+                "a geom of another class, or one that was destroyed, also by closing ODE"
+            };
             Error::argument(format!("geom: expected a visual hull, found {found}"))
         })?;
         Ok(Self { raw, geom })
+    }
+
+    /// Brings the latest frame of the geom's data into force.
+    ///
+    /// # Safety
+    /// No space that holds the geom is being collided, nor is the geom being destroyed.
+    pub(crate) unsafe fn apply_latest_frame(&self) {
+        // SAFETY: the geom was listed as living, and the caller vouches for the rest.
+        unsafe { geom::apply_latest_frame(self.raw, &self.geom) };
     }
 
     pub(crate) fn data(&self) -> Arc<HullData> {
@@ -121,12 +136,15 @@ impl RawHull {
     pub(crate) unsafe fn body_response(&self, other: dGeomID) -> Result<BodyResponse> {
         let nothing = BodyResponse { vector: Vector3::zeros(), colliding: 0 };
         // SAFETY: the caller vouches for the geom.
-        let (world_from_body, samples) = unsafe {
+        let (world_from_body, found) = unsafe {
             let pose = convert::any_pose(other);
             (pose, body_samples::of(other, &pose, self.min_feature())?)
         };
+        if let Some(error) = found.outdated {
+            self.geom.record_error(error);
+        }
 
-        let (Some(hull), Some(samples)) = (self.frame(), samples) else { return Ok(nothing) };
+        let (Some(hull), Some(samples)) = (self.frame(), found.samples) else { return Ok(nothing) };
         let pose = self.pose();
         let response = contact::body_response(&hull, &samples, &(pose.inverse() * world_from_body));
         Ok(BodyResponse { vector: pose * response.vector, ..response })

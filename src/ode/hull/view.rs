@@ -9,6 +9,7 @@ use crate::ode::world::World;
 use crate::sample::Samples;
 use crate::{Error, Result};
 use nalgebra::{Point3, Vector3};
+use ode_sys::{dBodyEnable, dGeomGetBody, dGeomID};
 use std::sync::Arc;
 
 impl World {
@@ -78,6 +79,27 @@ impl World {
     pub fn clear_samples(&mut self, id: GeomId) -> Result<()> {
         body_samples::clear_samples(self.geoms.find(id)?.raw);
         Ok(())
+    }
+
+    /// Whether the geom at this address is a visual hull.
+    pub(in crate::ode) fn is_hull(&self, raw: dGeomID) -> bool {
+        class::find(raw).is_some()
+    }
+
+    /// Wakes the bodies that touched the hull geom `raw` when they were last collided, since it is about to leave them.
+    /// Does nothing for a geom of another class.
+    pub(in crate::ode) fn wake_bodies_on(&mut self, raw: dGeomID) {
+        let Some(hull) = class::find(raw) else { return };
+        let touching = hull.last_contacts.touching_geoms();
+        for (_, record) in self.geoms.iter().filter(|(_, record)| touching.contains(&(record.raw as usize))) {
+            // SAFETY: the record is alive, and so is its body, if it has one.
+            unsafe {
+                let body = dGeomGetBody(record.raw);
+                if !body.is_null() {
+                    dBodyEnable(body);
+                }
+            }
+        }
     }
 
     /// Brings the latest published frames into force. Runs before each collide, while no space is locked.

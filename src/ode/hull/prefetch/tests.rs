@@ -124,7 +124,7 @@ unsafe fn contacts_alone(hull: dGeomID, other: dGeomID) -> Vec<(Point3<f64>, f64
     // SAFETY: the caller vouches for the geom, of which the pose is its own.
     let (pose, samples) = unsafe {
         let pose = convert::any_pose(other);
-        (pose, body_samples::of(other, &pose, geom.min_feature()).unwrap().unwrap())
+        (pose, body_samples::of(other, &pose, geom.min_feature()).unwrap().samples.unwrap())
     };
     let (frame, last_escape) = (geom.hull().unwrap(), geom.last_contacts.escape(other as usize));
     let contacts = contact::collide(&frame, &samples, &pose, &geom.settings(), last_escape);

@@ -97,10 +97,46 @@ static void closing_ode_once_too_often_closes_the_class_with_it(void) {
   dCloseODE(); /* one call too many, which releases the class's reference */
   CHECK(dGetVisualHullClass() == -1);
   CHECK_REFUSED(dCreateVisualHull(0, data), NULL, "closed");
-  CHECK(dGeomVisualHullPointInside(hull, 0, 0, 0) == 1);
+  CHECK_REFUSED(dGeomVisualHullPointInside(hull, 0, 0, 0), -1, "closing ODE");
   CHECK(dGeomVisualHullDataUpdate(data, 1));
   dGeomDestroy(hull);
   dCloseVisualHull(); /* must not release a reference that is not the class's */
+
+  /* Another class has the number by the time that the hull is destroyed, so that this library does not learn of it. */
+  CHECK(dInitODE2(0));
+  CHECK(dInitVisualHull());
+  hull = dCreateVisualHull(0, data);
+  dCloseODE();
+  dCloseODE();
+  CHECK(dInitODE2(0));
+  register_others(1);
+  dGeomDestroy(hull);
+  CHECK_REFUSED(dGeomVisualHullPointInside(hull, 0, 0, 0), -1, "closing ODE");
+  CHECK_REFUSED(dGeomVisualHullUpdate(hull), 0, "closing ODE");
+  CHECK(dGeomVisualHullDataUpdate(data, 2));
+  dCloseVisualHull();
+  dCloseODE();
+
+  /* A hull that outlives ODE's closing has no contacts, also when the class gets the same number again. */
+  CHECK(dInitODE2(0));
+  CHECK(dInitVisualHull());
+  hull = dCreateVisualHull(0, data);
+  dCloseODE();
+  dCloseODE();
+  CHECK(dInitODE2(0));
+  CHECK(dInitVisualHull());
+  {
+    dContactGeom contact;
+    dGeomID ball = dCreateSphere(0, 0.1);
+    CHECK(dGeomGetClass(hull) == dGetVisualHullClass());
+    CHECK(dCollide(hull, ball, 1, &contact, sizeof contact) == 0);
+    dGeomDestroy(ball);
+  }
+  dGeomDestroy(hull);
+  a_hull_collides();
+  dCloseVisualHull();
+  dCloseVisualHull();
+  dCloseODE();
 
   /* The program closes ODE once too often, and opens it again before the class has noticed. */
   CHECK(dInitODE2(0));

@@ -367,6 +367,58 @@ static void a_disabled_view_abstains_until_it_is_enabled(void) {
   dGeomVisualHullDataDestroy(own);
 }
 
+/* The number of colliding samples of a geom that touches the table. */
+static int colliding(dGeomID hull, dGeomID body) {
+  dVector3 v;
+  return dGeomVisualHullBodyResponse(hull, body, v);
+}
+
+static void samples_belong_to_one_shape(void) {
+  static dReal planes[] = {1, 0, 0, .1, -1, 0, 0, .1, 0, 1, 0, .1, 0, -1, 0, .1, 0, 0, 1, .1, 0, 0, -1, .1};
+  static dReal points[] = {-.1, -.1, -.1, .1, -.1, -.1, -.1, .1, -.1, .1, .1, -.1,
+                           -.1, -.1, .1,  .1, -.1, .1,  -.1, .1, .1,  .1, .1, .1};
+  static dReal larger[24];
+  static unsigned polygons[] = {4, 0, 4, 6, 2, 4, 1, 3, 7, 5, 4, 0, 1, 5, 4, 4, 2, 6, 7, 3, 4, 0, 2, 3, 1, 4, 4, 5, 7, 6};
+  const dReal far[3] = {0, 0, 5};
+  dGeomID hull = dCreateVisualHull(0, data), bodies[4];
+  dContactGeom contact;
+  int k;
+
+  bodies[0] = dCreateBox(0, 0.2, 0.2, 0.2), bodies[1] = dCreateSphere(0, 0.1), bodies[2] = dCreateCapsule(0, 0.1, 0.1);
+  bodies[3] = dCreateConvex(0, planes, 6, points, 8, polygons);
+  for (k = 0; k < 24; k++) larger[k] = 1.5 * points[k];
+  for (k = 0; k < 4; k++) {
+    dGeomSetPosition(bodies[k], 0, 0, TOP + 0.05);
+    CHECK(colliding(hull, bodies[k]) > 0);
+    CHECK(dGeomVisualHullSetSamples(bodies[k], far, NULL, 1, sizeof far));
+    CHECK(colliding(hull, bodies[k]) == 0);
+    /* They stay when the geom moves, also for a convex geom, whose vertices this library reads in each pose. */
+    dGeomSetPosition(bodies[k], 0.1, 0.03, TOP + 0.04);
+    CHECK(colliding(hull, bodies[k]) == 0);
+  }
+
+  dGeomBoxSetLengths(bodies[0], 0.3, 0.2, 0.2);
+  dGeomSphereSetRadius(bodies[1], 0.12);
+  dGeomCapsuleSetParams(bodies[2], 0.1, 0.2);
+  dGeomSetConvex(bodies[3], planes, 6, larger, 8, polygons);
+  for (k = 0; k < 4; k++) {
+    /* Those of the class are used for the new size, and a message says so. */
+    forget_message();
+    CHECK(colliding(hull, bodies[k]) > 0);
+    CHECK_MESSAGE("set samples for the new shape");
+    forget_message();
+    CHECK(dCollide(hull, bodies[k], 1, &contact, sizeof contact) == 1);
+    CHECK_MESSAGE("another shape or size");
+
+    dGeomVisualHullClearSamples(bodies[k]);
+    forget_message();
+    CHECK(colliding(hull, bodies[k]) > 0);
+    CHECK_MESSAGE("77");
+    dGeomDestroy(bodies[k]);
+  }
+  dGeomDestroy(hull);
+}
+
 int main(void) {
   CHECK(dInitODE2(0) && dInitVisualHull());
   dRandSetSeed(1);
@@ -385,6 +437,7 @@ int main(void) {
   a_camera_and_its_projection_matrix_give_the_same_hull();
   a_fisheye_lens_and_a_pinhole_camera_give_the_same_hull();
   a_disabled_view_abstains_until_it_is_enabled();
+  samples_belong_to_one_shape();
 
   dGeomVisualHullDataDestroy(data);
   dWorldDestroy(world);

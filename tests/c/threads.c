@@ -1,4 +1,5 @@
-/* Capture threads set masks while another thread steps a world, and two threads step a world each. */
+/* Capture threads set masks while another thread steps a world, and two threads step a world each, with data objects of
+   their own or with one. */
 #include "check.h"
 #include "scene.h"
 
@@ -20,9 +21,19 @@ static void *capture(void *data) {
   return data;
 }
 
-/* Drops a cube on the table of `data` and returns its height at rest. Worlds that are stepped at the same time need a
+static int publish_all(dVisualHullDataID data, dGeomID hull, dReal time) {
+  (void)hull;
+  return dGeomVisualHullDataUpdate(data, time);
+}
+
+static int only_take(dVisualHullDataID data, dGeomID hull, dReal time) {
+  (void)data, (void)time;
+  return dGeomVisualHullUpdate(hull);
+}
+
+/* Drops a cube on the table of `data`, with a call of `update` before each step, and returns its height at rest. Worlds that are stepped at the same time need a
    threading object each, because ODE's default one is shared and not thread-safe. */
-static dReal rest_on(dVisualHullDataID data) {
+static dReal rest_on(dVisualHullDataID data, int (*update)(dVisualHullDataID, dGeomID, dReal)) {
   dThreadingImplementationID threading = dThreadingAllocateSelfThreadedImplementation();
   dSpaceID space = dHashSpaceCreate(0);
   dGeomID hull = dCreateVisualHull(space, data), cube;
@@ -38,7 +49,7 @@ static dReal rest_on(dVisualHullDataID data) {
 
   cube = add_cube(contacts.world, space, 0.02, 0.01, TOP + 0.101);
   for (k = 0; k < 100; k++) {
-    CHECK(dGeomVisualHullDataUpdate(data, 0.005 * k));
+    CHECK(update(data, hull, 0.005 * k));
     step(&contacts, space);
   }
 
@@ -56,7 +67,7 @@ static void *own_world(void *own) {
   int k;
 
   CHECK(dAllocateODEDataForThread(dAllocateMaskAll)); /* ODE requires this of each thread that collides */
-  CHECK(fabs(rest_on(data) - TOP - 0.1) < 0.001 + 0.5 * PIXEL);
+  CHECK(fabs(rest_on(data, publish_all) - TOP - 0.1) < 0.001 + 0.5 * PIXEL);
   for (k = 0; k < 50; k++) dGeomDestroy(dCreateVisualHull(0, data));
   dGeomVisualHullDataDestroy(data);
 
@@ -65,6 +76,13 @@ static void *own_world(void *own) {
   CHECK(dGeomVisualHullDataUpdate(data, 0) == 0 && strcmp(dVisualHullGetErrorMessage(), "") != 0);
   dCleanupODEAllDataForThread();
   return own;
+}
+
+/* A thread with its own world, but with a data object that it shares. */
+static void *shared_data(void *data) {
+  CHECK(dAllocateODEDataForThread(dAllocateMaskAll));
+  CHECK(fabs(rest_on((dVisualHullDataID)data, only_take) - TOP - 0.1) < 0.001 + 0.5 * PIXEL);
+  return data;
 }
 
 int main(void) {
@@ -79,13 +97,23 @@ int main(void) {
   /* Two threads set masks of one data object, while this one collides with it. */
   data = table_data();
   for (k = 0; k < 2; k++) CHECK(pthread_create(&threads[k], NULL, capture, data) == 0);
-  CHECK(fabs(rest_on(data) - TOP - 0.1) < 0.001 + 0.5 * PIXEL);
+  CHECK(fabs(rest_on(data, publish_all) - TOP - 0.1) < 0.001 + 0.5 * PIXEL);
   for (k = 0; k < 2; k++) CHECK(pthread_join(threads[k], &result) == 0 && result == data);
   dGeomVisualHullDataDestroy(data);
 
   /* Two threads share nothing but the masks. */
   for (k = 0; k < 2; k++) CHECK(pthread_create(&threads[k], NULL, own_world, masks) == 0);
   for (k = 0; k < 2; k++) CHECK(pthread_join(threads[k], &result) == 0 && result == masks);
+
+  /* Two worlds have hulls of one data object, whose frames this thread publishes. */
+  data = table_data();
+  for (k = 0; k < 2; k++) CHECK(pthread_create(&threads[k], NULL, shared_data, data) == 0);
+  for (k = 1; k < 100; k++) {
+    CHECK(dGeomVisualHullDataSetMask(data, k % VIEWS, masks[k % VIEWS], WIDTH));
+    CHECK(dGeomVisualHullDataPublish(data, k));
+  }
+  for (k = 0; k < 2; k++) CHECK(pthread_join(threads[k], &result) == 0 && result == data);
+  dGeomVisualHullDataDestroy(data);
 
   dCloseVisualHull();
   dCloseODE();

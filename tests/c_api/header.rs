@@ -71,6 +71,24 @@ fn the_header_compiles_alone_in_c99_and_cpp11() {
 }
 
 #[test]
+fn the_header_refuses_an_ode_of_single_precision() {
+    for language in [Language::C99, Language::Cpp11] {
+        let mut compile = compiler(language);
+        // By this macro ODE's own header takes its precision from the compiler's options.
+        compile.args(["-DdIDESINGLE", "-fsyntax-only"]).arg(root().join("include/ode_visual_hull.h"));
+        let output = compile.output().unwrap();
+        let messages = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && messages.contains("needs an ODE of double precision"), "{messages}");
+    }
+}
+
+#[test]
+fn the_shared_library_stays_loaded_since_ode_keeps_addresses_of_its_functions() {
+    let output = succeed(Command::new("readelf").arg("-d").arg(shared_library()));
+    assert!(String::from_utf8(output.stdout).unwrap().contains("NODELETE"));
+}
+
+#[test]
 fn the_shared_library_has_the_interface_version_in_its_name() {
     let output = succeed(Command::new("readelf").arg("-d").arg(shared_library()));
     let listing = String::from_utf8(output.stdout).unwrap();

@@ -35,7 +35,7 @@ macro_rules! programs {
     };
 }
 
-programs! { falling_box ode_habits bad_input classes threads }
+programs! { falling_box ode_habits bad_input classes copies late_calls sleepers threads transforms }
 
 #[test]
 fn the_program_in_the_documentation_does_what_it_says() {

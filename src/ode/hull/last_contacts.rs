@@ -11,7 +11,10 @@ const FORGET_AFTER: u64 = 1000;
 
 /// Steps for which a body counts as touching after it has touched: a body at rest need not touch in every step, and
 /// falls asleep after ten steps at rest, by ODE's default.
-const TOUCH_LASTS: u64 = 20;
+const RECENT: u64 = 20;
+
+/// Number of geoms from which on those without a body are forgotten.
+const MAX_GEOMS: usize = 1 << 16;
 
 /// The last contacts of all bodies with one hull geom, under the addresses of the bodies' geoms.
 ///
@@ -24,8 +27,8 @@ pub(super) struct LastContacts {
 #[derive(Debug, Default)]
 struct Table {
     by_geom: HashMap<usize, LastContact>,
-    /// The number of steps so far. ODE does not tell when a step begins; here it does when a geom is collided again that
-    /// was already collided in this step.
+    /// The number of steps so far. ODE does not tell when a step begins; here it does when a body's geom is collided again
+    /// that was already collided in this step. Geoms without a body may be a program's own queries.
     steps: u64,
 }
 
@@ -41,6 +44,7 @@ pub(super) struct Touch {
 /// What a collide has found of one body.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Meeting {
+    pub(super) has_body: bool,
     pub(super) is_asleep: bool,
     /// `None` without contact.
     pub(super) touch: Option<Touch>,
@@ -74,7 +78,10 @@ impl LastContacts {
     /// Records that the geom at address `other` was met. `is_woken` tells that its body was asleep until now.
     pub(super) fn record(&self, other: usize, mut meeting: Meeting, is_woken: bool) {
         let mut table = lock(&self.table);
-        table.count_steps(other);
+        if meeting.has_body {
+            table.count_steps(other);
+        }
+        table.forget_surplus();
         let steps = table.steps;
         let last = table.by_geom.get(&other).copied();
 
@@ -82,7 +89,7 @@ impl LastContacts {
             meeting.escape = last.meeting.escape;
         }
         let touched = if meeting.touch.is_some() { steps } else { last.map_or(0, |last| last.touched) };
-        let keeps_touch = if meeting.is_asleep { !is_woken } else { touched + TOUCH_LASTS >= steps };
+        let keeps_touch = if meeting.is_asleep { !is_woken } else { touched + RECENT >= steps };
         if let Some(last) = last
             && keeps_touch
             && (meeting.is_asleep || meeting.touch.is_none())
@@ -93,10 +100,10 @@ impl LastContacts {
     }
 
     /// A box around the bodies that touched the hull when they were last awake, in the world's frame: those that sleep,
-    /// and those of the last step, which may have fallen asleep since.
+    /// and those of the last steps, which may have fallen asleep since.
     pub(super) fn touching_bodies(&self) -> Aabb {
         let table = lock(&self.table);
-        let may_sleep = |last: &&LastContact| last.meeting.is_asleep || last.renewed + 1 >= table.steps;
+        let may_sleep = |last: &&LastContact| last.meeting.is_asleep || last.is_recent(table.steps);
         let bodies = table.by_geom.values().filter(may_sleep).map(|last| &last.meeting);
         bodies
             .filter(|meeting| meeting.touch.is_some())
@@ -108,6 +115,12 @@ impl LastContacts {
         let table = lock(&self.table);
         let touching = table.by_geom.iter().filter(|(_, last)| last.meeting.touch.is_some());
         touching.map(|(&geom, _)| geom).collect()
+    }
+}
+
+impl LastContact {
+    fn is_recent(&self, steps: u64) -> bool {
+        self.renewed + RECENT >= steps
     }
 }
 
@@ -123,6 +136,13 @@ impl Table {
             self.by_geom.retain(|_, last| last.renewed + FORGET_AFTER >= now);
         }
     }
+
+    /// Bounds the memory where geoms are met once each, and steps are not counted.
+    fn forget_surplus(&mut self) {
+        if self.by_geom.len() >= MAX_GEOMS {
+            self.by_geom.retain(|_, last| last.meeting.has_body);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -134,7 +154,7 @@ mod tests {
 
     fn meeting(is_asleep: bool, depth: Option<f64>) -> Meeting {
         let touch = depth.map(|depth| Touch { depth, direction: Vector3::z() });
-        Meeting { is_asleep, touch, escape: None, body: AT_ORIGIN }
+        Meeting { has_body: true, is_asleep, touch, escape: None, body: AT_ORIGIN }
     }
 
     fn depth(contacts: &LastContacts, geom: usize) -> Option<f64> {
@@ -156,7 +176,7 @@ mod tests {
     fn a_body_that_touches_now_and_then_counts_as_touching() {
         let contacts = LastContacts::default();
         contacts.record(1, meeting(false, Some(0.1)), false);
-        (0..TOUCH_LASTS).for_each(|_| contacts.record(1, meeting(false, None), false));
+        (0..RECENT).for_each(|_| contacts.record(1, meeting(false, None), false));
         assert_eq!(depth(&contacts, 1), Some(0.1));
         contacts.record(1, meeting(false, None), false);
         assert_eq!(depth(&contacts, 1), None);

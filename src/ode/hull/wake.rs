@@ -36,7 +36,8 @@ pub(super) unsafe fn record_contacts(context: &CollideContext, met: &MetBody, fo
     let (centre, radius) = met.samples.bounding_sphere();
     let centre = context.hull_from_world.inverse() * (met.hull_from_body * centre);
     let around_body = Aabb { min: centre, max: centre }.grown(radius);
-    let meeting = Meeting { is_asleep, touch, escape: found.escape, body: around_body };
+    let meeting =
+        Meeting { has_body: !body.is_null(), is_asleep, touch, escape: found.escape, body: around_body };
     context.geom.last_contacts.record(met.geom as usize, meeting, is_woken);
 
     if is_woken {

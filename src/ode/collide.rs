@@ -20,9 +20,11 @@ use ode_sys::{
 use super::arena::{BodyId, GeomId};
 use super::body::Body;
 use super::geom::Geom;
+use super::space::SpaceKind;
 use super::surface::Surface;
 use super::world::World;
-use super::{check, convert, panic};
+use super::{check, convert, hash_space, panic};
+use crate::hull::Aabb;
 use crate::{Error, Result};
 
 /// The largest number of contacts that one call of ODE can return: the count has 16 bits.
@@ -111,6 +113,10 @@ impl World {
             // add, move or remove a geom, which needs the world mutably.
             unsafe { dSpaceCollide(space.raw, data.cast(), Some(near_callback)) };
         }
+        for [first, second] in self.overlooked_pairs() {
+            // SAFETY: as above; both are geoms or spaces of this world.
+            unsafe { dSpaceCollide2(first, second, data.cast(), Some(near_callback)) };
+        }
 
         // Panics of the closure, and then of the hull's callbacks, resume here, outside of ODE.
         if let Some(payload) = search.panic.take() {
@@ -118,6 +124,24 @@ impl World {
         }
         panic::resume_parked();
         first_error.take().map_or(Ok(()), Err)
+    }
+
+    /// The pairs of geoms, or spaces, that ODE's hash spaces have overlooked.
+    fn overlooked_pairs(&self) -> Vec<[dGeomID; 2]> {
+        let mut pairs = Vec::new();
+        for (key, space) in self.spaces.iter() {
+            let SpaceKind::Hash { min_level, max_level: 0.. } = space.kind else { continue };
+            let geoms = self.geoms.iter().filter(|(_, geom)| geom.space == key).map(|(_, geom)| geom.raw);
+            let inner = self.spaces.iter().filter(|(_, inner)| inner.parent == Some(key));
+            let members: Vec<dGeomID> = geoms.chain(inner.map(|(_, space)| space.raw.cast())).collect();
+
+            // SAFETY: geoms and spaces are alive.
+            let aabbs: Vec<Aabb> =
+                members.iter().map(|&member| unsafe { convert::aabb_of(member) }).collect();
+            let found = hash_space::overlooked_pairs(&aabbs, min_level);
+            pairs.extend(found.into_iter().map(|pair| pair.map(|index| members[index])));
+        }
+        pairs
     }
 
     /// Collides all pairs and attaches up to `max` contacts with this surface to each, the usual collision step. Pairs

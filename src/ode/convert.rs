@@ -1,7 +1,10 @@
 //! Conversions between nalgebra's types and ODE's arrays.
 
+use crate::hull::Aabb;
 use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
-use ode_sys::{dGeomGetRelPointPos, dGeomID, dGeomVectorToWorld, dMatrix3, dQuaternion, dReal, dVector3};
+use ode_sys::{
+    dGeomGetAABB, dGeomGetRelPointPos, dGeomID, dGeomVectorToWorld, dMatrix3, dQuaternion, dReal, dVector3,
+};
 
 /// The first three numbers of an ODE vector.
 ///
@@ -68,6 +71,19 @@ pub(super) unsafe fn any_pose(geom: dGeomID) -> Isometry3<f64> {
     ]);
     let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
     Isometry3::from_parts(Translation3::from(vector(&position)), rotation)
+}
+
+/// The bounding box of a geom or a space.
+///
+/// # Safety
+///
+/// `geom` is alive.
+pub(super) unsafe fn aabb_of(geom: dGeomID) -> Aabb {
+    let mut bounds = [0.0; 6];
+    // SAFETY: the caller guarantees a living geom; the array holds six numbers.
+    unsafe { dGeomGetAABB(geom, bounds.as_mut_ptr()) };
+    let [x0, x1, y0, y1, z0, z1] = bounds;
+    Aabb { min: Point3::new(x0, y0, z0), max: Point3::new(x1, y1, z1) }
 }
 
 /// ODE's row-major 3x3 matrix, each row padded to four numbers.

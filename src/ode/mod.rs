@@ -53,6 +53,7 @@ mod check;
 mod collide;
 mod convert;
 mod geom;
+mod hash_space;
 mod hull;
 mod init;
 #[cfg(test)]

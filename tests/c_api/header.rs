@@ -78,7 +78,10 @@ fn the_header_refuses_an_ode_of_single_precision() {
         compile.args(["-DdIDESINGLE", "-fsyntax-only"]).arg(root().join("include/ode_visual_hull.h"));
         let output = compile.output().unwrap();
         let messages = String::from_utf8_lossy(&output.stderr);
-        assert!(!output.status.success() && messages.contains("needs an ODE of double precision"), "{messages}");
+        assert!(
+            !output.status.success() && messages.contains("needs an ODE of double precision"),
+            "{messages}"
+        );
     }
 }
 

@@ -2,10 +2,10 @@
 
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use ode_sys::{
-    dGeomClearOffset, dGeomCopyOffsetPosition, dGeomCopyPosition, dGeomDisable, dGeomEnable, dGeomGetAABB,
-    dGeomGetBody, dGeomGetCategoryBits, dGeomGetCollideBits, dGeomGetOffsetQuaternion, dGeomGetQuaternion,
-    dGeomID, dGeomIsEnabled, dGeomMoved, dGeomRaySetBackfaceCull, dGeomRaySetClosestHit,
-    dGeomRaySetFirstContact, dGeomSetBody, dGeomSetCategoryBits, dGeomSetCollideBits, dGeomSetOffsetPosition,
+    dGeomClearOffset, dGeomCopyOffsetPosition, dGeomCopyPosition, dGeomDisable, dGeomEnable, dGeomGetBody,
+    dGeomGetCategoryBits, dGeomGetCollideBits, dGeomGetOffsetQuaternion, dGeomGetQuaternion, dGeomID,
+    dGeomIsEnabled, dGeomMoved, dGeomRaySetBackfaceCull, dGeomRaySetClosestHit, dGeomRaySetFirstContact,
+    dGeomSetBody, dGeomSetCategoryBits, dGeomSetCollideBits, dGeomSetOffsetPosition,
     dGeomSetOffsetQuaternion, dGeomSetPosition, dGeomSetQuaternion, dSpaceAdd, dSpaceRemove,
 };
 
@@ -83,11 +83,8 @@ impl<'w> Geom<'w> {
 
     /// The geom's bounding box in the world's frame; infinite for most planes.
     pub fn aabb(&self) -> Aabb {
-        let mut bounds = [0.0; 6];
-        // SAFETY: the geom is alive, and the array holds six numbers.
-        unsafe { dGeomGetAABB(self.record.raw, bounds.as_mut_ptr()) };
-        let [x0, x1, y0, y1, z0, z1] = bounds;
-        Aabb { min: Point3::new(x0, y0, z0), max: Point3::new(x1, y1, z1) }
+        // SAFETY: the geom is alive.
+        unsafe { convert::aabb_of(self.record.raw) }
     }
 
     /// The bits of the geom's categories. Two geoms can collide only if the categories of one have a bit in common with

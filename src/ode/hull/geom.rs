@@ -8,8 +8,8 @@ use crate::contact::Settings;
 use crate::contact::tuning::MIN_FEATURE;
 use crate::hull::{Aabb, Hull, HullData};
 use crate::lock::lock;
-use crate::ode::convert;
 use crate::ode::per_thread::per_thread;
+use crate::ode::{convert, hash_space};
 use nalgebra::{Isometry3, Point3};
 use ode_sys::{dGeomGetSpace, dGeomID, dGeomMoved};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -139,8 +139,8 @@ impl HullGeom {
     /// `geom` is the living geom that owns this data.
     pub(super) unsafe fn world_aabb(&self, geom: dGeomID) -> [f64; 6] {
         // SAFETY: the caller vouches for the geom.
-        let (world_from_hull, is_in_space) = unsafe { (pose(geom), !dGeomGetSpace(geom).is_null()) };
-        let hull = if is_in_space { Some(self.lock().aabb()) } else { self.lock().bounds() };
+        let (world_from_hull, space) = unsafe { (pose(geom), dGeomGetSpace(geom)) };
+        let hull = if !space.is_null() { Some(self.lock().aabb()) } else { self.lock().bounds() };
         let Some(hull) = hull else {
             const LOW: f64 = f64::NEG_INFINITY;
             const HIGH: f64 = f64::INFINITY;
@@ -150,7 +150,11 @@ impl HullGeom {
         // An empty hull is a point, so that it is near nothing, yet neither NaN nor infinite.
         let hull = if hull.is_empty() { Aabb { min: Point3::origin(), max: Point3::origin() } } else { hull };
         let touching = self.last_contacts.touching_bodies();
-        let aabb = avoid_overlooked_cells(hull.transformed(&world_from_hull).union(&touching));
+        let mut aabb = hull.transformed(&world_from_hull).union(&touching);
+        // SAFETY: a geom's space is living.
+        if let Some(min_level) = unsafe { hash_space::min_level_of(space) } {
+            aabb = hash_space::out_of_unit_cells(&aabb, min_level);
+        }
         [aabb.min.x, aabb.max.x, aabb.min.y, aabb.max.y, aabb.min.z, aabb.max.z]
     }
 
@@ -185,24 +189,6 @@ impl State {
     fn bounds(&self) -> Option<Aabb> {
         self.hull.as_ref().map(|hull| *hull.bounds()).or_else(|| self.data.bounds())
     }
-}
-
-/// A box around `aabb` whose pairs ODE's hash space finds.
-///
-/// ODE 0.16 overlooks pairs of boxes that are 0.5 to 1 units long and cross z = 0 where x and y are from 0 to 1: the sum
-/// from which it computes the hashes of cells of that size, at the origin, is negative below z = 0 and wraps around. A box
-/// of a unit or more has cells of another size.
-fn avoid_overlooked_cells(aabb: Aabb) -> Aabb {
-    const LONG_ENOUGH: f64 = 1.001;
-    let axis = (aabb.max - aabb.min).imax();
-    let length = aabb.max[axis] - aabb.min[axis];
-    let is_overlooked = (0.5..1.0).contains(&length) && aabb.min.z < 0.0 && aabb.max.z >= 0.0;
-    let mut longer = aabb;
-    if is_overlooked {
-        longer.min[axis] -= 0.5 * (LONG_ENOUGH - length);
-        longer.max[axis] += 0.5 * (LONG_ENOUGH - length);
-    }
-    longer
 }
 
 /// Brings the latest published frame into force in `geom`, and tells ODE that its box has changed.

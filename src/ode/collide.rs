@@ -1,29 +1,27 @@
 //! Collision detection: pairs of geoms, their contact points, and the contact joints between their bodies.
 
 use crate::lock::lock;
-use std::any::Any;
 use std::cell::Cell;
-use std::ffi::c_void;
 use std::fmt;
 use std::ops::Deref;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Mutex;
 
 use nalgebra::{Point3, Vector3};
 use ode_sys::{
     CONTACTS_UNIMPORTANT, dAreConnectedExcluding, dBodyID, dCapsuleClass, dCollide, dContact, dContactGeom,
-    dCylinderClass, dGeomGetBody, dGeomGetClass, dGeomID, dGeomIsEnabled, dGeomIsSpace, dJointAttach,
-    dJointCreateContact, dJointGroupEmpty, dJointGroupID, dJointID, dJointTypeContact, dSpaceCollide,
-    dSpaceCollide2, dTriMeshClass, dWorldID,
+    dCylinderClass, dGeomGetBody, dGeomGetClass, dGeomID, dJointAttach, dJointCreateContact,
+    dJointGroupEmpty, dJointGroupID, dJointID, dJointTypeContact, dSpaceCollide, dSpaceCollide2,
+    dTriMeshClass, dWorldID,
 };
 
 use super::arena::{BodyId, GeomId};
 use super::body::Body;
 use super::geom::Geom;
+use super::pair_search::{near_callback, search_pairs};
 use super::space::SpaceKind;
 use super::surface::Surface;
 use super::world::World;
-use super::{check, convert, hash_space, panic};
+use super::{check, convert, hash_space, heightfield, panic};
 use crate::hull::Aabb;
 use crate::{Error, Result};
 
@@ -52,10 +50,10 @@ pub struct ContactGeom {
 
 /// Two geoms whose bounding boxes overlap, as [`World::collide`] passes them to its closure.
 pub struct Pair<'c> {
-    world: &'c World,
-    first_error: &'c Cell<Option<Error>>,
-    raw: [dGeomID; 2],
-    geoms: [GeomId; 2],
+    pub(super) world: &'c World,
+    pub(super) first_error: &'c Cell<Option<Error>>,
+    pub(super) raw: [dGeomID; 2],
+    pub(super) geoms: [GeomId; 2],
 }
 
 /// The contacts of a pair, as a slice in a buffer that the next pair reuses.
@@ -79,6 +77,13 @@ impl fmt::Debug for Contacts<'_> {
     }
 }
 
+impl Contacts<'_> {
+    /// Drops the contacts that do not fulfil a condition.
+    pub(super) fn retain(&mut self, keep: impl FnMut(&ContactGeom) -> bool) {
+        self.points.retain(keep);
+    }
+}
+
 impl Drop for Contacts<'_> {
     fn drop(&mut self) {
         self.reused.set(std::mem::take(&mut self.points));
@@ -94,7 +99,8 @@ impl World {
     ///
     /// # Errors
     ///
-    /// The first error of an [`attach`](Pair::attach); all other contacts are attached.
+    /// The first error of an [`attach`](Pair::attach), or of a pair that ODE cannot collide, see
+    /// [`Shape::Heightfield`](super::Shape::Heightfield). All other pairs are visited, and their contacts attached.
     ///
     /// # Panics
     ///
@@ -104,26 +110,16 @@ impl World {
         self.clear_contacts();
         self.apply_latest_frames();
 
-        let first_error = Cell::new(None);
-        let mut search =
-            PairSearch { world: self, visit: &mut visit, first_error: &first_error, panic: None };
-        let data: *mut PairSearch<'_> = &mut search;
-        for (_, space) in self.spaces.iter() {
-            // SAFETY: the space is alive, `data` points to a search that outlives the call, and the callback cannot
-            // add, move or remove a geom, which needs the world mutably.
-            unsafe { dSpaceCollide(space.raw, data.cast(), Some(near_callback)) };
-        }
-        for [first, second] in self.overlooked_pairs() {
-            // SAFETY: as above; both are geoms or spaces of this world.
-            unsafe { dSpaceCollide2(first, second, data.cast(), Some(near_callback)) };
-        }
-
-        // Panics of the closure, and then of the hull's callbacks, resume here, outside of ODE.
-        if let Some(payload) = search.panic.take() {
-            resume_unwind(payload);
-        }
-        panic::resume_parked();
-        first_error.take().map_or(Ok(()), Err)
+        search_pairs(self, None, &mut visit, |data| {
+            for (_, space) in self.spaces.iter() {
+                // SAFETY: the space is alive; the search guarantees the rest.
+                unsafe { dSpaceCollide(space.raw, data, Some(near_callback)) };
+            }
+            for [first, second] in self.overlooked_pairs() {
+                // SAFETY: both are geoms or spaces of this world; the search guarantees the rest.
+                unsafe { dSpaceCollide2(first, second, data, Some(near_callback)) };
+            }
+        })
     }
 
     /// The pairs of geoms, or spaces, that ODE's hash spaces have overlooked.
@@ -172,12 +168,14 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if a geom was removed.
+    /// [`Error::Argument`] if a geom was removed, and for a pair that ODE cannot collide, see
+    /// [`Shape::Heightfield`](super::Shape::Heightfield).
     pub fn collide_geoms(&mut self, first: GeomId, second: GeomId, max: usize) -> Result<Vec<ContactGeom>> {
         self.ode.ensure_thread_data()?;
         let raw = [self.geoms.find(first)?.raw, self.geoms.find(second)?.raw];
+        heightfield::check_pair(self, [first, second])?;
         self.apply_latest_frames();
-        let found = contacts(self, raw, [first, second], max, 0).to_vec();
+        let found = true_contacts(self, raw, [first, second], max, 0).to_vec();
         panic::resume_parked();
         Ok(found)
     }
@@ -217,7 +215,7 @@ impl<'c> Pair<'c> {
 
     /// Up to `max` contacts, at most 65 535; at most 1000 of a capsule or cylinder with a triangle mesh.
     pub fn contacts(&self, max: usize) -> Contacts<'c> {
-        contacts(self.world, self.raw, self.geoms, max, 0)
+        true_contacts(self.world, self.raw, self.geoms, max, 0)
     }
 
     /// Whether the two geoms touch. For visual hulls this is faster than computing their contacts.
@@ -225,7 +223,7 @@ impl<'c> Pair<'c> {
         // ODE's own colliders miss touching boxes with this flag, and read contacts that they have not written.
         let has_hull = self.raw.iter().any(|&geom| self.world.is_hull(geom));
         let flags = if has_hull { CONTACTS_UNIMPORTANT } else { 0 };
-        !contacts(self.world, self.raw, self.geoms, 1, flags).is_empty()
+        !true_contacts(self.world, self.raw, self.geoms, 1, flags).is_empty()
     }
 
     /// Attaches a contact joint between the pair's bodies, which lasts until the next [`collide`](World::collide). A
@@ -288,6 +286,20 @@ pub(super) unsafe fn create_contact(
         dJointAttach(joint, bodies[0], bodies[1]);
         Ok(joint)
     }
+}
+
+/// The contacts of two living geoms of `world`, without false ones of heightfields.
+fn true_contacts<'c>(
+    world: &'c World,
+    raw: [dGeomID; 2],
+    ids: [GeomId; 2],
+    max: usize,
+    flags: u32,
+) -> Contacts<'c> {
+    let mut found = contacts(world, raw, ids, max, flags);
+    // SAFETY: both geoms are alive, and `ids` are theirs.
+    unsafe { heightfield::drop_false_contacts(world, raw, ids, &mut found) };
+    found
 }
 
 /// The contacts of two living geoms of `world`, without those whose numbers are not finite.
@@ -354,45 +366,4 @@ unsafe fn collide_raw([first, second]: [dGeomID; 2], flags: i32, found: &mut [dC
     let count =
         unsafe { dCollide(first, second, flags, found.as_mut_ptr(), size_of::<dContactGeom>() as i32) };
     count.max(0) as usize
-}
-
-/// The state of [`World::collide`] that ODE passes to its near callback.
-struct PairSearch<'c> {
-    world: &'c World,
-    visit: &'c mut dyn FnMut(&Pair<'_>),
-    first_error: &'c Cell<Option<Error>>,
-    /// The panic of `visit`, after which no more pairs are visited.
-    panic: Option<Box<dyn Any + Send>>,
-}
-
-/// ODE's near callback: descends into spaces, and passes pairs of geoms to the closure of [`World::collide`].
-unsafe extern "C" fn near_callback(data: *mut c_void, first: dGeomID, second: dGeomID) {
-    // SAFETY: ODE passes living geoms.
-    let is_space = |geom| unsafe { dGeomIsSpace(geom) != 0 };
-    if is_space(first) || is_space(second) {
-        // Only pairs across the two: `World::collide` visits the pairs within each space itself.
-        // SAFETY: ODE passes living geoms or spaces, and the caller of this callback passed `data`.
-        unsafe { dSpaceCollide2(first, second, data, Some(near_callback)) };
-        return;
-    }
-
-    // SAFETY: `data` is the search of `World::collide`, and no other reference to it is in use, since each callback
-    // returns before the next one begins.
-    let search = unsafe { &mut *data.cast::<PairSearch<'_>>() };
-    // ODE ignores the enabled flag of geoms in the smaller of two spaces, so it is checked here.
-    // SAFETY: both geoms are alive.
-    let enabled = [first, second].iter().all(|&geom| unsafe { dGeomIsEnabled(geom) != 0 });
-    if search.panic.is_some() || !enabled {
-        return;
-    }
-
-    // Geoms that were added through ODE's own functions have no id, and are left out.
-    // SAFETY: both geoms are alive.
-    let ids = unsafe { (search.world.geom_id(first), search.world.geom_id(second)) };
-    if let (Some(a), Some(b)) = ids {
-        let (world, first_error) = (search.world, search.first_error);
-        let pair = Pair { world, first_error, raw: [first, second], geoms: [a, b] };
-        // A panic that unwinds through ODE would leave its spaces locked. `World::collide` resumes it.
-        search.panic = catch_unwind(AssertUnwindSafe(|| (search.visit)(&pair))).err();
-    }
 }

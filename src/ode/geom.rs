@@ -5,8 +5,7 @@ mod view;
 use ode_sys::{dGeomDestroy, dGeomID, dGeomSetData, dSpaceAdd};
 
 use super::arena::{GeomId, Key, SpaceId};
-use super::shape::{checked, create};
-use super::trimesh::MeshData;
+use super::shape::{ShapeData, checked, create};
 use super::world::World;
 use crate::Result;
 use crate::shape::Shape;
@@ -18,10 +17,11 @@ pub use view::{Geom, GeomMut};
 pub(super) struct GeomRecord {
     pub(super) raw: dGeomID,
     pub(super) space: Key,
-    /// The geom's shape; `None` for a class that is not built into ODE.
+    /// The geom's shape; `None` for a class that is not built into ODE, and where ODE does not tell the shape of an
+    /// adopted geom.
     shape: Option<Shape>,
-    /// The search tree of a mesh, which refers to the arrays of `shape`.
-    _mesh: Option<MeshData>,
+    /// What ODE keeps of a mesh or heightfield, which refers to the arrays of `shape`.
+    _data: Option<ShapeData>,
 }
 
 /// Options for the hits of a ray with triangle meshes and other geoms.
@@ -36,6 +36,11 @@ pub struct RayFlags {
 }
 
 impl GeomRecord {
+    /// The record of a geom made elsewhere, with its shape if ODE tells it.
+    pub(super) fn adopted(raw: dGeomID, space: Key, shape: Option<Shape>) -> Self {
+        Self { raw, space, shape, _data: None }
+    }
+
     /// Whether the geom has a pose. All geoms but planes have one.
     fn is_placeable(&self) -> bool {
         self.shape.as_ref().is_none_or(Shape::is_placeable)
@@ -52,12 +57,12 @@ impl World {
     pub fn add_geom(&mut self, space: SpaceId, shape: &Shape) -> Result<GeomId> {
         let raw_space = self.spaces.find(space)?.raw;
         let shape = checked(shape)?;
-        // SAFETY: ODE is open as long as the world lives, and the record keeps the shape and the search tree as long as
-        // the geom.
-        let (raw, mesh) = unsafe { create(&shape)? };
+        // SAFETY: ODE is open as long as the world lives, and the record keeps the shape and the data as long as the
+        // geom.
+        let (raw, data) = unsafe { create(&shape)? };
         // SAFETY: space and geom are alive, and a new geom is in no space.
         unsafe { dSpaceAdd(raw_space, raw) };
-        Ok(self.keep_geom(GeomRecord { raw, space: space.0, shape: Some(shape), _mesh: mesh }))
+        Ok(self.keep_geom(GeomRecord { raw, space: space.0, shape: Some(shape), _data: data }))
     }
 
     /// Takes ownership of a geom of a user-defined class, and adds it to `space`.
@@ -82,11 +87,11 @@ impl World {
 
         // SAFETY: the space is alive, and the geom is in none.
         unsafe { dSpaceAdd(raw_space, raw) };
-        Ok(self.keep_geom(GeomRecord { raw, space: space.0, shape: None, _mesh: None }))
+        Ok(self.keep_geom(GeomRecord::adopted(raw, space.0, None)))
     }
 
     /// Stores the record of a geom, and its key in the geom's user data.
-    fn keep_geom(&mut self, record: GeomRecord) -> GeomId {
+    pub(super) fn keep_geom(&mut self, record: GeomRecord) -> GeomId {
         let raw = record.raw;
         let key = self.geoms.insert(record);
         // SAFETY: the geom is alive, and only the world uses its user data.

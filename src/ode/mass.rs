@@ -54,7 +54,7 @@ impl Mass {
     /// # Errors
     ///
     /// [`Error::Argument`] for an amount that is not positive and finite, for sizes out of range, and for shapes
-    /// without volume: planes, rays, and meshes whose signed volume is not positive.
+    /// without volume: planes, rays, heightfields, and meshes whose signed volume is not positive.
     pub fn of(shape: &Shape, amount: Amount) -> Result<Self> {
         let unit = Self::of_unit_density(&checked(shape)?)?;
         let total = match amount {
@@ -174,7 +174,7 @@ impl Mass {
                 Self::of_surface(convex.points(), fan)?
             }
             Shape::TriMesh(mesh) => Self::of_surface(mesh.points(), mesh.triangles().iter().copied())?,
-            Shape::Plane { .. } | Shape::Ray { .. } => {
+            Shape::Plane { .. } | Shape::Ray { .. } | Shape::Heightfield(_) => {
                 return Err(Error::argument(format!(
                     "mass: expected a solid, found {shape:?}, which has no inside"
                 )));

@@ -54,15 +54,18 @@ mod collide;
 mod convert;
 mod geom;
 mod hash_space;
+mod heightfield;
 mod hull;
 mod init;
 #[cfg(test)]
 pub(crate) mod injected_panic;
 mod joint;
 mod mass;
+mod pair_search;
 mod panic;
 mod parameters;
 pub(crate) mod per_thread;
+mod raw;
 mod shape;
 mod space;
 mod step;
@@ -80,11 +83,12 @@ pub use init::{Ode, random_seed, set_random_seed};
 pub use joint::{Joint, JointKind, JointMut, JointParam, JointType};
 pub use mass::{Amount, Mass};
 pub use parameters::{AutoDisable, Damping};
-pub use space::{SpaceKind, SweepAxes};
+pub use space::{Space, SpaceKind, SweepAxes};
 pub use surface::{Approximation, Surface};
 pub use world::World;
 
-pub use crate::shape::{Convex, Shape, TriMesh};
+pub use crate::shape::{Convex, Heightfield, Shape, TriMesh};
+pub use ode_sys;
 
 pub(crate) use hull::{
     RawHull, apply_latest_frame_everywhere, clear_samples, close_class, create_hull_in, open_class,

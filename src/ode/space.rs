@@ -1,5 +1,7 @@
 //! Spaces: groups of geoms for the broad phase, which spares most pairs an exact test.
 
+mod view;
+
 use nalgebra::{Point3, Vector3};
 use ode_sys::{
     dGeomDestroy, dHashSpaceCreate, dHashSpaceSetLevels, dQuadTreeSpaceCreate, dSAP_AXES_XYZ, dSAP_AXES_XZY,
@@ -12,6 +14,8 @@ use super::hull::clear_samples;
 use super::world::World;
 use super::{check, convert};
 use crate::{Error, Result};
+
+pub use view::Space;
 
 /// The broad phase of a space: how it finds the pairs that may touch. All kinds find the same pairs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,7 +156,8 @@ impl World {
         Ok(SpaceId(self.spaces.insert(SpaceRecord { raw, parent: Some(parent.0), kind })))
     }
 
-    /// Removes a space with all spaces and geoms in it. The bodies of these geoms remain.
+    /// Removes a space with all spaces and geoms in it, also those made with ODE's own functions. The bodies of these
+    /// geoms remain.
     ///
     /// # Errors
     ///
@@ -166,8 +171,7 @@ impl World {
         }
 
         // The contents first, since their records refer to ODE's objects, which the space destroys with itself.
-        let inner: Vec<_> = self.spaces.iter().filter(|(_, space)| space.parent == Some(id.0)).collect();
-        for space in inner.into_iter().map(|(key, _)| SpaceId(key)).collect::<Vec<_>>() {
+        for space in self.space(id).inner_spaces() {
             self.remove_space(space)?;
         }
         for geom in self.geoms_in(id) {

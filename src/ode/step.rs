@@ -84,7 +84,7 @@ impl World {
 }
 
 /// Whether the body's pose and velocities are finite and within [`check::REACH`].
-fn is_valid(body: &Body<'_>) -> bool {
+pub(super) fn is_valid(body: &Body<'_>) -> bool {
     check::pose("", &body.pose()).is_ok()
         && check::vector("", &body.linear_velocity()).is_ok()
         && check::vector("", &body.angular_velocity()).is_ok()

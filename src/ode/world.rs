@@ -7,8 +7,8 @@ use std::fmt;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use ode_sys::{
-    dBodyCreate, dBodyDestroy, dBodyGetData, dBodyID, dBodySetData, dContactGeom, dGeomDestroy, dGeomGetData,
-    dGeomID, dJointDestroy, dJointGroupCreate, dJointGroupDestroy, dJointGroupID, dSpaceDestroy,
+    dBodyCreate, dBodyDestroy, dBodyID, dBodySetData, dContactGeom, dGeomDestroy, dJointDestroy,
+    dJointGroupCreate, dJointGroupDestroy, dJointGroupID, dSpaceDestroy,
     dThreadingAllocateSelfThreadedImplementation, dThreadingFreeImplementation,
     dThreadingImplementationGetFunctions, dThreadingImplementationID, dWorldCreate, dWorldDestroy, dWorldID,
     dWorldSetStepThreadingImplementation,
@@ -245,40 +245,17 @@ impl World {
     ///
     /// # Safety
     ///
-    /// The id is valid until the world is dropped. The caller must not destroy objects that the world owns, nor change
-    /// the user data of its bodies, geoms and joints. [`collide`](Self::collide) does not report geoms that are added
-    /// to the world's spaces through ODE's own functions.
+    /// The id is valid until the world is dropped. For the objects that the world owns, the caller must not
+    ///
+    /// - destroy them, change the user data of bodies, geoms and joints, or move geoms and spaces to other spaces;
+    /// - attach geoms to bodies of another world;
+    /// - set numbers that this wrapper would refuse, after which ODE may abort.
+    ///
+    /// Other objects may be made with ODE's own functions. [`adopt_geom`](Self::adopt_geom) and
+    /// [`adopt_body`](Self::adopt_body) let the world own them. Until then [`collide`](Self::collide) leaves such geoms
+    /// out; all are destroyed with the world or their space.
     pub unsafe fn raw(&self) -> dWorldID {
         self.raw
-    }
-
-    /// The id of ODE's body `raw`, if this world owns it.
-    ///
-    /// # Safety
-    ///
-    /// `raw` is null or a living body.
-    pub(crate) unsafe fn body_id(&self, raw: dBodyID) -> Option<BodyId> {
-        if raw.is_null() {
-            return None;
-        }
-        // SAFETY: the caller guarantees a living body.
-        let data = unsafe { dBodyGetData(raw) } as usize;
-        // A body made elsewhere may carry any user data, so the record found with it must name this body.
-        self.bodies.by_user_data(data).filter(|&(_, &own)| own == raw).map(|(key, _)| BodyId(key))
-    }
-
-    /// The id of ODE's geom `raw`, if this world owns it.
-    ///
-    /// # Safety
-    ///
-    /// `raw` is null or a living geom.
-    pub(crate) unsafe fn geom_id(&self, raw: dGeomID) -> Option<GeomId> {
-        if raw.is_null() {
-            return None;
-        }
-        // SAFETY: the caller guarantees a living geom.
-        let data = unsafe { dGeomGetData(raw) } as usize;
-        self.geoms.by_user_data(data).filter(|(_, own)| own.raw == raw).map(|(key, _)| GeomId(key))
     }
 
     /// The arena key of the root space.

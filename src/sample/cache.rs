@@ -78,9 +78,11 @@ impl SampleCache {
             Shape::Box { sides: l } => Key::Box([l.x, l.y, l.z, d].map(f64::to_bits)),
             Shape::Capsule { radius, length } => Key::Capsule([radius, length, d].map(f64::to_bits)),
             Shape::Cylinder { radius, length } => Key::Cylinder([radius, length, d].map(f64::to_bits)),
-            Shape::Convex(_) | Shape::TriMesh(_) | Shape::Plane { .. } | Shape::Ray { .. } => {
-                return shape.sample(d).map(Arc::new);
-            }
+            Shape::Convex(_)
+            | Shape::TriMesh(_)
+            | Shape::Plane { .. }
+            | Shape::Ray { .. }
+            | Shape::Heightfield(_) => return shape.sample(d).map(Arc::new),
         };
         self.find(key, &[], || shape.sample(min_feature))
     }

@@ -1,10 +1,12 @@
 //! The shapes of bodies, by value: what ODE makes geoms of, samples are taken of, and films are drawn of.
 
 mod convex;
+mod heightfield;
 mod reach;
 mod trimesh;
 
 pub use convex::Convex;
+pub use heightfield::Heightfield;
 #[cfg(feature = "ode")]
 pub(crate) use reach::MAX_ASPECT;
 pub use reach::{MIN_SIZE, REACH};
@@ -62,6 +64,19 @@ pub enum Shape {
     Convex(Arc<Convex>),
     /// A triangle mesh, which geoms may share.
     TriMesh(Arc<TriMesh>),
+    /// Ground given by heights on a grid, which geoms may share. Its y axis points up, see [`Heightfield::z_up`].
+    ///
+    /// ODE collides it with balls, boxes, capsules, cylinders, polyhedra, meshes and rays, and not with planes, other
+    /// heightfields and visual hulls, which get no contacts. Some properties of ODE 0.16:
+    ///
+    /// - Its bounding box is right only for rotations by quarter turns. At other rotations it is too small, so that
+    ///   geoms near the border of the field may go unnoticed.
+    /// - Where all heights under a geom are equal, it collides with their whole plane, even beyond the border.
+    /// - The depth of a geom that is entirely below the surface is its distance from the surface, not its way out.
+    /// - A ray from below hits the ground too. The normal of its hit points upwards, not towards the ray.
+    /// - The time for a pair grows with the square of the number of cells under the geom. A pair over more than 4096
+    ///   cells has no contacts, and its collide returns an error.
+    Heightfield(Arc<Heightfield>),
 }
 
 impl Shape {

@@ -27,7 +27,7 @@ fn mesh_cube() -> Shape {
     Shape::TriMesh(Arc::new(TriMesh::new(points, triangles).unwrap()))
 }
 
-fn all_shapes() -> Vec<Shape> {
+pub(crate) fn all_shapes() -> Vec<Shape> {
     vec![
         Shape::Sphere { radius: 0.5 },
         Shape::cuboid(1.0, 1.0, 1.0),

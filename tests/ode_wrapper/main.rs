@@ -1,10 +1,13 @@
 //! ODE through the safe wrapper: bodies move as in ODE, and safe code cannot access removed objects.
 
 mod bodies;
+mod geom_with_space;
 mod geoms;
+mod heightfields;
 mod ids;
 mod joints;
 mod pairs;
+mod raw_objects;
 
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, World};

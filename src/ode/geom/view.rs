@@ -36,7 +36,7 @@ impl<'w> Geom<'w> {
         self.id
     }
 
-    /// The geom's shape; `None` for a visual hull.
+    /// The geom's shape; `None` for a visual hull, and for an adopted geom whose shape ODE does not tell.
     pub fn shape(&self) -> Option<&'w Shape> {
         self.record.shape.as_ref()
     }
@@ -81,7 +81,7 @@ impl<'w> Geom<'w> {
         convert::pose(&position, &quaternion)
     }
 
-    /// The geom's bounding box in the world's frame; infinite for most planes.
+    /// The geom's bounding box in the world's frame; infinite for most planes and for repeated heightfields.
     pub fn aabb(&self) -> Aabb {
         // SAFETY: the geom is alive.
         unsafe { convert::aabb_of(self.record.raw) }
@@ -234,18 +234,19 @@ impl<'w> GeomMut<'w> {
         Ok(())
     }
 
-    /// Changes the geom's sizes. The kind of shape stays the same; polyhedra and meshes cannot be changed.
+    /// Changes the geom's sizes. The kind of shape stays the same; polyhedra, meshes and heightfields cannot be
+    /// changed.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a shape of another kind, for a polyhedron or mesh, and for sizes that
+    /// [`Error::Argument`] for a shape of another kind, for a polyhedron, mesh or heightfield, and for sizes that
     /// [`World::add_geom`] refuses.
     pub fn set_shape(&mut self, shape: &Shape) -> Result<()> {
         let shape = checked(shape)?;
 
         let old = self.view().shape().cloned().ok_or_else(|| {
             Error::argument(format!(
-                "{:?}: expected a geom of a shape built into ODE, found a visual hull",
+                "{:?}: expected a geom that was added with a shape, found a visual hull or an adopted geom",
                 self.id
             ))
         })?;

@@ -162,6 +162,7 @@ impl World {
     pub fn clear_contacts(&mut self) {
         // SAFETY: the group is alive as long as the world, and no record refers to its joints.
         unsafe { dJointGroupEmpty(self.contacts) };
+        self.buffers.measured.get_mut().clear();
     }
 
     /// Up to `max` contacts of two geoms in any spaces, without attaching them.
@@ -231,17 +232,33 @@ impl<'c> Pair<'c> {
     ///
     /// An invalid contact or surface becomes the error of [`collide`](World::collide).
     pub fn attach(&self, contact: &ContactGeom, surface: &Surface) {
+        self.create_contact(contact, surface);
+    }
+
+    /// Attaches a contact joint as [`attach`](Self::attach) does, and has the next steps record its forces, which
+    /// [`World::contact_feedback`] returns until the contacts are cleared.
+    pub fn attach_measured(&self, contact: &ContactGeom, surface: &Surface) {
+        if let Some(joint) = self.create_contact(contact, surface) {
+            // SAFETY: the joint was just created in the world's group of contacts.
+            unsafe { self.world.measure_contact(joint, contact) };
+        }
+    }
+
+    fn create_contact(&self, contact: &ContactGeom, surface: &Surface) -> Option<dJointID> {
         // SAFETY: both geoms are alive, and so are their bodies.
         let bodies = self.raw.map(|geom| unsafe { dGeomGetBody(geom) });
         if bodies[0].is_null() && bodies[1].is_null() {
-            return;
+            return None;
         }
+
         // SAFETY: world, group and bodies are alive, and ODE reports no pair of geoms of one body.
         let joint = unsafe { create_contact(self.world.raw, self.world.contacts, bodies, contact, surface) };
-        if let Err(error) = joint {
-            let first = self.first_error.take().unwrap_or(error);
-            self.first_error.set(Some(first));
-        }
+        joint
+            .map_err(|error| {
+                let first = self.first_error.take().unwrap_or(error);
+                self.first_error.set(Some(first));
+            })
+            .ok()
     }
 }
 
@@ -278,7 +295,11 @@ pub(super) unsafe fn create_contact(
         depth: contact.depth,
         ..Default::default()
     };
-    let contact = dContact { surface: surface.to_ode()?, geom, ..Default::default() };
+    let contact = dContact {
+        surface: surface.to_ode()?,
+        geom,
+        fdir1: convert::ode_vector(&surface.friction_direction_at(&contact.normal)?),
+    };
 
     // SAFETY: the caller guarantees living objects, and ODE copies the contact.
     unsafe {

@@ -1,62 +1,30 @@
 //! Joints between two bodies, or between a body and the world.
 
+mod axes;
+mod create;
+mod feedback;
+mod kind;
+mod motor;
 mod param;
 mod view;
+mod view_mut;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use ode_sys::*;
 
 use super::arena::{Arena, BodyId, JointGroupId, JointId, Key};
-use super::check;
-use super::collide::{ContactGeom, create_contact};
-use super::surface::Surface;
 use super::world::World;
 use crate::{Error, Result};
 
+use feedback::FeedbackMemory;
+
+pub use feedback::JointFeedback;
+pub(super) use feedback::MeasuredContact;
+pub use kind::{JointAxis, JointKind, JointType};
+pub use motor::{AxisFrame, MotorAxis};
 pub use param::JointParam;
-pub use view::{Joint, JointMut};
-
-/// The description of a joint to create: its kind and its geometry in the world's frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum JointKind {
-    /// A ball-and-socket joint: both bodies share a point.
-    Ball {
-        /// The shared point.
-        anchor: Point3<f64>,
-    },
-    /// Both bodies share an axis and rotate about it. The angle is 0 at their current poses.
-    Hinge {
-        /// A point on the axis.
-        anchor: Point3<f64>,
-        /// The direction of the axis, of any length but 0.
-        axis: Vector3<f64>,
-    },
-    /// Both bodies keep their relative rotation and slide along an axis. The position is 0 at their current poses.
-    Slider {
-        /// The direction of the axis, of any length but 0.
-        axis: Vector3<f64>,
-    },
-    /// Both bodies keep their current relative pose.
-    Fixed,
-    /// A contact that keeps the bodies from moving into each other at a point. It lasts until it is removed.
-    Contact {
-        /// The point, normal and depth of the contact. The normal points into the first body.
-        contact: ContactGeom,
-        /// Friction, bounce and softness of the contact.
-        surface: Surface,
-    },
-}
-
-/// The kind of an existing joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "see `JointKind`")]
-pub enum JointType {
-    Ball,
-    Hinge,
-    Slider,
-    Fixed,
-    Contact,
-}
+pub use view::Joint;
+pub use view_mut::JointMut;
 
 /// A joint that a world owns.
 #[derive(Debug)]
@@ -64,6 +32,12 @@ pub(super) struct JointRecord {
     pub(super) raw: dJointID,
     pub(super) group: Option<Key>,
     kind: JointType,
+    /// The crossed axes, in the frames of the first and second body, of the kinds that have them.
+    body_axes: Option<[Vector3<f64>; 2]>,
+    /// What the axes of a linear or angular motor move with.
+    motor_frames: [Option<AxisFrame>; 3],
+    /// The memory for the joint's forces, if they are measured.
+    feedback: Option<FeedbackMemory>,
 }
 
 /// A joint group that a world owns.
@@ -73,75 +47,14 @@ pub(super) struct GroupRecord {
     members: Vec<Key>,
 }
 
-impl JointKind {
-    /// The kind of the joint, without its geometry.
-    pub fn joint_type(&self) -> JointType {
-        match self {
-            Self::Ball { .. } => JointType::Ball,
-            Self::Hinge { .. } => JointType::Hinge,
-            Self::Slider { .. } => JointType::Slider,
-            Self::Fixed => JointType::Fixed,
-            Self::Contact { .. } => JointType::Contact,
-        }
-    }
-
-    /// Refuses anchors and axes that are not finite, and axes of length 0.
-    fn check(&self) -> Result<()> {
-        if let Self::Ball { anchor } | Self::Hinge { anchor, .. } = self {
-            check::point("anchor of the joint", anchor)?;
-        }
-        if let Self::Hinge { axis, .. } | Self::Slider { axis } = self {
-            check::direction("axis of the joint", axis)?;
-        }
-        Ok(())
-    }
-
-    /// Creates the joint in ODE and attaches it.
-    ///
-    /// # Safety
-    ///
-    /// `world` is alive, `group` is null or alive, and `bodies` are null or alive and of `world`, not both null and not
-    /// equal.
-    unsafe fn create(&self, world: dWorldID, group: dJointGroupID, bodies: [dBodyID; 2]) -> Result<dJointID> {
-        self.check()?;
-        let [first, second] = bodies;
-
-        // SAFETY: the caller guarantees living objects, and `check` has refused axes of length 0.
-        unsafe {
-            let raw = match self {
-                Self::Ball { .. } => dJointCreateBall(world, group),
-                Self::Hinge { .. } => dJointCreateHinge(world, group),
-                Self::Slider { .. } => dJointCreateSlider(world, group),
-                Self::Fixed => dJointCreateFixed(world, group),
-                Self::Contact { contact, surface } => {
-                    return create_contact(world, group, bodies, contact, surface);
-                }
-            };
-
-            // ODE computes anchors and axes relative to the bodies, so the joint must be attached first.
-            dJointAttach(raw, first, second);
-            match *self {
-                Self::Ball { anchor } => dJointSetBallAnchor(raw, anchor.x, anchor.y, anchor.z),
-                Self::Hinge { anchor, axis } => {
-                    dJointSetHingeAnchor(raw, anchor.x, anchor.y, anchor.z);
-                    dJointSetHingeAxis(raw, axis.x, axis.y, axis.z);
-                }
-                Self::Slider { axis } => dJointSetSliderAxis(raw, axis.x, axis.y, axis.z),
-                Self::Fixed => dJointSetFixed(raw),
-                Self::Contact { .. } => {}
-            }
-            Ok(raw)
-        }
-    }
-}
-
 impl World {
     /// Adds a joint between two bodies, or between a body and the world (`None`).
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if a body was removed, if both are `None` or the same body, or if a number is not finite or
-    /// an axis has length 0.
+    /// [`Error::Argument`] if a body was removed, if both are `None` or the same body, or if the kind of joint cannot
+    /// connect them (see [`JointKind`]); for numbers that are not finite, and axes of length 0 or of a wrong angle to
+    /// each other.
     pub fn add_joint(&mut self, bodies: [Option<BodyId>; 2], kind: &JointKind) -> Result<JointId> {
         self.create_joint(bodies, kind, None)
     }
@@ -172,14 +85,11 @@ impl World {
             None => std::ptr::null_mut(),
         };
 
-        // SAFETY: the world is alive, and group and bodies were found alive in it.
-        let raw = unsafe { kind.create(self.raw, raw_group, raw_bodies)? };
+        kind.check(bodies)?;
+        // SAFETY: the world is alive, group and bodies were found alive in it, and the kind is checked.
+        let record = unsafe { JointRecord::create(kind, self.raw, raw_group, raw_bodies)? };
 
-        let key = self.joints.insert(JointRecord {
-            raw,
-            group: group.map(|group| group.0),
-            kind: kind.joint_type(),
-        });
+        let key = self.joints.insert(JointRecord { group: group.map(|group| group.0), ..record });
         if let Some(group) = group.and_then(|group| self.groups.get_mut(group.0)) {
             group.members.push(key);
         }
@@ -200,11 +110,15 @@ impl World {
     pub fn remove_joint(&mut self, id: JointId) -> bool {
         let Some(record) = self.joints.remove(id.0) else { return false };
         // ODE destroys the joints of a group only together. So a joint of a group is detached, and has no effect.
-        // SAFETY: the joint was alive, and its record was just removed, so it is destroyed only once.
+        // SAFETY: the joint was alive, and its record was just removed, so it is destroyed only once. It does not write
+        // to its memory for forces, which is freed with the record.
         unsafe {
             match record.group {
                 None => dJointDestroy(record.raw),
-                Some(_) => dJointAttach(record.raw, std::ptr::null_mut(), std::ptr::null_mut()),
+                Some(_) => {
+                    dJointAttach(record.raw, std::ptr::null_mut(), std::ptr::null_mut());
+                    dJointSetFeedback(record.raw, std::ptr::null_mut());
+                }
             }
         }
         true

@@ -80,7 +80,9 @@ pub use collide::{ContactGeom, Contacts, Pair};
 pub use geom::{Geom, GeomMut, RayFlags};
 pub use hull::{HullMut, HullView};
 pub use init::{Ode, random_seed, set_random_seed};
-pub use joint::{Joint, JointKind, JointMut, JointParam, JointType};
+pub use joint::{
+    AxisFrame, Joint, JointAxis, JointFeedback, JointKind, JointMut, JointParam, JointType, MotorAxis,
+};
 pub use mass::{Amount, Mass};
 pub use parameters::{AutoDisable, Damping};
 pub use space::{Space, SpaceKind, SweepAxes};

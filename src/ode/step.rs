@@ -21,7 +21,8 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if `dt` is not within 1 ns to 1000 s. [`Error::Ode`] if memory runs out, or if bodies had to
+    /// [`Error::Argument`] if `dt` is not within 1 ns to 1000 s, or if the two axes of an enabled hinge2, universal or PU
+    /// joint or Euler motor are parallel; nothing has moved then. [`Error::Ode`] if memory runs out, or if bodies had to
     /// be stopped: a body that leaves [`REACH`](super::REACH), or whose motion is no longer finite, is put back to its
     /// pose before the step, at rest and asleep. The other bodies have moved, and the world remains usable.
     /// [`stopped_bodies`](Self::stopped_bodies) lists the stopped ones.
@@ -49,6 +50,8 @@ impl World {
     fn advance(&mut self, dt: f64, stepper: Stepper) -> Result<()> {
         check::within("time step", dt, 1e-9, 1e3)?;
         self.ode.ensure_thread_data()?;
+        self.check_joint_axes()?;
+        self.clear_feedback();
         self.stopped.clear();
 
         let mut poses_before = self.buffers.poses.take();

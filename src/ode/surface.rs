@@ -1,14 +1,20 @@
 //! Contact surfaces: friction, bounce and softness.
 
+use nalgebra::Vector3;
 use ode_sys::{
-    dContactApprox1_1, dContactApprox1_2, dContactApprox1_N, dContactAxisDep, dContactBounce,
-    dContactRolling, dContactSlip1, dContactSlip2, dContactSoftCFM, dContactSoftERP, dSurfaceParameters,
+    dContactApprox1_1, dContactApprox1_2, dContactApprox1_N, dContactAxisDep, dContactBounce, dContactFDir1,
+    dContactMotion1, dContactMotion2, dContactMotionN, dContactRolling, dContactSlip1, dContactSlip2,
+    dContactSoftCFM, dContactSoftERP, dSurfaceParameters,
 };
 
 use super::check;
-use crate::Result;
+use crate::{Error, Result};
 
-/// Friction, bounce and softness of one contact. A field that is `None` is off, or takes the world's value.
+/// The largest cosine of the angle between a normal and a direction that counts as perpendicular to it, and the largest
+/// difference of a unit vector's length from 1.
+const UNIT: f64 = 1e-3;
+
+/// Friction, bounce, softness and motion of the surface at one contact. A field that is `None` is off, or takes the world's value.
 ///
 /// ```
 /// use ode_visual_hull::ode::Surface;
@@ -21,6 +27,16 @@ pub struct Surface {
     pub mu: f64,
     /// The friction coefficient in the second tangential direction; `None` means `mu` in both.
     pub mu2: Option<f64>,
+    /// The first tangential direction, a unit vector in the world's frame and perpendicular to the contact's normal
+    /// (ODE's `fdir1`). The second is the cross product of the normal, as it points into the first body that is not the
+    /// world, and the first direction. `None` leaves the choice to ODE, which depends on the normal alone.
+    pub friction_direction: Option<Vector3<f64>>,
+    /// The velocity that friction drives the first body at, relative to the second, in the first and second tangential
+    /// direction, m/s (ODE's `motion1` and `motion2`): a conveyor belt. Against the world it is the velocity of the body,
+    /// whichever of the two it is. It needs a [`friction_direction`](Self::friction_direction).
+    pub surface_velocity: Option<[f64; 2]>,
+    /// The velocity at which the contact pushes the bodies apart, m/s (ODE's `motionN`).
+    pub normal_velocity: Option<f64>,
     /// The coefficient of restitution: 0 means no bounce, 1 returns the full speed.
     pub bounce: Option<f64>,
     /// The impact speed below which nothing bounces, m/s. It matters only with `bounce`.
@@ -53,6 +69,9 @@ impl Default for Surface {
         Self {
             mu: 0.5,
             mu2: None,
+            friction_direction: None,
+            surface_velocity: None,
+            normal_velocity: None,
             bounce: None,
             bounce_velocity: 0.0,
             soft_erp: None,
@@ -74,12 +93,15 @@ impl Surface {
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Argument`] if a number is NaN or out of its range.
+    /// [`Error::Argument`] if a number is NaN or out of its range, or if a surface velocity has no direction.
     pub(super) fn to_ode(self) -> Result<dSurfaceParameters> {
         // ODE reads an optional number only if its bit of the mode is set.
         let mut mode = 0;
         let mut flag = |bits: u32, on: bool| mode |= if on { bits } else { 0 };
         flag(dContactAxisDep, self.mu2.is_some());
+        flag(dContactFDir1, self.friction_direction.is_some());
+        flag(dContactMotion1 | dContactMotion2, self.surface_velocity.is_some());
+        flag(dContactMotionN, self.normal_velocity.is_some());
         flag(dContactBounce, self.bounce.is_some());
         flag(dContactSoftERP, self.soft_erp.is_some());
         flag(dContactSoftCFM, self.soft_cfm.is_some());
@@ -94,6 +116,12 @@ impl Surface {
 
         let rho = check::not_negative_or_infinite("rolling friction", self.rolling.unwrap_or(0.0))?;
         let [slip1, slip2] = self.slip.unwrap_or_default();
+        let [motion1, motion2] = self.surface_velocity.unwrap_or_default();
+        if self.surface_velocity.is_some() && self.friction_direction.is_none() {
+            return Err(Error::argument(
+                "surface velocity: expected a direction to go with it, found none: set `friction_direction`",
+            ));
+        }
         Ok(dSurfaceParameters {
             mode: mode as i32,
             mu: check::not_negative_or_infinite("mu", self.mu)?,
@@ -107,8 +135,28 @@ impl Surface {
             soft_cfm: check::not_negative("soft CFM", self.soft_cfm.unwrap_or(0.0))?,
             slip1: check::not_negative("slip", slip1)?,
             slip2: check::not_negative("slip", slip2)?,
-            ..Default::default()
+            motion1: check::finite("surface velocity", motion1)?,
+            motion2: check::finite("surface velocity", motion2)?,
+            motionN: check::finite("normal velocity", self.normal_velocity.unwrap_or(0.0))?,
         })
+    }
+
+    /// The first tangential direction at a contact with this unit normal, or zero where ODE chooses it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] if it is no unit vector, or not perpendicular to the normal.
+    pub(super) fn friction_direction_at(&self, normal: &Vector3<f64>) -> Result<Vector3<f64>> {
+        let Some(direction) = self.friction_direction else { return Ok(Vector3::zeros()) };
+        let (length, along_normal) = (direction.norm(), direction.dot(normal));
+        // Written so that NaN is refused too.
+        if (length - 1.0).abs() <= UNIT && along_normal.abs() <= UNIT {
+            return Ok(direction);
+        }
+        Err(Error::argument(format!(
+            "friction direction: expected a unit vector perpendicular to the normal of the contact, found length \
+             {length} and {along_normal} along the normal: project it onto the contact's tangent plane, and normalise it"
+        )))
     }
 }
 

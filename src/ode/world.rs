@@ -2,7 +2,7 @@
 
 mod export;
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::fmt;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -20,7 +20,7 @@ use super::collide::ContactGeom;
 use super::geom::{Geom, GeomMut, GeomRecord};
 use super::hull::clear_samples;
 use super::init::Ode;
-use super::joint::{GroupRecord, JointRecord};
+use super::joint::{GroupRecord, JointRecord, MeasuredContact};
 use super::space::{SpaceKind, SpaceRecord};
 use crate::{Error, Result};
 
@@ -57,6 +57,8 @@ pub(super) struct Buffers {
     pub(super) raw_contacts: Cell<Vec<dContactGeom>>,
     pub(super) contacts: Cell<Vec<ContactGeom>>,
     pub(super) poses: Cell<Vec<nalgebra::Isometry3<f64>>>,
+    /// The contacts of the last collide whose forces are measured.
+    pub(super) measured: RefCell<Vec<MeasuredContact>>,
 }
 
 // SAFETY: ODE's objects belong to no thread: its per-thread data is allocated before each collide and step. All objects

@@ -1,13 +1,17 @@
 //! ODE through the safe wrapper: bodies move as in ODE, and safe code cannot access removed objects.
 
 mod bodies;
+mod feedback;
 mod geom_with_space;
 mod geoms;
 mod heightfields;
 mod ids;
+mod joint_kinds;
 mod joints;
+mod motors;
 mod pairs;
 mod raw_objects;
+mod surfaces;
 
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, World};

@@ -1,15 +1,12 @@
-//! Parameters of joints: stops, motor and softness.
+//! Parameters of joints: stops, motors and softness, for each axis.
 
-use ode_sys::{
-    dParamBounce, dParamCFM, dParamERP, dParamFMax, dParamFudgeFactor, dParamHiStop, dParamLoStop,
-    dParamStopCFM, dParamStopERP, dParamVel,
-};
+use ode_sys::*;
 
-use super::JointType;
+use super::{Joint, JointAxis, JointMut, JointType};
 use crate::Result;
 use crate::ode::check;
 
-/// A numeric parameter of a joint.
+/// A numeric parameter of a joint's axis. Ball and fixed joints, which have no axis, have those of a first axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum JointParam {
@@ -25,7 +22,7 @@ pub enum JointParam {
     FudgeFactor,
     /// The restitution of the stops, 0 to 1.
     Bounce,
-    /// Constraint force mixing: of hinges and sliders away from their stops, of ball and fixed joints always.
+    /// Constraint force mixing: of an axis away from its stops while its motor runs, of ball and fixed joints always.
     Cfm,
     /// The error reduction parameter of ball and fixed joints, 0 to 1.
     Erp,
@@ -33,13 +30,19 @@ pub enum JointParam {
     StopErp,
     /// The constraint force mixing of the stops.
     StopCfm,
+    /// The error reduction parameter of a hinge2 joint along its first axis, 0 to 1.
+    ///
+    /// A suspension of spring constant k (N/m) and damping constant c (N s/m) has ERP h k / (h k + c) and CFM
+    /// 1 / (h k + c) with steps of h seconds (ODE manual, *How to use ERP and CFM*).
+    SuspensionErp,
+    /// The constraint force mixing of a hinge2 joint along its first axis; see [`SuspensionErp`](Self::SuspensionErp).
+    SuspensionCfm,
 }
 
 impl JointParam {
-    /// ODE's number of this parameter.
-    pub(super) fn number(self) -> i32 {
-        // Constants of ODE's unnamed enums are unsigned, while its functions take a C int.
-        let number = match self {
+    /// ODE's number of this parameter for the first axis.
+    fn number(self) -> u32 {
+        match self {
             Self::LowStop => dParamLoStop,
             Self::HighStop => dParamHiStop,
             Self::MotorVelocity => dParamVel,
@@ -50,32 +53,121 @@ impl JointParam {
             Self::Erp => dParamERP,
             Self::StopErp => dParamStopERP,
             Self::StopCfm => dParamStopCFM,
-        };
-        number as i32
+            Self::SuspensionErp => dParamSuspensionERP,
+            Self::SuspensionCfm => dParamSuspensionCFM,
+        }
     }
 
-    /// Whether joints of this kind have the parameter.
-    pub(super) fn is_of(self, kind: JointType) -> bool {
-        match kind {
-            JointType::Hinge | JointType::Slider => self != Self::Erp,
-            JointType::Ball | JointType::Fixed => matches!(self, Self::Erp | Self::Cfm),
-            JointType::Contact => false,
+    /// Whether this axis of joints of this kind has the parameter, and ODE heeds it.
+    fn is_of(self, kind: JointType, axis: JointAxis) -> bool {
+        let is_motor = matches!(self, Self::MotorVelocity | Self::MotorMaxForce | Self::Cfm);
+        let is_suspension = matches!(self, Self::SuspensionErp | Self::SuspensionCfm);
+        match (kind, axis) {
+            (JointType::Contact, _) => false,
+            (JointType::Ball | JointType::Fixed, axis) => {
+                axis == JointAxis::First && matches!(self, Self::Erp | Self::Cfm)
+            }
+            (_, axis) if axis.index() >= kind.motions().len() => false,
+            (JointType::Hinge2, JointAxis::First) => self != Self::Erp,
+            (JointType::Hinge2, _) | (JointType::LinearMotor | JointType::Plane2d, _) => is_motor,
+            _ => self != Self::Erp && !is_suspension,
         }
     }
 
     /// Refuses NaN and values out of the parameter's range.
-    pub(super) fn check(self, value: f64) -> Result<()> {
+    fn check(self, value: f64) -> Result<()> {
         // Only the stops may be infinite, each in the direction that means no stop.
         let name = format!("{self:?} of the joint");
         match self {
             Self::LowStop if value == f64::NEG_INFINITY => Ok(value),
             Self::HighStop if value == f64::INFINITY => Ok(value),
             Self::LowStop | Self::HighStop | Self::MotorVelocity => check::finite(&name, value),
-            Self::MotorMaxForce | Self::Cfm | Self::StopCfm => check::not_negative(&name, value),
-            Self::FudgeFactor | Self::Bounce | Self::Erp | Self::StopErp => {
+            Self::MotorMaxForce | Self::Cfm | Self::StopCfm | Self::SuspensionCfm => {
+                check::not_negative(&name, value)
+            }
+            Self::FudgeFactor | Self::Bounce | Self::Erp | Self::StopErp | Self::SuspensionErp => {
                 check::within(&name, value, 0.0, 1.0)
             }
         }
         .map(|_| ())
+    }
+}
+
+impl Joint<'_> {
+    /// A parameter of the joint's first axis, if it has it. Those of the other axes are read with
+    /// [`param_of_axis`](Self::param_of_axis).
+    pub fn param(&self, param: JointParam) -> Option<f64> {
+        self.param_of_axis(JointAxis::First, param)
+    }
+
+    /// A parameter of an axis, if the axis has it. ODE has no function to read those of plane2d joints.
+    pub fn param_of_axis(&self, axis: JointAxis, param: JointParam) -> Option<f64> {
+        let kind = self.joint_type();
+        let get = match kind {
+            JointType::Ball => dJointGetBallParam,
+            JointType::Hinge => dJointGetHingeParam,
+            JointType::Slider => dJointGetSliderParam,
+            JointType::Fixed => dJointGetFixedParam,
+            JointType::Hinge2 => dJointGetHinge2Param,
+            JointType::Universal => dJointGetUniversalParam,
+            JointType::PrismaticRotoide => dJointGetPRParam,
+            JointType::PrismaticUniversal => dJointGetPUParam,
+            JointType::Piston => dJointGetPistonParam,
+            JointType::LinearMotor => dJointGetLMotorParam,
+            JointType::AngularMotor | JointType::EulerMotor => dJointGetAMotorParam,
+            JointType::Contact | JointType::Plane2d => return None,
+        };
+        let number = param.number() + dParamGroup * axis.index() as u32;
+        // SAFETY: the joint is alive and of the kind that `get` takes, and has the axis.
+        param.is_of(kind, axis).then(|| unsafe { get(self.record.raw, number as i32) })
+    }
+}
+
+impl JointMut<'_> {
+    /// Sets a parameter of the joint's first axis.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`set_param_of_axis`](Self::set_param_of_axis).
+    pub fn set_param(&mut self, param: JointParam, value: f64) -> Result<()> {
+        self.set_param_of_axis(JointAxis::First, param, value)
+    }
+
+    /// Sets a parameter of an axis.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::Argument`] if this axis of this kind of joint does not have the parameter, for NaN, and for
+    /// numbers out of range.
+    pub fn set_param_of_axis(&mut self, axis: JointAxis, param: JointParam, value: f64) -> Result<()> {
+        let kind = self.view().joint_type();
+        if !param.is_of(kind, axis) {
+            return Err(self.has_no(&format!("{param:?} of its {axis:?} axis"), kind));
+        }
+        param.check(value)?;
+
+        let set = match kind {
+            JointType::Ball => dJointSetBallParam,
+            JointType::Hinge => dJointSetHingeParam,
+            JointType::Slider => dJointSetSliderParam,
+            JointType::Fixed => dJointSetFixedParam,
+            JointType::Hinge2 => dJointSetHinge2Param,
+            JointType::Universal => dJointSetUniversalParam,
+            JointType::PrismaticRotoide => dJointSetPRParam,
+            JointType::PrismaticUniversal => dJointSetPUParam,
+            JointType::Piston => dJointSetPistonParam,
+            JointType::LinearMotor => dJointSetLMotorParam,
+            JointType::AngularMotor | JointType::EulerMotor => dJointSetAMotorParam,
+            JointType::Plane2d => {
+                [dJointSetPlane2DXParam, dJointSetPlane2DYParam, dJointSetPlane2DAngleParam][axis.index()]
+            }
+            JointType::Contact => return Err(self.has_no("parameters", kind)),
+        };
+
+        // The three functions of plane2d joints take the numbers of a first axis.
+        let group = if kind == JointType::Plane2d { 0 } else { dParamGroup * axis.index() as u32 };
+        // SAFETY: the joint is alive, of the kind that `set` takes, and has the axis; the number is checked.
+        unsafe { set(self.raw(), (param.number() + group) as i32, value) };
+        Ok(())
     }
 }

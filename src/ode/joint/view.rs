@@ -1,13 +1,13 @@
-//! Read and write access to joints.
+//! Read access to joints.
 
 use nalgebra::{Point3, Vector3};
 use ode_sys::*;
 
-use super::{JointParam, JointRecord, JointType};
+use super::kind::Motion;
+use super::{JointAxis, JointRecord, JointType};
 use crate::ode::arena::{BodyId, JointId};
+use crate::ode::convert;
 use crate::ode::world::World;
-use crate::ode::{check, convert};
-use crate::{Error, Result};
 
 /// Read access to a joint.
 ///
@@ -15,7 +15,7 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, Copy)]
 pub struct Joint<'w> {
     world: &'w World,
-    record: &'w JointRecord,
+    pub(super) record: &'w JointRecord,
     id: JointId,
 }
 
@@ -37,13 +37,12 @@ impl<'w> Joint<'w> {
     /// The bodies that the joint connects; `None` stands for the world.
     pub fn bodies(&self) -> [Option<BodyId>; 2] {
         // SAFETY: the view borrows the world, so the joint is alive, and so are its bodies.
-        [0, 1].map(|index| unsafe { self.world.body_id(dJointGetBody(self.record.raw, index)) })
+        self.record.raw_bodies().map(|body| unsafe { self.world.body_id(body) })
     }
 
-    /// Whether the joint is attached to a body. It is not after its bodies were removed.
+    /// Whether the joint is attached to a body. It is not after one of its bodies was removed.
     pub fn is_attached(&self) -> bool {
-        // SAFETY: the joint is alive.
-        unsafe { dJointGetNumBodies(self.record.raw) > 0 }
+        self.record.is_attached()
     }
 
     /// Whether the joint is enabled. A disabled joint has no effect.
@@ -52,33 +51,81 @@ impl<'w> Joint<'w> {
         unsafe { dJointIsEnabled(self.record.raw) != 0 }
     }
 
-    /// The anchor of a ball joint or hinge as a point of the first body, in the world's frame.
+    /// The joint's anchor as a point of the first body, in the world's frame. That of PR and PU joints, which have one
+    /// alone, is a point of the second body.
     pub fn anchor(&self) -> Option<Point3<f64>> {
-        self.anchor_with(dJointGetBallAnchor, dJointGetHingeAnchor).map(Point3::from)
-    }
-
-    /// The anchor of a ball joint or hinge as a point of the second body, or of the world, in the world's frame. Its
-    /// distance from [`anchor`](Self::anchor) is the joint's error.
-    pub fn anchor2(&self) -> Option<Point3<f64>> {
-        self.anchor_with(dJointGetBallAnchor2, dJointGetHingeAnchor2).map(Point3::from)
-    }
-
-    fn anchor_with(&self, ball: VectorGetter, hinge: VectorGetter) -> Option<Vector3<f64>> {
         let get = match self.record.kind {
-            JointType::Ball => ball,
-            JointType::Hinge => hinge,
-            JointType::Slider | JointType::Fixed | JointType::Contact => return None,
+            JointType::Ball => dJointGetBallAnchor,
+            JointType::Hinge => dJointGetHingeAnchor,
+            JointType::Hinge2 => dJointGetHinge2Anchor,
+            JointType::Universal => dJointGetUniversalAnchor,
+            JointType::PrismaticRotoide => dJointGetPRAnchor,
+            JointType::PrismaticUniversal => dJointGetPUAnchor,
+            JointType::Piston => dJointGetPistonAnchor,
+            _ => return None,
+        };
+        self.read(get).map(Point3::from)
+    }
+
+    /// The joint's anchor as a point of the second body, or of the world, in the world's frame. Its distance from
+    /// [`anchor`](Self::anchor) is the error of a ball, hinge or universal joint; a hinge2's suspension and a piston's
+    /// position belong to the distance.
+    pub fn anchor2(&self) -> Option<Point3<f64>> {
+        let get = match self.record.kind {
+            JointType::Ball => dJointGetBallAnchor2,
+            JointType::Hinge => dJointGetHingeAnchor2,
+            JointType::Hinge2 => dJointGetHinge2Anchor2,
+            JointType::Universal => dJointGetUniversalAnchor2,
+            JointType::Piston => dJointGetPistonAnchor2,
+            _ => return None,
+        };
+        self.read(get).map(Point3::from)
+    }
+
+    /// The joint's first axis, as [`axis_of`](Self::axis_of) returns it.
+    pub fn axis(&self) -> Option<Vector3<f64>> {
+        self.axis_of(JointAxis::First)
+    }
+
+    /// An axis of the joint in the world's frame. It is a unit vector, except for the first and third axis of an Euler
+    /// motor, whose length is the sine of the angle between the two axes that the bodies carry.
+    pub fn axis_of(&self, axis: JointAxis) -> Option<Vector3<f64>> {
+        let get: VectorGetter = match (self.record.kind, axis) {
+            (JointType::Hinge, JointAxis::First) => dJointGetHingeAxis,
+            (JointType::Slider, JointAxis::First) => dJointGetSliderAxis,
+            (JointType::Hinge2, JointAxis::First) => dJointGetHinge2Axis1,
+            (JointType::Hinge2, JointAxis::Second) => dJointGetHinge2Axis2,
+            (JointType::Universal, JointAxis::First) => dJointGetUniversalAxis1,
+            (JointType::Universal, JointAxis::Second) => dJointGetUniversalAxis2,
+            (JointType::PrismaticRotoide, JointAxis::First) => dJointGetPRAxis1,
+            (JointType::PrismaticRotoide, JointAxis::Second) => dJointGetPRAxis2,
+            (JointType::PrismaticUniversal, JointAxis::First) => dJointGetPUAxis1,
+            (JointType::PrismaticUniversal, JointAxis::Second) => dJointGetPUAxis2,
+            (JointType::PrismaticUniversal, JointAxis::Third) => dJointGetPUAxis3,
+            (JointType::Piston, JointAxis::First | JointAxis::Second) => dJointGetPistonAxis,
+            (JointType::Plane2d, axis) => return self.is_attached().then(|| Vector3::ith(axis.index(), 1.0)),
+            (JointType::LinearMotor, axis) => {
+                return self.has_axis(axis).then(|| self.record.linear_motor_axis(axis));
+            }
+            (JointType::AngularMotor | JointType::EulerMotor, axis) => return self.angular_motor_axis(axis),
+            _ => return None,
         };
         self.read(get)
     }
 
-    /// The axis of a hinge or slider, as a unit vector in the world's frame.
-    pub fn axis(&self) -> Option<Vector3<f64>> {
-        match self.record.kind {
-            JointType::Hinge => self.read(dJointGetHingeAxis),
-            JointType::Slider => self.read(dJointGetSliderAxis),
-            JointType::Ball | JointType::Fixed | JointType::Contact => None,
-        }
+    fn angular_motor_axis(&self, axis: JointAxis) -> Option<Vector3<f64>> {
+        let mut vector = [0.0; 4];
+        // ODE would abort on the parallel axes of an Euler motor.
+        (self.has_axis(axis) && !self.record.is_parallel()).then(|| {
+            // SAFETY: the joint is an attached angular motor with this axis; the array holds four numbers.
+            unsafe { dJointGetAMotorAxis(self.record.raw, axis.index() as i32, vector.as_mut_ptr()) };
+            convert::vector(&vector)
+        })
+    }
+
+    /// Whether the joint is attached and has the axis.
+    fn has_axis(&self, axis: JointAxis) -> bool {
+        self.is_attached() && axis.index() < self.record.axis_count()
     }
 
     fn read(&self, get: VectorGetter) -> Option<Vector3<f64>> {
@@ -88,43 +135,103 @@ impl<'w> Joint<'w> {
         Some(convert::vector(&vector))
     }
 
-    /// The angle of a hinge, in radians.
+    /// The angle about the joint's first axis that rotates, in radians.
     pub fn angle(&self) -> Option<f64> {
-        self.number(JointType::Hinge, dJointGetHingeAngle)
+        self.angle_of(self.first_rotation()?)
     }
 
-    /// The angular velocity of a hinge, rad/s.
+    /// The angular velocity about the joint's first axis that rotates, rad/s.
     pub fn angle_rate(&self) -> Option<f64> {
-        self.number(JointType::Hinge, dJointGetHingeAngleRate)
+        self.angle_rate_of(self.first_rotation()?)
     }
 
-    /// The position of a slider, in metres.
-    pub fn position(&self) -> Option<f64> {
-        self.number(JointType::Slider, dJointGetSliderPosition)
+    fn first_rotation(&self) -> Option<JointAxis> {
+        let motions = self.record.kind.motions();
+        JointAxis::ALL
+            .into_iter()
+            .zip(motions)
+            .find(|&(_, &motion)| motion == Motion::Rotation)
+            .map(|(axis, _)| axis)
     }
 
-    /// The velocity of a slider, m/s.
-    pub fn position_rate(&self) -> Option<f64> {
-        self.number(JointType::Slider, dJointGetSliderPositionRate)
-    }
-
-    fn number(&self, kind: JointType, get: unsafe extern "C" fn(dJointID) -> dReal) -> Option<f64> {
-        // SAFETY: the joint is alive, of the kind that `get` takes, and attached: without a body ODE would read through
-        // a null pointer.
-        (self.record.kind == kind && self.is_attached()).then(|| unsafe { get(self.record.raw) })
-    }
-
-    /// A parameter of the joint, if its kind has it.
-    pub fn param(&self, param: JointParam) -> Option<f64> {
-        let get = match self.record.kind {
-            JointType::Ball => dJointGetBallParam,
-            JointType::Hinge => dJointGetHingeParam,
-            JointType::Slider => dJointGetSliderParam,
-            JointType::Fixed => dJointGetFixedParam,
-            JointType::Contact => return None,
+    /// The angle about an axis, in radians. An Euler motor has those of the last step, an angular motor those that were
+    /// set. Universal and PU joints have none while their axes are parallel.
+    pub fn angle_of(&self, axis: JointAxis) -> Option<f64> {
+        let get: NumberGetter = match (self.record.kind, axis) {
+            (JointType::Hinge, JointAxis::First) => dJointGetHingeAngle,
+            (JointType::Hinge2, JointAxis::First) => dJointGetHinge2Angle1,
+            (JointType::Hinge2, JointAxis::Second) => dJointGetHinge2Angle2,
+            (JointType::Universal, JointAxis::First) => dJointGetUniversalAngle1,
+            (JointType::Universal, JointAxis::Second) => dJointGetUniversalAngle2,
+            (JointType::PrismaticRotoide, JointAxis::Second) => dJointGetPRAngle,
+            (JointType::PrismaticUniversal, JointAxis::First) => dJointGetPUAngle1,
+            (JointType::PrismaticUniversal, JointAxis::Second) => dJointGetPUAngle2,
+            (JointType::Piston, JointAxis::Second) => dJointGetPistonAngle,
+            (JointType::AngularMotor | JointType::EulerMotor, axis) => {
+                return self.motor_number(axis, dJointGetAMotorAngle);
+            }
+            _ => return None,
         };
-        // SAFETY: the joint is alive and of the kind that `get` takes.
-        param.is_of(self.record.kind).then(|| unsafe { get(self.record.raw, param.number()) })
+        self.number(get)
+    }
+
+    /// The angular velocity about an axis, rad/s. Universal and PU joints and Euler motors have none while their axes
+    /// are parallel.
+    pub fn angle_rate_of(&self, axis: JointAxis) -> Option<f64> {
+        let get: NumberGetter = match (self.record.kind, axis) {
+            (JointType::Hinge, JointAxis::First) => dJointGetHingeAngleRate,
+            (JointType::Hinge2, JointAxis::First) => dJointGetHinge2Angle1Rate,
+            (JointType::Hinge2, JointAxis::Second) => dJointGetHinge2Angle2Rate,
+            (JointType::Universal, JointAxis::First) => dJointGetUniversalAngle1Rate,
+            (JointType::Universal, JointAxis::Second) => dJointGetUniversalAngle2Rate,
+            (JointType::PrismaticRotoide, JointAxis::Second) => dJointGetPRAngleRate,
+            (JointType::PrismaticUniversal, JointAxis::First) => dJointGetPUAngle1Rate,
+            (JointType::PrismaticUniversal, JointAxis::Second) => dJointGetPUAngle2Rate,
+            (JointType::Piston, JointAxis::Second) => dJointGetPistonAngleRate,
+            (JointType::AngularMotor | JointType::EulerMotor, axis) => {
+                return self.motor_number(axis, dJointGetAMotorAngleRate);
+            }
+            _ => return None,
+        };
+        self.number(get)
+    }
+
+    /// The position of a slider, piston, PR or PU joint along its axis, in metres.
+    pub fn position(&self) -> Option<f64> {
+        self.number(match self.record.kind {
+            JointType::Slider => dJointGetSliderPosition,
+            JointType::PrismaticRotoide => dJointGetPRPosition,
+            JointType::PrismaticUniversal => dJointGetPUPosition,
+            JointType::Piston => dJointGetPistonPosition,
+            _ => return None,
+        })
+    }
+
+    /// The velocity of a slider, piston, PR or PU joint along its axis, m/s.
+    pub fn position_rate(&self) -> Option<f64> {
+        self.number(match self.record.kind {
+            JointType::Slider => dJointGetSliderPositionRate,
+            JointType::PrismaticRotoide => dJointGetPRPositionRate,
+            JointType::PrismaticUniversal => dJointGetPUPositionRate,
+            JointType::Piston => dJointGetPistonPositionRate,
+            _ => return None,
+        })
+    }
+
+    fn number(&self, get: NumberGetter) -> Option<f64> {
+        // SAFETY: the joint is alive, of the kind that `get` takes, and attached: without a body ODE would read through
+        // a null pointer. From parallel axes it would compute with numbers that it never set.
+        (self.is_attached() && !self.record.is_parallel()).then(|| unsafe { get(self.record.raw) })
+    }
+
+    fn motor_number(
+        &self,
+        axis: JointAxis,
+        get: unsafe extern "C" fn(dJointID, i32) -> dReal,
+    ) -> Option<f64> {
+        // SAFETY: the joint is an attached angular motor with this axis, and not of parallel axes.
+        (self.has_axis(axis) && !self.record.is_parallel())
+            .then(|| unsafe { get(self.record.raw, axis.index() as i32) })
     }
 
     /// ODE's own id of the joint.
@@ -139,126 +246,5 @@ impl<'w> Joint<'w> {
 
 /// The type of ODE's functions that write a joint's anchor or axis.
 type VectorGetter = unsafe extern "C" fn(dJointID, *mut dReal);
-
-/// Write access to a joint.
-#[derive(Debug)]
-pub struct JointMut<'w> {
-    world: &'w mut World,
-    id: JointId,
-}
-
-impl<'w> JointMut<'w> {
-    pub(super) fn new(world: &'w mut World, id: JointId) -> Self {
-        Self { world, id }
-    }
-
-    /// Read access to this joint.
-    pub fn view(&self) -> Joint<'_> {
-        self.world.joint(self.id)
-    }
-
-    fn raw(&self) -> dJointID {
-        self.world.joints.expect(self.id).raw
-    }
-
-    /// Attaches the joint to other bodies at their current poses; `None` stands for the world.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] if a body was removed, or if both are `None` or the same body.
-    pub fn attach(&mut self, bodies: [Option<BodyId>; 2]) -> Result<()> {
-        let [first, second] = self.world.raw_pair(bodies)?;
-        // SAFETY: joint and bodies are alive and of one world, and the bodies differ, so at most one is null.
-        unsafe { dJointAttach(self.raw(), first, second) };
-        Ok(())
-    }
-
-    /// Sets the anchor of a ball joint or hinge, in the world's frame.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] for other kinds of joint, for a joint without bodies, and for numbers that are not finite.
-    pub fn set_anchor(&mut self, anchor: &Point3<f64>) -> Result<()> {
-        check::point("anchor of the joint", anchor)?;
-        let set = match self.view().joint_type() {
-            JointType::Ball => dJointSetBallAnchor,
-            JointType::Hinge => dJointSetHingeAnchor,
-            other => return Err(self.has_no("anchor", other)),
-        };
-        self.expect_attached()?;
-
-        // SAFETY: the joint is alive, has a body, and is of the kind that `set` takes.
-        unsafe { set(self.raw(), anchor.x, anchor.y, anchor.z) };
-        Ok(())
-    }
-
-    /// Sets the axis of a hinge or slider, in the world's frame. The angle or position becomes 0 at the bodies' current
-    /// poses.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] for other kinds of joint, for a joint without bodies, and for axes that are not finite or of
-    /// length 0.
-    pub fn set_axis(&mut self, axis: &Vector3<f64>) -> Result<()> {
-        let axis = check::direction("axis of the joint", axis)?;
-        let set = match self.view().joint_type() {
-            JointType::Hinge => dJointSetHingeAxis,
-            JointType::Slider => dJointSetSliderAxis,
-            other => return Err(self.has_no("axis", other)),
-        };
-        self.expect_attached()?;
-
-        // SAFETY: the joint is alive, has a body, and is of the kind that `set` takes; the axis has a length.
-        unsafe { set(self.raw(), axis.x, axis.y, axis.z) };
-        Ok(())
-    }
-
-    /// Sets a parameter of the joint.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] if this kind of joint does not have the parameter, for NaN, and for numbers out of range.
-    pub fn set_param(&mut self, param: JointParam, value: f64) -> Result<()> {
-        let kind = self.view().joint_type();
-        let set = match kind {
-            JointType::Ball => dJointSetBallParam,
-            JointType::Hinge => dJointSetHingeParam,
-            JointType::Slider => dJointSetSliderParam,
-            JointType::Fixed => dJointSetFixedParam,
-            JointType::Contact => return Err(self.has_no("parameter", kind)),
-        };
-
-        if !param.is_of(kind) {
-            return Err(self.has_no(&format!("{param:?}"), kind));
-        }
-        param.check(value)?;
-
-        // SAFETY: the joint is alive and of the kind that `set` takes; the number is checked.
-        unsafe { set(self.raw(), param.number(), value) };
-        Ok(())
-    }
-
-    /// Enables the joint, or disables it, so that it has no effect.
-    pub fn set_enabled(&mut self, enabled: bool) {
-        // SAFETY: the joint is alive.
-        unsafe { if enabled { dJointEnable(self.raw()) } else { dJointDisable(self.raw()) } };
-    }
-
-    fn has_no(&self, what: &str, kind: JointType) -> Error {
-        Error::argument(format!(
-            "{:?}: expected a joint with {what}, found a joint of type {kind:?}",
-            self.id
-        ))
-    }
-
-    fn expect_attached(&self) -> Result<()> {
-        if self.view().is_attached() {
-            Ok(())
-        } else {
-            Err(Error::argument(format!(
-                "{:?}: expected a joint attached to a body, found one without: call `attach` first",
-                self.id
-            )))
-        }
-    }
-}
+/// The type of ODE's functions that return a joint's angle, position, or rate.
+type NumberGetter = unsafe extern "C" fn(dJointID) -> dReal;

@@ -76,8 +76,9 @@ fn bind(include_paths: &[PathBuf]) -> Result<String, Problem> {
         .allowlist_function("d[A-Z].*")
         .allowlist_type("d[A-Z].*")
         .allowlist_var("_?d[A-Z].*|CONTACTS_UNIMPORTANT")
-        // Where it fails, with a full table of user classes, the debug handler unwinds out of it.
-        .override_abi(bindgen::Abi::CUnwind, "dCreateGeomClass")
+        // Where they fail (a full table of user classes, a motion that is not finite), the debug handler unwinds out of
+        // them.
+        .override_abi(bindgen::Abi::CUnwind, "dCreateGeomClass|dWorldStep|dWorldQuickStep")
         // C's types come from the crate libc, so that a FILE opened through libc can be passed to ODE.
         .ctypes_prefix("libc")
         .blocklist_type("FILE|_IO_.*")

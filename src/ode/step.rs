@@ -3,17 +3,19 @@
 use nalgebra::Isometry3;
 use ode_sys::{
     dBodyDisable, dBodySetAngularVel, dBodySetForce, dBodySetLinearVel, dBodySetPosition, dBodySetQuaternion,
-    dBodySetTorque, dReal, dWorldID, dWorldQuickStep, dWorldStep,
+    dBodySetTorque, dReal, dThreadingAllocateSelfThreadedImplementation,
+    dThreadingImplementationGetFunctions, dWorldCleanupWorkingMemory, dWorldID, dWorldQuickStep,
+    dWorldSetStepThreadingImplementation, dWorldStep,
 };
 
 use super::arena::BodyId;
 use super::body::Body;
 use super::world::World;
-use super::{check, convert};
+use super::{abort, check, convert};
 use crate::{Error, Result};
 
 /// The type of ODE's two step functions, `dWorldStep` and `dWorldQuickStep`.
-type Stepper = unsafe extern "C" fn(dWorldID, dReal) -> i32;
+type Stepper = unsafe extern "C-unwind" fn(dWorldID, dReal) -> i32;
 
 impl World {
     /// Advances the world by `dt` seconds with ODE's direct solver. It is exact, but its time grows with the third
@@ -57,8 +59,12 @@ impl World {
         let mut poses_before = self.buffers.poses.take();
         poses_before.clear();
         poses_before.extend(self.bodies.iter().map(|(key, &raw)| Body::new(raw, BodyId(key)).pose()));
-        // SAFETY: the world is alive, the step is positive, and this thread has ODE's data.
-        let succeeded = unsafe { stepper(self.raw, dt) } != 0;
+        // SAFETY: the world is alive, the step is positive, and this thread has ODE's data. The world steps on this
+        // thread alone, without locks. What a failed step leaves behind is replaced below, or put back.
+        let outcome = unsafe { abort::guarded(|| stepper(self.raw, dt)) };
+        if outcome.is_err() {
+            self.discard_failed_step();
+        }
 
         // ODE aborts in the next collide on a body that is not finite or too far away, so such bodies are stopped here.
         for ((key, &raw), pose) in self.bodies.iter().zip(&poses_before) {
@@ -70,11 +76,13 @@ impl World {
         }
         self.buffers.poses.set(poses_before);
 
-        if !succeeded {
+        if outcome == Ok(0) {
             return Err(Error::Ode("memory ran out in a step".into()));
         }
         match self.stopped.as_slice() {
-            [] => Ok(()),
+            [] => outcome.map(|_| ()).map_err(|message| {
+                Error::Ode(format!("a step failed and has moved only some of the bodies: {message}"))
+            }),
             [first, rest @ ..] => Err(Error::Ode(format!(
                 "{first:?} and {} more bodies left the world (expected coordinates within {:e} m) or lost finite \
                  motion; they were put back and stopped: remove bodies that fall for ever, and check masses, forces and \
@@ -82,6 +90,29 @@ impl World {
                 rest.len(),
                 check::REACH
             ))),
+        }
+    }
+}
+
+impl World {
+    /// Replaces what ODE's step functions left unfinished when one of their assertions failed. They keep nothing else
+    /// from one step to the next but what the world's objects hold.
+    fn discard_failed_step(&mut self) {
+        // SAFETY: the world is alive. The threading object still lists the work that remained, so it cannot be freed, and
+        // is leaked; the world does not use it any more.
+        unsafe {
+            let threading = dThreadingAllocateSelfThreadedImplementation();
+            assert!(!threading.is_null(), "memory ran out");
+            let functions = dThreadingImplementationGetFunctions(threading);
+            dWorldSetStepThreadingImplementation(self.raw, functions, threading);
+            dWorldCleanupWorkingMemory(self.raw);
+            self.threading = threading;
+
+            // Forces are cleared at the end of a step.
+            for (_, &body) in self.bodies.iter() {
+                dBodySetForce(body, 0.0, 0.0, 0.0);
+                dBodySetTorque(body, 0.0, 0.0, 0.0);
+            }
         }
     }
 }

@@ -35,7 +35,7 @@ static NEXT_SERIAL: AtomicU32 = AtomicU32::new(1);
 /// A world may be sent to another thread, and several threads may each use a world of their own at the same time.
 pub struct World {
     pub(super) raw: dWorldID,
-    threading: dThreadingImplementationID,
+    pub(super) threading: dThreadingImplementationID,
     /// The group of the contact joints that the last collide attached.
     pub(super) contacts: dJointGroupID,
     root: SpaceId,

@@ -6,10 +6,12 @@ mod geom_with_space;
 mod geoms;
 mod heightfields;
 mod ids;
+mod invalid_joints;
 mod joint_kinds;
 mod joints;
 mod motors;
 mod pairs;
+mod random_joints;
 mod raw_objects;
 mod surfaces;
 

@@ -148,7 +148,7 @@ fn an_euler_motor_keeps_each_angle_within_its_stops() {
     let motor = world.add_joint([Some(body), None], &motor).unwrap();
     assert_eq!(world.joint(motor).joint_type(), JointType::EulerMotor);
 
-    let stops = [0.2, 0.3, 0.4];
+    let stops = [0.2, 0.3, 0.15];
     for (axis, stop) in JointAxis::ALL.into_iter().zip(stops) {
         let mut joint = world.joint_mut(motor);
         joint.set_param_of_axis(axis, JointParam::LowStop, -stop).unwrap();

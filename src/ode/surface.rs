@@ -32,7 +32,7 @@ pub struct Surface {
     /// world, and the first direction. `None` leaves the choice to ODE, which depends on the normal alone.
     pub friction_direction: Option<Vector3<f64>>,
     /// The velocity that friction drives the first body at, relative to the second, in the first and second tangential
-    /// direction, m/s (ODE's `motion1` and `motion2`): a conveyor belt. Against the world it is the velocity of the body,
+    /// direction, m/s (ODE's `motion1` and `motion2`): a conveyor belt. Without friction it has no effect. Against the world it is the velocity of the body,
     /// whichever of the two it is. It needs a [`friction_direction`](Self::friction_direction).
     pub surface_velocity: Option<[f64; 2]>,
     /// The velocity at which the contact pushes the bodies apart, m/s (ODE's `motionN`).
@@ -175,6 +175,9 @@ mod tests {
 
         let all = Surface {
             mu2: Some(0.1),
+            friction_direction: Some(Vector3::x()),
+            surface_velocity: Some([0.8, 0.9]),
+            normal_velocity: Some(1.0),
             bounce: Some(0.2),
             soft_erp: Some(0.3),
             soft_cfm: Some(0.4),
@@ -184,9 +187,10 @@ mod tests {
         };
 
         let ode = all.to_ode().unwrap();
-        assert_eq!(ode.mode as u32, 0x001 | 0x004 | 0x008 | 0x010 | 0x100 | 0x200 | 0x400 | 0x7000);
+        assert_eq!(ode.mode as u32, 0x7ff | 0x7000);
         let numbers = [ode.mu2, ode.bounce, ode.soft_erp, ode.soft_cfm, ode.rho, ode.slip1, ode.slip2];
         assert_eq!(numbers, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]);
+        assert_eq!([ode.motion1, ode.motion2, ode.motionN], [0.8, 0.9, 1.0]);
     }
 
     #[test]

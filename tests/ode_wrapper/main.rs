@@ -1,6 +1,7 @@
 //! ODE through the safe wrapper: bodies move as in ODE, and safe code cannot access removed objects.
 
 mod bodies;
+mod failed_steps;
 mod feedback;
 mod geom_with_space;
 mod geoms;

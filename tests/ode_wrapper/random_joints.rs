@@ -130,7 +130,7 @@ impl Scene {
     }
 
     fn point(&mut self) -> Point3<f64> {
-        let size = self.one_of(&[0.0, 1.0, 1.0, 1.0, 1e3, 1e12, f64::NAN]);
+        let size = self.one_of(&[0.0, 1.0, 1.0, 1.0, 1e3, 1e7, f64::NAN]);
         Point3::from(self.random.direction() * size)
     }
 
@@ -226,7 +226,7 @@ impl Scene {
             8 => JointKind::PrismaticRotoide { anchor, axes: self.directions() },
             9 => JointKind::PrismaticUniversal { anchor, axes: self.directions() },
             10 => JointKind::Piston { anchor, axis },
-            11 => self.one_of(&[true, false]).then(|| JointKind::Plane2d).unwrap_or(JointKind::Fixed),
+            11 => self.one_of(&[JointKind::Plane2d, JointKind::Fixed]),
             12 => JointKind::EulerMotor { axes: self.directions() },
             _ => {
                 let axes = self.motor_axes();
@@ -297,6 +297,7 @@ impl Scene {
     }
 
     fn read(&mut self) {
+        self.world.export_dif("/dev/null").unwrap();
         let Some(id) = self.joint() else { return };
         let joint = self.world.joint(id);
         let attached = joint.bodies() != [None, None];

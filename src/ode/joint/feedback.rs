@@ -49,7 +49,7 @@ impl FeedbackMemory {
     }
 
     /// Forgets the forces of the last step.
-    fn clear(&self) {
+    pub(super) fn clear(&self) {
         // SAFETY: the memory is alive, and ODE writes to it only during a step.
         unsafe { self.0.write(dJointFeedback::default()) };
     }

@@ -54,22 +54,23 @@ pub enum JointKind {
         /// The steering axis, fixed to the first body, and the wheel's axis, fixed to the second; not parallel.
         axes: [Vector3<f64>; 2],
     },
-    /// A universal (Cardan) joint: a hinge on each body, and the two axes stay perpendicular. The first body is no
-    /// `None`.
+    /// A universal (Cardan) joint: a hinge on each body, and the two axes stay perpendicular. The first body must not be
+    /// the world.
     Universal {
         /// The point where the axes meet.
         anchor: Point3<f64>,
         /// The axis fixed to the first body, and the one fixed to the second; perpendicular.
         axes: [Vector3<f64>; 2],
     },
-    /// A slider and a hinge in series (ODE's PR joint). The first body is no `None`.
+    /// A slider and a hinge in series (ODE's PR joint). The first body must not be the world.
     PrismaticRotoide {
         /// A point on the hinge's axis, fixed to the second body.
         anchor: Point3<f64>,
         /// The slider's axis and the hinge's, both fixed to the first body; perpendicular.
         axes: [Vector3<f64>; 2],
     },
-    /// A universal joint and a slider in series (ODE's PU joint). The first body is no `None`.
+    /// A universal joint and a slider in series (ODE's PU joint). The first body must not be the
+    /// world.
     PrismaticUniversal {
         /// The point where the axes meet, fixed to the second body.
         anchor: Point3<f64>,
@@ -77,26 +78,26 @@ pub enum JointKind {
         /// then the slider's axis, fixed to the first body.
         axes: [Vector3<f64>; 3],
     },
-    /// Both bodies share an axis, slide along it and rotate about it. The first body is no `None`.
+    /// Both bodies share an axis, slide along it and rotate about it. The first body must not be the world.
     Piston {
         /// A point on the axis.
         anchor: Point3<f64>,
         /// The direction of the axis.
         axis: Vector3<f64>,
     },
-    /// Drives the relative velocity of two bodies along up to three axes. The first body is no `None`.
+    /// Drives the relative velocity of two bodies along up to three axes. The first body must not be the world.
     LinearMotor {
         /// The axes; those that are used come first.
         axes: [Option<MotorAxis>; 3],
     },
     /// Drives the relative angular velocity of two bodies about up to three axes (ODE's angular motor in user mode).
-    /// The first body is no `None`.
+    /// The first body must not be the world.
     AngularMotor {
         /// The axes; those that are used come first.
         axes: [Option<MotorAxis>; 3],
     },
     /// Drives and limits the three Euler angles between two bodies, as for a ball joint with stops (ODE's angular motor
-    /// in Euler mode). The first body is no `None`.
+    /// in Euler mode). The first body must not be the world.
     EulerMotor {
         /// The axis of the first angle, fixed to the first body, and that of the third, fixed to the second body;
         /// perpendicular. The second angle's axis is perpendicular to both.

@@ -81,8 +81,8 @@ impl JointRecord {
                 _ => return,
             };
 
-        // SAFETY: the joint is alive, attached and of the kind that the functions take; numbers of axes are 0 to 2, and
-        // frames 0 to 2, where 2 has a body.
+        // SAFETY: the joint is alive, attached and of the kind that the functions take; numbers of axes are 0 to 2.
+        // The frames are declared in the order of ODE's numbers 0 to 2, and a second body is there where it is named.
         unsafe {
             for (index, axis) in axes.iter().flatten().enumerate() {
                 let MotorAxis { direction, frame } = axis;

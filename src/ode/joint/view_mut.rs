@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use ode_sys::*;
 
+use super::feedback::FeedbackMemory;
 use super::{Joint, JointAxis, JointRecord, JointType, axes, kind, motor};
 use crate::ode::arena::{BodyId, JointId};
 use crate::ode::check;
@@ -60,6 +61,7 @@ impl<'w> JointMut<'w> {
         let [first, second] = raw_bodies;
         // SAFETY: joint and bodies are alive and of one world, and the bodies differ and are as the kind requires.
         unsafe { dJointAttach(record.raw, first, second) };
+        record.feedback.iter().for_each(FeedbackMemory::clear);
 
         // ODE renews the reference of an Euler motor's angles only when its axes are set.
         if let (JointType::EulerMotor, Some([of_first, of_second])) = (record.kind, record.body_axes) {

@@ -17,6 +17,7 @@ use super::world::World;
 use crate::{Error, Result};
 
 use feedback::FeedbackMemory;
+use param::HingeStops;
 
 pub use feedback::JointFeedback;
 pub(super) use feedback::MeasuredContact;
@@ -36,6 +37,7 @@ pub(super) struct JointRecord {
     body_axes: Option<[Vector3<f64>; 2]>,
     /// What the axes of a linear or angular motor move with.
     motor_frames: [Option<AxisFrame>; 3],
+    hinge_stops: HingeStops,
     /// The memory for the joint's forces, if they are measured.
     feedback: Option<FeedbackMemory>,
 }

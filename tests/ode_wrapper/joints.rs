@@ -81,6 +81,30 @@ fn a_hinge_measures_its_angle_and_stops_at_its_limit() {
 }
 
 #[test]
+fn a_hinge_at_its_stop_swings_on_when_the_stops_are_removed() {
+    // Removed in both ways that ODE has: no number, or the lower above the higher.
+    for (low, high) in [(f64::NEG_INFINITY, f64::INFINITY), (1.0, -1.0)] {
+        let mut world = world();
+        let body = ball(&mut world, [1.0, 0.0, 0.0]);
+        let kind = JointKind::Hinge { anchor: Point3::origin(), axis: Vector3::y() };
+        let joint = world.add_joint([Some(body), None], &kind).unwrap();
+        world.joint_mut(joint).set_param(JointParam::LowStop, -0.2).unwrap();
+        world.joint_mut(joint).set_param(JointParam::HighStop, 0.2).unwrap();
+        steps(&mut world, 1000);
+
+        world.joint_mut(joint).set_param(JointParam::LowStop, low).unwrap();
+        world.joint_mut(joint).set_param(JointParam::HighStop, high).unwrap();
+        assert_eq!(world.joint(joint).param(JointParam::LowStop), Some(low));
+        assert_eq!(world.joint(joint).param(JointParam::HighStop), Some(high));
+        let lowest = (0..2000).map(|_| {
+            world.step(DT).unwrap();
+            world.body(body).position().z
+        });
+        assert!(lowest.fold(0.0, f64::min) < -0.999);
+    }
+}
+
+#[test]
 fn a_motor_turns_a_hinge_at_its_velocity() {
     let mut world = world();
     world.set_gravity(&Vector3::zeros()).unwrap();

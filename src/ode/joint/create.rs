@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use ode_sys::*;
 
+use super::param::HingeStops;
 use super::view_mut::anchor_setter;
 use super::{JointKind, JointRecord, axes, kind};
 use crate::Result;
@@ -37,6 +38,7 @@ impl JointRecord {
                 kind: kind.joint_type(),
                 body_axes: None,
                 motor_frames: [None; 3],
+                hinge_stops: HingeStops::default(),
                 feedback: None,
             };
             record.remember_axes(&units);

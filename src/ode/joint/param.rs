@@ -1,5 +1,7 @@
 //! Parameters of joints: stops, motors and softness, for each axis.
 
+use std::f64::consts::PI;
+
 use ode_sys::*;
 
 use super::{Joint, JointAxis, JointMut, JointType};
@@ -93,6 +95,56 @@ impl JointParam {
     }
 }
 
+/// The stops that were set for a hinge.
+///
+/// ODE forgets to notice that a hinge which was at a stop has no stops any more, and then writes beyond the memory of a
+/// step. So a hinge that once had stops keeps one where no angle, which is less than pi, reaches it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct HingeStops {
+    low: f64,
+    high: f64,
+    once_had: bool,
+}
+
+impl Default for HingeStops {
+    fn default() -> Self {
+        Self { low: f64::NEG_INFINITY, high: f64::INFINITY, once_had: false }
+    }
+}
+
+impl HingeStops {
+    /// The value that was set.
+    fn get(&self, param: JointParam) -> f64 {
+        if param == JointParam::LowStop { self.low } else { self.high }
+    }
+
+    /// Sets one of the stops of a hinge.
+    ///
+    /// # Safety
+    ///
+    /// `raw` is a living hinge.
+    unsafe fn set(&mut self, raw: dJointID, param: JointParam, value: f64) {
+        *if param == JointParam::LowStop { &mut self.low } else { &mut self.high } = value;
+
+        // ODE's own condition for stops to have an effect.
+        let effective = (self.low >= -PI || self.high <= PI) && self.low <= self.high;
+        self.once_had |= effective;
+        let (low, high) =
+            if self.once_had && !effective { (f64::NEG_INFINITY, PI) } else { (self.low, self.high) };
+
+        // SAFETY: the caller guarantees a living hinge.
+        unsafe {
+            dJointSetHingeParam(raw, dParamLoStop as i32, low);
+            dJointSetHingeParam(raw, dParamHiStop as i32, high);
+        }
+    }
+}
+
+/// Whether it is one of the stops of a hinge.
+fn is_hinge_stop(kind: JointType, param: JointParam) -> bool {
+    kind == JointType::Hinge && matches!(param, JointParam::LowStop | JointParam::HighStop)
+}
+
 impl Joint<'_> {
     /// A parameter of the joint's first axis, if it has it. Those of the other axes are read with
     /// [`param_of_axis`](Self::param_of_axis).
@@ -103,6 +155,9 @@ impl Joint<'_> {
     /// A parameter of an axis, if the axis has it. ODE has no function to read those of plane2d joints.
     pub fn param_of_axis(&self, axis: JointAxis, param: JointParam) -> Option<f64> {
         let kind = self.joint_type();
+        if is_hinge_stop(kind, param) && axis == JointAxis::First {
+            return Some(self.record.hinge_stops.get(param));
+        }
         let get = match kind {
             JointType::Ball => dJointGetBallParam,
             JointType::Hinge => dJointGetHingeParam,
@@ -146,6 +201,12 @@ impl JointMut<'_> {
         }
         param.check(value)?;
 
+        if is_hinge_stop(kind, param) {
+            let record = self.record_mut();
+            // SAFETY: the joint is alive, and a hinge.
+            unsafe { record.hinge_stops.set(record.raw, param, value) };
+            return Ok(());
+        }
         let set = match kind {
             JointType::Ball => dJointSetBallParam,
             JointType::Hinge => dJointSetHingeParam,

@@ -1,9 +1,9 @@
 //! Turns an ODE call that would `abort()` the process into an error.
 //!
-//! Debian's ODE reports a failed assertion to a debug handler and then aborts. Some failures cannot be foreseen: ODE has
-//! no function to find out whether its table of user classes is full, and a step fails where its constraints contradict
-//! each other so strongly that a motion is not finite. So these calls run under a debug handler that unwinds out of ODE
-//! before it aborts.
+//! Debian's ODE reports a failed assertion to a debug handler and then aborts. Some failures cannot be foreseen: ODE
+//! has no function to find out whether its table of user classes is full, and a step fails where its constraints
+//! contradict each other so strongly that a motion is not finite. So these calls run under a debug handler that
+//! unwinds out of ODE before it aborts.
 
 use crate::lock::lock;
 use ode_sys::{__va_list_tag, dGetDebugHandler, dMessageFunction, dSetDebugHandler};
@@ -33,8 +33,8 @@ struct Refusal(String);
 /// The result of `call`, or ODE's message where ODE would have aborted.
 ///
 /// # Safety
-/// `call` calls one ODE function, declared `extern "C-unwind"`, which holds no lock when its assertion fails, and either
-/// has changed nothing by then, or what it has changed is repaired before ODE uses it again.
+/// `call` calls one ODE function, declared `extern "C-unwind"`, which holds no lock when its assertion fails, and
+/// either has changed nothing by then, or what it has changed is repaired before ODE uses it again.
 pub(super) unsafe fn guarded<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     begin();
     GUARDED.set(true);

@@ -23,11 +23,11 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if `dt` is not within 1 ns to 1000 s, or if the two axes of an enabled hinge2, universal or PU
-    /// joint or Euler motor are parallel; nothing has moved then. [`Error::Ode`] if memory runs out, or if bodies had to
-    /// be stopped: a body that leaves [`REACH`](super::REACH), or whose motion is no longer finite, is put back to its
-    /// pose before the step, at rest and asleep. The other bodies have moved, and the world remains usable.
-    /// [`stopped_bodies`](Self::stopped_bodies) lists the stopped ones.
+    /// [`Error::Argument`] if `dt` is not within 1 ns to 1000 s, or if the two axes of an enabled hinge2, universal
+    /// or PU joint or Euler motor are parallel; nothing has moved then. [`Error::Ode`] if memory runs out, or if
+    /// bodies had to be stopped: a body that leaves [`REACH`](super::REACH), or whose motion is no longer finite, is
+    /// put back to its pose before the step, at rest and asleep. The other bodies have moved, and the world remains
+    /// usable. [`stopped_bodies`](Self::stopped_bodies) lists the stopped ones.
     pub fn step(&mut self, dt: f64) -> Result<()> {
         self.advance(dt, dWorldStep)
     }
@@ -98,8 +98,8 @@ impl World {
     /// Replaces what ODE's step functions left unfinished when one of their assertions failed. They keep nothing else
     /// from one step to the next but what the world's objects hold.
     fn discard_failed_step(&mut self) {
-        // SAFETY: the world is alive. The threading object still lists the work that remained, so it cannot be freed, and
-        // is leaked; the world does not use it any more.
+        // SAFETY: the world is alive. The threading object still lists the work that remained, so it cannot be freed,
+        // and is leaked; the world does not use it any more.
         unsafe {
             let threading = dThreadingAllocateSelfThreadedImplementation();
             assert!(!threading.is_null(), "memory ran out");

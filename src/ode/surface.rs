@@ -14,7 +14,8 @@ use crate::{Error, Result};
 /// difference of a unit vector's length from 1.
 const UNIT: f64 = 1e-3;
 
-/// Friction, bounce, softness and motion of the surface at one contact. A field that is `None` is off, or takes the world's value.
+/// Friction, bounce, softness and motion of the surface at one contact. A field that is `None` is off, or takes the
+/// world's value.
 ///
 /// ```
 /// use ode_visual_hull::ode::Surface;
@@ -31,9 +32,10 @@ pub struct Surface {
     /// (ODE's `fdir1`). The second is the cross product of the normal, as it points into the first body that is not the
     /// world, and the first direction. `None` leaves the choice to ODE, which depends on the normal alone.
     pub friction_direction: Option<Vector3<f64>>,
-    /// The velocity that friction drives the first body at, relative to the second, in the first and second tangential
-    /// direction, m/s (ODE's `motion1` and `motion2`): a conveyor belt. Without friction it has no effect. Against the world it is the velocity of the body,
-    /// whichever of the two it is. It needs a [`friction_direction`](Self::friction_direction).
+    /// The velocity that friction drives the first body at, relative to the second, in the first and second
+    /// tangential direction, m/s (ODE's `motion1` and `motion2`): a conveyor belt. Without friction it has no effect.
+    /// Against the world it is the velocity of the body, whichever of the two it is. It needs a
+    /// [`friction_direction`](Self::friction_direction).
     pub surface_velocity: Option<[f64; 2]>,
     /// The velocity at which the contact pushes the bodies apart, m/s (ODE's `motionN`).
     pub normal_velocity: Option<f64>,

@@ -1,5 +1,5 @@
-//! Random calls of every function of joints, valid and invalid, with steps in between: each ends in a result, and none in
-//! an abort of ODE.
+//! Random calls of every function of joints, valid and invalid, with steps in between: each ends in a result, and
+//! none in an abort of ODE.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use ode_visual_hull::ode::{

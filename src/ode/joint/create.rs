@@ -50,8 +50,8 @@ impl JointRecord {
     }
 }
 
-/// Creates a joint of any kind but a contact, and sets its axes and anchor. The axes of linear and angular motors remain
-/// to be set.
+/// Creates a joint of any kind but a contact, and sets its axes and anchor. The axes of linear and angular motors
+/// remain to be set.
 ///
 /// # Safety
 ///

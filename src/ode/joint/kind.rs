@@ -45,8 +45,8 @@ pub enum JointKind {
         /// Friction, bounce and softness of the contact.
         surface: Surface,
     },
-    /// Two hinges in series, as between the chassis (first body) and a steered wheel (second body). It needs two bodies.
-    /// Along the first axis it can be soft, as a suspension is: see
+    /// Two hinges in series, as between the chassis (first body) and a steered wheel (second body). It needs two
+    /// bodies. Along the first axis it can be soft, as a suspension is: see
     /// [`SuspensionErp`](super::JointParam::SuspensionErp).
     Hinge2 {
         /// The point where the axes meet.
@@ -54,8 +54,8 @@ pub enum JointKind {
         /// The steering axis, fixed to the first body, and the wheel's axis, fixed to the second; not parallel.
         axes: [Vector3<f64>; 2],
     },
-    /// A universal (Cardan) joint: a hinge on each body, and the two axes stay perpendicular. The first body must not be
-    /// the world.
+    /// A universal (Cardan) joint: a hinge on each body, and the two axes stay perpendicular. The first body must not
+    /// be the world.
     Universal {
         /// The point where the axes meet.
         anchor: Point3<f64>,
@@ -103,8 +103,8 @@ pub enum JointKind {
         /// perpendicular. The second angle's axis is perpendicular to both.
         axes: [Vector3<f64>; 2],
     },
-    /// Keeps a body in the plane z = 0 of the world, with rotations about z alone. Its parameters belong to motors along
-    /// x and y and about z. The bodies are `[Some(body), None]`.
+    /// Keeps a body in the plane z = 0 of the world, with rotations about z alone. Its parameters belong to motors
+    /// along x and y and about z. The bodies are `[Some(body), None]`.
     Plane2d,
 }
 

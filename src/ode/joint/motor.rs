@@ -169,8 +169,8 @@ impl JointMut<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for other kinds of joint, for an axis about which this one does not turn, for a joint without
-    /// bodies or with parallel axes, and for torques that are not finite.
+    /// [`Error::Argument`] for other kinds of joint, for an axis about which this one does not turn, for a joint
+    /// without bodies or with parallel axes, and for torques that are not finite.
     pub fn add_torque(&mut self, axis: JointAxis, torque: f64) -> Result<()> {
         check::finite("torque of the joint", torque)?;
         let (kind, raw) = (self.view().joint_type(), self.raw());

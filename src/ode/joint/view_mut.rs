@@ -79,8 +79,8 @@ impl<'w> JointMut<'w> {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for kinds of joint without an anchor, for a joint without bodies or with parallel axes, and for
-    /// numbers that are not finite.
+    /// [`Error::Argument`] for kinds of joint without an anchor, for a joint without bodies or with parallel axes, and
+    /// for numbers that are not finite.
     pub fn set_anchor(&mut self, anchor: &Point3<f64>) -> Result<()> {
         check::point("anchor of the joint", anchor)?;
         let kind = self.record().kind;

@@ -1,6 +1,7 @@
 //! The image of a half-line in one view, and where it crosses pixel borders.
 
 use super::floor;
+use crate::math::lanes::select;
 use crate::math::rect::Rect;
 use nalgebra::Vector3;
 
@@ -12,8 +13,10 @@ use nalgebra::Vector3;
 pub(crate) struct ImageLine {
     x0: Vector3<f64>,
     x1: Vector3<f64>,
-    rightwards: bool,
-    downwards: bool,
+    /// du/dt times the depth squared: its sign says whether the image runs to the right.
+    rightward: f64,
+    /// dv/dt times the depth squared: its sign says whether the image runs down.
+    downward: f64,
 }
 
 /// Where a line leaves a rectangle of cells, and through which side.
@@ -32,15 +35,14 @@ enum CellSide {
 
 impl ImageLine {
     pub(crate) fn new(x0: Vector3<f64>, x1: Vector3<f64>) -> Self {
-        // The signs of du/dt and dv/dt: the depth squared that divides both is positive.
-        let rightwards = x1.x * x0.z - x0.x * x1.z > 0.0;
-        let downwards = x1.y * x0.z - x0.y * x1.z > 0.0;
-        Self { x0, x1, rightwards, downwards }
+        let rightward = x1.x * x0.z - x0.x * x1.z;
+        let downward = x1.y * x0.z - x0.y * x1.z;
+        Self { x0, x1, rightward, downward }
     }
 
-    /// The image position at `t`.
+    /// The image position at `t`; at infinity the vanishing point.
     pub(crate) fn at(&self, t: f64) -> (f64, f64) {
-        let x = self.x0 + self.x1 * t;
+        let x = if t < f64::INFINITY { self.x0 + self.x1 * t } else { self.x1 };
         (x.x / x.z, x.y / x.z)
     }
 
@@ -86,24 +88,20 @@ impl ImageLine {
 
     /// Where the image leaves `cells`, whose corners lie at whole numbers plus `shift`; not before `t`.
     pub(crate) fn leave(&self, cells: &Rect, shift: f64, t: f64) -> CellExit {
-        let column = if self.rightwards { cells.x1 } else { cells.x0 };
-        let row = if self.downwards { cells.y1 } else { cells.y0 };
-        let by_column = self.not_behind(self.at_column(f64::from(column) + shift));
-        let by_row = self.not_behind(self.at_row(f64::from(row) + shift));
+        let (rightwards, downwards) = (self.rightward > 0.0, self.downward > 0.0);
+        let column = if rightwards { cells.x1 } else { cells.x0 };
+        let row = if downwards { cells.y1 } else { cells.y0 };
+
+        let Self { x0, x1, rightward, downward } = self;
+        let by_column = border_ahead(f64::from(column) + shift, [x0.x, x0.z], [x1.x, x1.z], *rightward);
+        let by_row = border_ahead(f64::from(row) + shift, [x0.y, x0.z], [x1.y, x1.z], *downward);
         if by_column <= by_row {
-            let entered = if self.rightwards { column } else { column - 1 };
+            let entered = if rightwards { column } else { column - 1 };
             CellExit { t: by_column.max(t), side: CellSide::Column(entered) }
         } else {
-            let entered = if self.downwards { row } else { row - 1 };
+            let entered = if downwards { row } else { row - 1 };
             CellExit { t: by_row.max(t), side: CellSide::Row(entered) }
         }
-    }
-
-    /// `crossing`, or infinity for a border that the line never reaches. An image that converges to its vanishing point
-    /// does not reach all borders: the formula then gives a crossing behind the camera, or no finite number where a
-    /// coordinate does not change.
-    fn not_behind(&self, crossing: f64) -> f64 {
-        if crossing.is_finite() && self.x0.z + crossing * self.x1.z > 0.0 { crossing } else { f64::INFINITY }
     }
 
     /// The cell that the line enters as it leaves `cells`. The side fixes one coordinate and `cells` bounds the other,
@@ -115,4 +113,19 @@ impl ImageLine {
             CellSide::Row(j) => (floor(u - shift).clamp(cells.x0, cells.x1 - 1), j),
         }
     }
+}
+
+/// The `t` at which the image coordinate `(a0 + t a1) / (z0 + t z1)` reaches `border`, which lies ahead; infinity where
+/// it never does: an image that converges to its vanishing point does not reach all borders.
+///
+/// `slope = a1 z0 - a0 z1` is the coordinate's derivative times the depth squared.
+#[inline(always)]
+pub(crate) fn border_ahead(border: f64, [a0, z0]: [f64; 2], [a1, z1]: [f64; 2], slope: f64) -> f64 {
+    let divisor = a1 - border * z1;
+    // The depth at the crossing is slope / divisor, and a crossing behind the camera is none. On a line of sight and on
+    // one along a row or column the slope, and with it that depth, is zero but for rounding, so that a depth computed
+    // from t would have either sign. The divisor is not: a border ahead that is never reached gives it the other sign
+    // than the slope, whichever that has.
+    let is_reached = slope * divisor > 0.0;
+    select(is_reached, (border * z0 - a0) / divisor, f64::INFINITY)
 }

@@ -24,7 +24,7 @@ pub use distortion::Distortion;
 pub use fisheye::Fisheye;
 pub(crate) use floor::{floor, floor_pixel};
 pub(crate) use footprint::Footprint;
-pub(crate) use image_line::{CellExit, ImageLine};
+pub(crate) use image_line::{CellExit, ImageLine, border_ahead};
 pub use lens::Lens;
 
 use crate::{Error, Result};

@@ -7,7 +7,7 @@
 use super::Wide;
 use super::image_lines::ImageLines;
 use super::projection::ViewKernel;
-use crate::camera::{ImageLine, MIN_DEPTH};
+use crate::camera::{ImageLine, MIN_DEPTH, border_ahead};
 use crate::hull::query::MaskTraversal;
 use crate::math::lanes::{floor, index, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
@@ -222,11 +222,11 @@ impl ImageLines {
         let half = self.distance[k] - 1.0;
         let (left, above) = (self.column[k] - half, self.row[k] - half);
         let (right, below) = (self.column[k] + half + 1.0, self.row[k] + half + 1.0);
-        let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
+        let (rightward, downward) = (x1 * z0 - x0 * z1, y1 * z0 - y0 * z1);
+        let (rightwards, downwards) = (rightward > 0.0, downward > 0.0);
         let (column, row) = (select(rightwards, right, left), select(downwards, below, above));
-        let (u, v) = (column + shift, row + shift);
-        let by_column = not_behind((u * z0 - x0) / (x1 - u * z1), z0, z1);
-        let by_row = not_behind((v * z0 - y0) / (y1 - v * z1), z0, z1);
+        let by_column = border_ahead(column + shift, [x0, z0], [x1, z1], rightward);
+        let by_row = border_ahead(row + shift, [y0, z0], [y1, z1], downward);
         let first = by_column <= by_row;
         let t = select(first, by_column, by_row);
         let t = select(t > self.t[k], t, self.t[k]);
@@ -258,9 +258,10 @@ impl ImageLines {
         let by_row = |v: f64| (v * z0 - y0) / (y1 - v * z1);
 
         // Where the line leaves the cell.
-        let (rightwards, downwards) = (x1 * z0 - x0 * z1 > 0.0, y1 * z0 - y0 * z1 > 0.0);
-        let t_column = not_behind(by_column(select(rightwards, i + 1.0, i) + shift), z0, z1);
-        let t_row = not_behind(by_row(select(downwards, j + 1.0, j) + shift), z0, z1);
+        let (rightward, downward) = (x1 * z0 - x0 * z1, y1 * z0 - y0 * z1);
+        let (column, row) = (select(rightward > 0.0, i + 1.0, i), select(downward > 0.0, j + 1.0, j));
+        let t_column = border_ahead(column + shift, [x0, z0], [x1, z1], rightward);
+        let t_row = border_ahead(row + shift, [y0, z0], [y1, z1], downward);
         let t1 = select(t_column <= t_row, t_column, t_row);
         let t1 = select(t1 > t0, t1, t0);
         if t1 == f64::INFINITY || z0 + z1 * t1 <= 2.0 * MIN_DEPTH {
@@ -294,14 +295,15 @@ impl ImageLines {
         // From s to t, by the coordinate that changes faster.
         let (u, v) = (i + shift + xa + s * dx, j + shift + ya + s * dy);
         let t = if dx.abs() > dy.abs() { by_column(u) } else { by_row(v) };
-        Crossing::At(select(t < t0, t0, select(t > t1, t1, t)))
+        Crossing::At(select(t > t0, select(t > t1, t1, t), t0))
     }
 
     /// The exit of line k, by the single query's traversal from its current cell; infinite if not before `t_max`.
     fn finish_scalar(&self, k: usize, kernel: &ViewKernel) -> f64 {
         let (t, t_max) = (self.t[k], self.t_max[k]);
         let cell = (self.column[k] as i32, self.row[k] as i32);
-        let mut traversal = MaskTraversal::from_cell(kernel.view, self.line(k), cell, t, kernel.edge);
+        let mut traversal =
+            MaskTraversal::from_cell(kernel.view.silhouette(), self.line(k), cell, t, kernel.edge);
         let exit = traversal.advance_until_exit(t, t_max);
         if exit < t_max { exit } else { f64::INFINITY }
     }
@@ -310,13 +312,6 @@ impl ImageLines {
         let vector = |of: &[Wide; 3]| Vector3::from(of.map(|of| of[k]));
         ImageLine::new(vector(&self.start), vector(&self.direction))
     }
-}
-
-/// `crossing`, or infinity where it is not finite or lies behind the camera, and so is never reached.
-#[inline(always)]
-fn not_behind(crossing: f64, z0: f64, z1: f64) -> f64 {
-    let is_ahead = (crossing.abs() < f64::INFINITY) & (z0 + crossing * z1 > 0.0);
-    select(is_ahead, crossing, f64::INFINITY)
 }
 
 /// The cell of position `x`, clamped to the cells from `first` to one before `end`.

@@ -1,7 +1,7 @@
 //! The traversals of all views along one half-line, merged in the order in which verdicts change: where the half-line
 //! enters and leaves the hull.
 
-use super::line_walk::MaskTraversal;
+use super::view_traversal::ViewTraversal;
 use crate::hull::{EdgeModel, Hull, Verdict, View};
 use nalgebra::{Point3, Vector3};
 
@@ -19,7 +19,7 @@ pub(super) struct Crossing<'a> {
 /// The state of a traversal of a half-line through the whole hull.
 pub(super) struct IntervalMerge<'a> {
     hull: &'a Hull,
-    traversals: Vec<MaskTraversal<'a>>,
+    traversals: Vec<ViewTraversal<'a>>,
     /// Metres traversed so far.
     t: f64,
     /// Index of the traversal that changed last.
@@ -41,7 +41,7 @@ impl<'a> IntervalMerge<'a> {
     ) -> Option<Self> {
         let (entry, bounds_exit, normal) = hull.bounds().span(origin, direction)?;
         let traversals =
-            hull.enabled_views().map(|view| MaskTraversal::new(view, origin, direction, edge)).collect();
+            hull.enabled_views().map(|view| ViewTraversal::new(view, origin, direction, edge)).collect();
         let (direction, origin) = (*direction, *origin);
         let bounds_entry = (entry, normal);
         Some(Self { hull, traversals, t: 0.0, latest: None, bounds_entry, bounds_exit, direction, origin })

@@ -1,4 +1,4 @@
-//! The traversal of one view's mask along a half-line: where the view's verdict changes.
+//! The traversal of one mask along the image of a half-line: where the verdict changes.
 //!
 //! ```text
 //!      :   ....########....   :     one row of a mask; the line crosses it from left to right
@@ -8,14 +8,13 @@
 //! Inside the silhouette a step crosses the largest square of subject pixels, whose size the distance table gives.
 
 use crate::camera::{CellExit, ImageLine, MIN_DEPTH, floor};
-use crate::hull::{EdgeModel, Verdict, View};
-use crate::silhouette::{HALF_COVERAGE, Rect};
-use nalgebra::{Point3, Vector3};
+use crate::hull::{EdgeModel, Verdict};
+use crate::silhouette::{HALF_COVERAGE, Rect, Silhouette};
 
 /// The state of a traversal: the verdict that holds now, and up to which `t` it surely holds.
 #[derive(Debug)]
 pub(in crate::hull) struct MaskTraversal<'a> {
-    view: &'a View,
+    silhouette: &'a Silhouette,
     line: ImageLine,
     /// Cells are pixels (0), or the squares between four pixel centres (one half).
     shift: f64,
@@ -47,52 +46,38 @@ struct Segment {
 }
 
 impl<'a> MaskTraversal<'a> {
-    /// The traversal from `origin` along `direction`.
-    pub(in crate::hull) fn new(
-        view: &'a View,
-        origin: &Point3<f64>,
-        direction: &Vector3<f64>,
-        edge: EdgeModel,
-    ) -> Self {
-        let line = ImageLine::new(view.homogeneous(origin), view.homogeneous_direction(direction));
-        Self::from_start(view, line, edge)
-    }
-
-    /// The traversal along a line whose image is known.
-    pub(in crate::hull) fn from_start(view: &'a View, line: ImageLine, edge: EdgeModel) -> Self {
-        let mut traversal = Self::before_start(view, line, edge);
+    /// The traversal of `silhouette` from the start of `line`.
+    pub(super) fn from_start(silhouette: &'a Silhouette, line: ImageLine, edge: EdgeModel) -> Self {
+        let mut traversal = Self::before_start(silhouette, line, edge);
         traversal.resume_at(0.0);
         traversal
     }
 
     /// The traversal from where the line enters cell `(i, j)`, at `t` metres.
     pub(in crate::hull) fn from_cell(
-        view: &'a View,
+        silhouette: &'a Silhouette,
         line: ImageLine,
         (i, j): (i32, i32),
         t: f64,
         edge: EdgeModel,
     ) -> Self {
-        let mut traversal = Self::before_start(view, line, edge);
+        let mut traversal = Self::before_start(silhouette, line, edge);
         traversal.enter_cell(i, j, t);
         traversal
     }
 
     /// A traversal that has not begun: the caller sets where.
-    fn before_start(view: &'a View, line: ImageLine, edge: EdgeModel) -> Self {
-        let silhouette = view.silhouette();
+    fn before_start(silhouette: &'a Silhouette, line: ImageLine, edge: EdgeModel) -> Self {
         let by_coverage = edge == EdgeModel::Coverage && silhouette.has_coverage();
         let shift = if by_coverage { 0.5 } else { 0.0 };
-        // Pixels that a lens did not see may lie anywhere in the image, so that no part of it can be skipped.
-        let crop = if view.blind_spots().is_some() { silhouette.image() } else { silhouette.rect() };
-        let (verdict, until) = (Verdict::Unseen, 0.0);
-        Self { view, line, shift, crop, visible_span: None, segment: None, verdict, until }
+        let (crop, verdict, until) = (silhouette.rect(), Verdict::Unseen, 0.0);
+        Self { silhouette, line, shift, crop, visible_span: None, segment: None, verdict, until }
     }
 
     fn visible_span(&mut self) -> VisibleSpan {
         *self.visible_span.get_or_insert_with(|| {
             let never = (f64::INFINITY, f64::INFINITY);
-            let in_image = within(&self.line, &self.view.silhouette().image(), 0.0).unwrap_or(never);
+            let in_image = within(&self.line, &self.silhouette.image(), 0.0).unwrap_or(never);
             let in_crop = within(&self.line, &self.crop, self.shift)
                 .map(|(t0, t1)| (t0.max(in_image.0), t1.min(in_image.1)));
             let in_crop = in_crop.filter(|(t0, t1)| t0 < t1).unwrap_or((in_image.1, in_image.1));
@@ -100,17 +85,13 @@ impl<'a> MaskTraversal<'a> {
         })
     }
 
-    pub(in crate::hull) fn view(&self) -> &'a View {
-        self.view
-    }
-
     /// The verdict since the last step.
-    pub(in crate::hull) fn verdict(&self) -> Verdict {
+    pub(super) fn verdict(&self) -> Verdict {
         self.verdict
     }
 
     /// The `t`, in metres, up to which the verdict surely holds.
-    pub(in crate::hull) fn until(&self) -> f64 {
+    pub(super) fn until(&self) -> f64 {
         self.until
     }
 
@@ -126,7 +107,7 @@ impl<'a> MaskTraversal<'a> {
     }
 
     /// Advances to the verdict that holds after `until`.
-    pub(in crate::hull) fn step(&mut self) {
+    pub(super) fn step(&mut self) {
         let t = self.until;
         match self.segment.take() {
             // At a crossing of one half within the cell the verdict flips.
@@ -176,7 +157,7 @@ impl<'a> MaskTraversal<'a> {
 
     /// Enters the cell at image position `(u, v)`, at `t` metres.
     fn start_at(&mut self, u: f64, v: f64, t: f64) {
-        let image = self.view.silhouette().image();
+        let image = self.silhouette.image();
         // Where a line enters the image, rounding may place it just beyond the border. There is no pixel; the first
         // square between pixel centres, however, begins half a pixel before the border.
         let first = if self.shift == 0.0 { 0 } else { -1 };
@@ -221,13 +202,8 @@ impl<'a> MaskTraversal<'a> {
     /// The verdict of cell `(i, j)`, `None` if an edge crosses it, and the half-width of a square around it in which
     /// all cells have this verdict.
     fn cell_verdict(&self, i: i32, j: i32) -> (Option<Verdict>, i32) {
-        let silhouette = self.view.silhouette();
-        if !self.view.judges(i.max(0), j.max(0)) && self.view.blind_spots().is_some() {
-            return (Some(Verdict::Unseen), 0);
-        }
-
         // A pixel has one distance to the background, a square between pixel centres that of its four corners.
-        let distances = |i: i32, j: i32| i32::from(silhouette.distance(i, j));
+        let distances = |i: i32, j: i32| i32::from(self.silhouette.distance(i, j));
         let (nearest, farthest) = if self.shift == 0.0 {
             (distances(i, j), distances(i, j))
         } else {
@@ -237,12 +213,7 @@ impl<'a> MaskTraversal<'a> {
         };
 
         if nearest > 0 {
-            // The square must not reach beyond what the lens sees.
-            let visible = self
-                .view
-                .blind_spots()
-                .map_or(i32::MAX, |field_of_view| i32::from(field_of_view.distance(i.max(0), j.max(0))));
-            (Some(Verdict::Inside), nearest.min(visible) - 1)
+            (Some(Verdict::Inside), nearest - 1)
         } else if farthest == 0 {
             (Some(Verdict::Outside), 0)
         } else {
@@ -262,7 +233,7 @@ impl<'a> MaskTraversal<'a> {
         let (dx, dy) = (xb - xa, yb - ya);
 
         // Coverage less one half is start + slope s + bend s^2, from s = 0 at a to 1 at b.
-        let [c00, c10, c01, c11] = self.view.silhouette().cell(i, j);
+        let [c00, c10, c01, c11] = self.silhouette.cell(i, j);
         let (right, down, twist) = (c10 - c00, c01 - c00, c00 - c10 - c01 + c11);
         let start = c00 + right * xa + down * ya + twist * xa * ya - HALF_COVERAGE;
         let slope = (right + twist * ya) * dx + (down + twist * xa) * dy;
@@ -276,7 +247,8 @@ impl<'a> MaskTraversal<'a> {
             } else {
                 self.line.at_row(f64::from(j) + self.shift + ya + s * dy)
             };
-            t.clamp(t0, t1)
+            // Where rounding leaves no number, the crossing is anywhere in the cell.
+            if t > t0 { t.min(t1) } else { t0 }
         };
 
         // The sign before the first crossing, evaluated halfway to it: away from the roots.

@@ -9,6 +9,7 @@ mod line_walk;
 mod projection;
 mod ray_cast;
 mod response;
+mod view_traversal;
 mod window_search;
 
 pub(super) use line_walk::MaskTraversal;

@@ -6,12 +6,17 @@ use crate::camera::{Ray, floor_pixel};
 use crate::hull::{EdgeModel, Hull, View};
 use nalgebra::{Point3, Vector3};
 
+/// The shortest interval inside, as a share of the distance to it: far more than the rounding of a crossing, and at 10 m
+/// a hundredth of a nanometre.
+const ROUNDING: f64 = 1e-12;
+
 /// Where a ray crosses the hull's surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayHit {
     /// Metres along the ray.
     pub t: f64,
-    /// Unit outward normal of the hull at that point.
+    /// Unit outward normal of the hull at that point. Where no silhouette ends the hull but a view's sight does, it is
+    /// the way out along the ray.
     pub normal: Vector3<f64>,
 }
 
@@ -20,16 +25,29 @@ impl Hull {
     /// the ray misses the hull.
     pub fn ray_cast(&self, ray: &Ray) -> Option<(Option<RayHit>, RayHit)> {
         let mut merge = IntervalMerge::new(self, &ray.origin, &ray.direction, EdgeModel::Coverage)?;
-        let entry = merge.entry()?;
-        let exit = merge.exit();
-        let hit = |crossing: &Crossing| self.hit(ray, crossing);
-        Some(((entry.t > 0.0).then(|| hit(&entry)), hit(&exit)))
+        let (entry, exit) = loop {
+            let (entry, exit) = (merge.entry()?, merge.exit());
+            if exit.t - entry.t > ROUNDING * exit.t {
+                break (entry, exit);
+            }
+            // The ray touches the hull in a point: views change at the same place, and rounding gives their order.
+            exit.view?;
+        };
+
+        let into = (entry.t > 0.0).then(|| self.hit(ray, &entry, -ray.direction));
+        Some((into, self.hit(ray, &exit, ray.direction)))
     }
 
-    fn hit(&self, ray: &Ray, crossing: &Crossing) -> RayHit {
+    /// The hit at `crossing`, where `outward` is the way out along the ray.
+    fn hit(&self, ray: &Ray, crossing: &Crossing, outward: Vector3<f64>) -> RayHit {
         let at = ray.at(crossing.t);
         let edge = crossing.view.and_then(|view| nearest_edge_in(view, &at));
-        let normal = edge.map_or(crossing.face, |edge| self.contact_normal(&edge));
+        let normal = match edge {
+            Some(edge) => self.contact_normal(&edge),
+            // A view gains or loses sight of the ray, at its image's border or its camera.
+            None if crossing.face == Vector3::zeros() => outward,
+            None => crossing.face,
+        };
         RayHit { t: crossing.t, normal }
     }
 }

@@ -1,6 +1,7 @@
 //! Traversals at an open border, and the roots of the coverage along a line.
 
 use super::*;
+use crate::hull::View;
 use crate::hull::tests::cameras;
 use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
@@ -20,7 +21,9 @@ fn a_line_that_enters_the_image_at_an_open_border_starts_in_its_first_pixel() {
         let row = 1.0 + 118.0 * random.unit();
         let mut point = |u: f64| view.camera().unproject(u, row, 1.0 + random.unit());
         let (Some(from), Some(to)) = (point(-20.0), point(40.0)) else { panic!("a pinhole sees both") };
-        let mut traversal = MaskTraversal::new(&view, &from, &(to - from).normalize(), EdgeModel::Pixel);
+        let direction = view.homogeneous_direction(&(to - from).normalize());
+        let line = ImageLine::new(view.homogeneous(&from), direction);
+        let mut traversal = MaskTraversal::from_start(view.silhouette(), line, EdgeModel::Pixel);
         assert_eq!(traversal.verdict(), Verdict::Unseen);
         traversal.step();
         assert_eq!(traversal.verdict(), Verdict::Inside);

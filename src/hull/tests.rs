@@ -155,6 +155,36 @@ fn exits_in_any_direction_agree_with_the_reference() {
     }
 }
 
+/// Directions from `p` along which something that a traversal divides by is zero but for rounding in the view of
+/// `camera`: along the line of sight, where the image is one point, along a row, along a column, and in their planes.
+pub(super) fn degenerate_directions(camera: &Camera, p: &Point3<f64>) -> [Vector3<f64>; 8] {
+    let sight = (p - camera.centre()).normalize();
+    let axis = |axis: Vector3<f64>| camera.cam_from_world().inverse_transform_vector(&axis);
+    let (right, down) = (axis(Vector3::x()), axis(Vector3::y()));
+    let (in_column, in_row) = ((sight + down).normalize(), (right - sight).normalize());
+    [sight, -sight, right, -right, down, -down, in_column, in_row]
+}
+
+#[test]
+fn exits_along_lines_of_sight_rows_and_columns_agree_with_the_reference() {
+    for unseen in POLICIES {
+        let hull = hull(unseen, 1);
+        let mut random = Random(8);
+        let inside = std::iter::repeat_with(|| point_in(&mut random, hull.aabb())).filter(|p| hull.inside(p));
+
+        for p in inside.take(40) {
+            for camera in hull.views().iter().map(View::camera) {
+                for direction in degenerate_directions(camera, &p) {
+                    let found = hull.exit(&p, &direction, EdgeModel::Pixel);
+                    let expected = reference::exit(&hull, &p, &direction);
+                    // Both compute the crossing of a pixel border in closed form.
+                    assert!((found - expected).abs() < 1e-9, "{p} {direction}: {found} {expected}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn coverage_exits_are_where_bilinear_coverage_falls_below_one_half() {
     let hull = hull(Unseen::Outside, 8);

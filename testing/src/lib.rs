@@ -14,6 +14,7 @@
 //! library with distinct types.
 
 pub mod captures;
+pub mod degenerate_lines;
 pub mod figure;
 pub mod figure_table;
 pub mod quality;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::camera::{Camera, Fisheye};
-use crate::hull::tests::{POLICIES, bounds, cameras, hull, mask, point_in};
+use crate::hull::tests::{POLICIES, bounds, cameras, degenerate_directions, hull, mask, point_in};
 use crate::hull::{Aabb, HullData, Unseen, View, reference};
 use crate::silhouette::{Border, Silhouette};
 use image::{GrayImage, Luma};
@@ -224,6 +224,37 @@ fn many_exits_have_the_bits_of_single_ones() {
                     for (exit, ray) in exits.iter().zip(&rays) {
                         let single = hull.exit_within(&ray.point, &direction, edge, t_max);
                         assert_eq!(*exit, single, "hull {n}, {edge:?}, {t_max}, {}", ray.point);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn many_exits_along_degenerate_lines_have_the_bits_of_single_ones() {
+    let (mut scratch, mut places, mut rays, mut exits) =
+        (Scratch::default(), Vec::new(), Vec::new(), Vec::new());
+    for (n, hull) in hulls().iter().enumerate() {
+        let points = points(hull, 151);
+        for camera in hull.views().iter().map(View::camera) {
+            // On the border and in the middle of pixels, and elsewhere.
+            let snapped = points.iter().enumerate().filter_map(|(k, p)| {
+                let at = camera.project(p)?;
+                let snap = |x: f64, k: usize| [x.round(), x.floor() + 0.5, x][k % 3];
+                camera.unproject(snap(at.u, k), snap(at.v, k / 3), at.depth)
+            });
+            let snapped: Vec<_> = snapped.collect();
+
+            for edge in [EdgeModel::Pixel, EdgeModel::Coverage] {
+                hull.exit_rays(&snapped, edge, usize::MAX, &mut scratch, &mut places, &mut rays);
+                for k in 0..8 {
+                    rays.iter_mut()
+                        .for_each(|ray| ray.direction = degenerate_directions(camera, &ray.point)[k]);
+                    hull.exits_within(&mut rays, edge, f64::INFINITY, &mut scratch, &mut exits);
+                    for (exit, ray) in exits.iter().zip(&rays) {
+                        let single = hull.exit(&ray.point, &ray.direction, edge);
+                        assert_eq!(*exit, single, "hull {n}, {edge:?}, {}, {k}", ray.point);
                     }
                 }
             }

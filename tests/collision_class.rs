@@ -6,6 +6,7 @@ use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::{ContactGeom, GeomId, RayFlags, Shape, SpaceKind, Surface, TriMesh, World};
 use ode_visual_hull::sample;
 use ode_visual_hull::synthetic::Subject;
+use ode_visual_hull_testing::random::Random;
 use ode_visual_hull_testing::scene::*;
 use ode_visual_hull_testing::world::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -294,6 +295,44 @@ fn a_ray_hits_the_hull_as_it_hits_the_box() {
     world.geom_mut(ray).set_ray(&point![0.0, 0.1, 0.1], &Vector3::z()).unwrap();
     world.geom_mut(ray).set_ray_flags(RayFlags { backface_cull: true, ..RayFlags::default() }).unwrap();
     assert!(world.collide_geoms(hull, ray, 1).unwrap().is_empty());
+}
+
+#[test]
+fn a_ray_along_a_line_of_sight_hits_the_hull_at_the_same_point_wherever_it_begins() {
+    let (mut world, hull) = with_table(SpaceKind::default());
+    let root = world.root_space();
+    let ray = world.add_geom(root, &Shape::Ray { length: 5.0 }).unwrap();
+
+    let (mut random, mut hits) = (Random(1), 0);
+    for camera in table_cameras() {
+        for _ in 0..300 {
+            // Among the middle pixels, most of which show the table.
+            let (u, v) = (random.between(180.0, 460.0), random.between(120.0, 360.0));
+            let sight = camera.ray(u, v).unwrap();
+            let mut hit_from = |start: f64| {
+                world.geom_mut(ray).set_ray(&sight.at(start), &sight.direction).unwrap();
+                world.collide_geoms(hull, ray, 1).unwrap().first().map(|contact| contact.position)
+            };
+
+            // The camera sees the table from about 3 m.
+            let from_camera = hit_from(0.0);
+            hits += usize::from(from_camera.is_some());
+            for start in [-0.5, 0.3, 0.7, 1.1, 1.7] {
+                let found = hit_from(start);
+                // Only the rounding of the start and of the crossing differs.
+                let is_same = match (found, from_camera) {
+                    (Some(found), Some(expected)) => (found - expected).norm() < 1e-9,
+                    (found, expected) => found == expected,
+                };
+                assert!(
+                    is_same,
+                    "{} ({u}, {v}) from {start} m: {found:?}, not {from_camera:?}",
+                    camera.name()
+                );
+            }
+        }
+    }
+    assert!(hits > 300, "{hits}");
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod at_rest;
 mod capi;
 mod geometry;
 mod grip;
+mod lines;
 mod segmentation;
 mod sleepers;
 mod stack;
@@ -26,6 +27,7 @@ type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 const GROUPS: [(&str, Measure); 9] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
+    ("lines", lines::run_group),
     ("trajectories", trajectories::run_group),
     ("rest", at_rest::run_group),
     ("sleepers", sleepers::run_group),

@@ -129,3 +129,52 @@ pub(crate) fn border_ahead(border: f64, [a0, z0]: [f64; 2], [a1, z1]: [f64; 2], 
     let is_reached = slope * divisor > 0.0;
     select(is_reached, (border * z0 - a0) / divisor, f64::INFINITY)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use nalgebra::{Point3, vector};
+    use ode_visual_hull_random::Random;
+
+    /// Half-lines along lines of sight of random cameras: each with its image, the position of that image in pixels, and
+    /// whether it leads away from the camera.
+    fn lines_of_sight() -> impl Iterator<Item = (ImageLine, (f64, f64), bool)> {
+        let mut random = Random(1);
+        (0..5000).map(move |k| {
+            let eye = Point3::from(random.direction() * 3.0);
+            let camera = Camera::look_at("eye", (640, 480), 0.8, eye, Point3::origin(), random.direction());
+            let (camera, leads_away) = (camera.unwrap(), k % 2 == 0);
+            let (u, v) = (random.between(0.01, 639.99), random.between(0.01, 479.99));
+            let ray = camera.ray(u, v).unwrap();
+
+            let projection = camera.projection_matrix();
+            let start = projection * ray.at(random.between(0.5, 5.0)).to_homogeneous();
+            let direction = projection * ray.direction.to_homogeneous();
+            (ImageLine::new(start, if leads_away { direction } else { -direction }), (u, v), leads_away)
+        })
+    }
+
+    #[test]
+    fn along_a_line_of_sight_no_border_is_crossed_before_the_camera() {
+        for (line, (u, v), leads_away) in lines_of_sight() {
+            for half in [0, 1, 20] {
+                let exit = line.leave(&Rect::window(floor(u), floor(v), half), 0.0, 0.0);
+                // Towards the camera every border is crossed in its centre, but for rounding.
+                let is_never = exit.t == f64::INFINITY;
+                assert!(is_never || (!leads_away && line.depth(exit.t).abs() < 1e-9), "{line:?} {exit:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_away_from_the_camera_ends_in_its_vanishing_point() {
+        for (line, (u, v), _) in lines_of_sight().filter(|(.., leads_away)| *leads_away) {
+            let (end_u, end_v) = line.at(f64::INFINITY);
+            // Rounding of coordinates of some hundred pixels.
+            assert!((end_u - u).abs() < 1e-9 && (end_v - v).abs() < 1e-9, "{end_u} {end_v}, not {u} {v}");
+        }
+        let aslant = ImageLine::new(vector![10.0, 20.0, 1.0], vector![0.3, -0.2, 0.1]);
+        assert_eq!(aslant.at(f64::INFINITY), (0.3 / 0.1, -0.2 / 0.1));
+    }
+}

@@ -2,15 +2,20 @@
 
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Camera;
-use ode_visual_hull::hull::{Aabb, Hull};
+use ode_visual_hull::hull::{Aabb, Hull, HullData, Unseen};
+use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The environment variable that names the folder of captures.
 pub const VARIABLE: &str = "ODE_VISUAL_HULL_DATA";
 
 /// The work volume of the capture `seated_person`.
 pub const SEATED: Aabb = Aabb { min: Point3::new(-0.5, -0.5, 0.0), max: Point3::new(1.5, 1.5, 2.0) };
+
+/// The work volume of the capture `balancing_person`.
+pub const BALANCING: Aabb = Aabb { min: Point3::new(-1.5, -1.5, 0.0), max: Point3::new(1.5, 1.5, 2.2) };
 
 /// The known bounding box of the subject of the capture `dino`.
 pub const DINO: Aabb =
@@ -26,6 +31,25 @@ pub fn find(path: &str) -> Option<PathBuf> {
     }
     eprintln!("skipped: no {}; set {VARIABLE} to the folder of captures", found.display());
     None
+}
+
+/// The hull in `bounds` of a frame of the recording in the folder `dir`.
+///
+/// # Panics
+///
+/// If the recording cannot be read.
+pub fn hull_of(dir: &Path, frame: u32, bounds: Aabb, unseen: Unseen) -> Arc<Hull> {
+    let read = || {
+        let recording = Recording::open(dir)?;
+        let data = HullData::new();
+        data.set_bounds(bounds)?;
+        data.set_unseen(unseen)?;
+        for (camera, mask) in recording.rig().cameras().iter().zip(recording.masks(frame)?) {
+            data.set_mask(data.add_view(camera.clone())?, &mask)?;
+        }
+        data.update(0.0)
+    };
+    read().expect("a recording")
 }
 
 /// The volume of a hull in cubic metres and its bounding box, from a grid of points `spacing` metres apart.

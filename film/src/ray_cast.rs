@@ -87,7 +87,8 @@ fn enter_box(ray: &Ray, half: &Vector3<f64>) -> Option<EntryPoint> {
     for axis in 0..3 {
         let (a, b) = (-half[axis] - origin[axis], half[axis] - origin[axis]);
         let (near, far) = if direction[axis].is_sign_negative() { (b, a) } else { (a, b) };
-        // A direction of zero gives infinities of the right signs, or NaN on the face itself, which is a miss.
+        // A direction of zero gives infinities of the right signs, or NaN on the face itself, which the comparisons below
+        // leave out: the other faces decide.
         let (near, far) = (near / direction[axis], far / direction[axis]);
         if near > enter.t {
             enter = EntryPoint { t: near, axis };

@@ -24,7 +24,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 9] = [
+const GROUPS: [(&str, Measure); 10] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),

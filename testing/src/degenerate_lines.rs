@@ -258,33 +258,33 @@ fn interval_contradiction(
     interval: Option<(f64, f64)>,
     random: &mut Random,
 ) -> Option<String> {
-    let wrong = |t: f64, expected: bool| {
-        let unexpected = t >= 0.0
-            && hull.inside_by(&ray.at(t), edge) != expected
-            && verdict(hull, &ray.at(t), edge) == Some(!expected);
-        unexpected.then(|| format!("at {t} m it is {}", if expected { "outside" } else { "inside" }))
+    // Points spread over the part of the half-line in the work volume, or where it misses that over its first metre.
+    let bounds = hull.bounds();
+    let (near, far) =
+        bounds.span(&ray.origin, &ray.direction).map_or((0.0, 1.0), |(near, far, _)| (near, far));
+    let mut spread = |from: f64, to: f64| -> Vec<f64> {
+        (0..SAMPLES).map(|k| from + (to - from) * (k as f64 + random.unit()) / SAMPLES as f64).collect()
     };
 
-    // Points spread over the part of the half-line in the work volume.
-    let (near, far, _) =
-        hull.bounds().span(&ray.origin, &ray.direction).unwrap_or((0.0, 1.0, Vector3::zeros()));
-    let spread =
-        |k: usize, random: &mut Random| near + (far - near) * (k as f64 + random.unit()) / SAMPLES as f64;
+    // Outside before the entry and just beyond the exit, inside between.
+    let (mut outside, mut inside) = (spread(near, far), Vec::new());
+    if let Some((entry, exit)) = interval {
+        outside.retain(|&t| t < entry);
+        outside.extend([entry - BESIDE, exit + BESIDE]);
+        inside = spread(entry, exit);
+        if exit - entry > 4.0 * BESIDE {
+            inside.extend([entry + BESIDE, exit - BESIDE]);
+        }
+    }
 
-    let Some((entry, exit)) = interval else {
-        return (0..SAMPLES).find_map(|k| wrong(spread(k, random), false));
+    let is_certainly = |t: f64, expected: bool| {
+        let p = ray.at(t);
+        t >= 0.0 && hull.inside_by(&p, edge) == expected && verdict(hull, &p, edge) == Some(expected)
     };
-    let within =
-        |k: usize, random: &mut Random| entry + (exit - entry) * (k as f64 + random.unit()) / SAMPLES as f64;
-    let long = exit - entry > 4.0 * BESIDE;
-    (0..SAMPLES)
-        .find_map(|k| Some(spread(k, random)).filter(|&t| t < entry).and_then(|t| wrong(t, false)))
-        .or_else(|| (0..SAMPLES).find_map(|k| wrong(within(k, random), true)))
-        .or_else(|| (entry > BESIDE).then(|| wrong(entry - BESIDE, false)).flatten())
-        .or_else(|| wrong(exit + BESIDE, false))
-        .or_else(|| {
-            long.then(|| wrong(entry + BESIDE, true).or_else(|| wrong(exit - BESIDE, true))).flatten()
-        })
+    let wrongly_out = outside.into_iter().find(|&t| is_certainly(t, true));
+    let wrongly_in = inside.into_iter().find(|&t| is_certainly(t, false));
+    let inside_there = wrongly_out.map(|t| format!("it is inside at {t} m"));
+    inside_there.or_else(|| wrongly_in.map(|t| format!("it is outside at {t} m")))
 }
 
 /// Whether `p` is inside; `None` where that depends on rounding, because points beside it have another verdict.

@@ -8,6 +8,7 @@
 //! | `trajectories` (feature `ode`) | the motion of bodies on a hull, compared with that on ODE's box |
 //! | [`quality`] | the hull from pixels, compared with the analytic hull of its cameras |
 //! | [`captures`] | real recordings, where they are present |
+//! | [`degenerate_lines`] | lines on which something is zero but for rounding, held against inside tests |
 //! | [`figure`], [`figure_table`] | measured numbers, their bounds, and the file that they are written to |
 //!
 //! Unit tests of the library use the package of [`random`] alone, because this package links a second build of the

@@ -145,7 +145,9 @@ mod tests {
             let eye = Point3::from(random.direction() * 3.0);
             let camera = Camera::look_at("eye", (640, 480), 0.8, eye, Point3::origin(), random.direction());
             let (camera, leads_away) = (camera.unwrap(), k % 2 == 0);
-            let (u, v) = (random.between(0.01, 639.99), random.between(0.01, 479.99));
+            // At least a hundredth of a pixel from every border.
+            let mut within = |pixels: u32| f64::from(random.below(pixels)) + random.between(0.01, 0.99);
+            let (u, v) = (within(640), within(480));
             let ray = camera.ray(u, v).unwrap();
 
             let projection = camera.projection_matrix();

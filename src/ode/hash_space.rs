@@ -75,12 +75,10 @@ impl Cells {
     fn new(aabb: &Aabb, min_level: i32) -> Self {
         let longest = (aabb.max - aabb.min).max();
         // The least n with a longest side below 2^n, as ODE computes it; infinite boxes are compared with all.
-        let level = if longest < 1.0 && longest >= 0.5 {
-            0
-        } else if longest < 0.5 {
-            -1
-        } else {
-            1
+        let level = match longest {
+            ..0.5 => -1,
+            0.5..1.0 => 0,
+            _ => 1,
         };
         let cell = |x: f64| x.floor() as i64;
         let (low, high) = ([0, 1, 2].map(|k| cell(aabb.min[k])), [0, 1, 2].map(|k| cell(aabb.max[k])));
@@ -119,8 +117,8 @@ mod tests {
     use std::collections::BTreeSet;
 
     fn boxes(random: &mut Random) -> Vec<(Vector3<f64>, Point3<f64>)> {
-        let sides = |random: &mut Random| Vector3::from_fn(|_, _| 0.05 + 1.2 * random.unit().powi(2));
-        let place = |random: &mut Random| Point3::from(Vector3::from_fn(|_, _| 3.0 * random.unit() - 1.5));
+        let sides = |random: &mut Random| Vector3::from_fn(|_, _| 0.05 + random.unit());
+        let place = |random: &mut Random| Point3::from(Vector3::from_fn(|_, _| 2.0 * random.unit() - 0.7));
         (0..12).map(|_| (sides(random), place(random))).collect()
     }
 

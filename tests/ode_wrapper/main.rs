@@ -6,6 +6,7 @@ mod feedback;
 mod geom_with_space;
 mod geoms;
 mod heightfields;
+mod hostile_pairs;
 mod ids;
 mod invalid_joints;
 mod joint_kinds;

@@ -197,7 +197,7 @@ mod tests {
     fn contacts_of_geoms_that_are_gone_are_forgotten() {
         let contacts = LastContacts::default();
         contacts.record(1, meeting(true, Some(0.1)), false);
-        (0..2 * FORGET_AFTER).for_each(|_| contacts.record(2, meeting(false, None), false));
+        (0..2 * FORGET_AFTER + 1).for_each(|_| contacts.record(2, meeting(false, None), false));
         assert_eq!(contacts.touching_geoms(), []);
         assert!(contacts.touching_bodies().is_empty());
     }

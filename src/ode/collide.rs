@@ -127,13 +127,20 @@ impl World {
         let mut pairs = Vec::new();
         for (key, space) in self.spaces.iter() {
             let SpaceKind::Hash { min_level, max_level: 0.. } = space.kind else { continue };
-            let geoms = self.geoms.iter().filter(|(_, geom)| geom.space == key).map(|(_, geom)| geom.raw);
-            let inner = self.spaces.iter().filter(|(_, inner)| inner.parent == Some(key));
-            let members: Vec<dGeomID> = geoms.chain(inner.map(|(_, space)| space.raw.cast())).collect();
-
+            let members = || {
+                let geoms = self.geoms.iter().filter(|(_, geom)| geom.space == key).map(|(_, geom)| geom.raw);
+                let inner = self.spaces.iter().filter(|(_, inner)| inner.parent == Some(key));
+                geoms.chain(inner.map(|(_, space)| space.raw.cast()))
+            };
             // SAFETY: geoms and spaces are alive.
-            let aabbs: Vec<Aabb> =
-                members.iter().map(|&member| unsafe { convert::aabb_of(member) }).collect();
+            let aabb = |member: dGeomID| unsafe { convert::aabb_of(member) };
+
+            // In most steps there is none, and nothing is allocated.
+            if !members().any(|member| hash_space::may_be_overlooked(&aabb(member), min_level)) {
+                continue;
+            }
+            let members: Vec<dGeomID> = members().collect();
+            let aabbs: Vec<Aabb> = members.iter().map(|&member| aabb(member)).collect();
             let found = hash_space::overlooked_pairs(&aabbs, min_level);
             pairs.extend(found.into_iter().map(|pair| pair.map(|index| members[index])));
         }

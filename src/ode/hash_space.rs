@@ -35,6 +35,12 @@ pub(super) unsafe fn min_level_of(space: dSpaceID) -> Option<i32> {
     }
 }
 
+/// Whether a hash space with cells of at least 2^`min_level` units may overlook pairs of a box.
+pub(super) fn may_be_overlooked(aabb: &Aabb, min_level: i32) -> bool {
+    let cells = Cells::new(aabb, min_level);
+    cells.level <= 0 && cells.wraps()
+}
+
 /// The indices of all pairs among the bounding boxes `aabbs` that overlap, and that a hash space with cells of at least
 /// 2^`min_level` units overlooks.
 pub(super) fn overlooked_pairs(aabbs: &[Aabb], min_level: i32) -> Vec<[usize; 2]> {

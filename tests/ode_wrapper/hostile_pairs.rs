@@ -148,7 +148,7 @@ fn sizes_for_which_ode_aborts_are_refused() {
 #[test]
 fn the_smallest_and_the_largest_shapes_collide_without_an_abort() {
     let mut random = Random(3);
-    let mut size = |random: &mut Random| {
+    let size = |random: &mut Random| {
         let exponent = random.between(MIN_SIZE.log10(), REACH.log10());
         10_f64.powf(exponent).clamp(MIN_SIZE, REACH)
     };

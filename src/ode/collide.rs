@@ -18,11 +18,9 @@ use super::arena::{BodyId, GeomId};
 use super::body::Body;
 use super::geom::Geom;
 use super::pair_search::{near_callback, search_pairs};
-use super::space::SpaceKind;
 use super::surface::Surface;
 use super::world::World;
-use super::{check, convert, hash_space, heightfield, panic};
-use crate::hull::Aabb;
+use super::{check, convert, heightfield, panic};
 use crate::{Error, Result};
 
 /// The largest number of contacts that one call of ODE can return: the count has 16 bits.
@@ -120,31 +118,6 @@ impl World {
                 unsafe { dSpaceCollide2(first, second, data, Some(near_callback)) };
             }
         })
-    }
-
-    /// The pairs of geoms, or spaces, that ODE's hash spaces have overlooked.
-    fn overlooked_pairs(&self) -> Vec<[dGeomID; 2]> {
-        let mut pairs = Vec::new();
-        for (key, space) in self.spaces.iter() {
-            let SpaceKind::Hash { min_level, max_level: 0.. } = space.kind else { continue };
-            let members = || {
-                let geoms = self.geoms.iter().filter(|(_, geom)| geom.space == key).map(|(_, geom)| geom.raw);
-                let inner = self.spaces.iter().filter(|(_, inner)| inner.parent == Some(key));
-                geoms.chain(inner.map(|(_, space)| space.raw.cast()))
-            };
-            // SAFETY: geoms and spaces are alive.
-            let aabb = |member: dGeomID| unsafe { convert::aabb_of(member) };
-
-            // In most steps there is none, and nothing is allocated.
-            if !members().any(|member| hash_space::may_be_overlooked(&aabb(member), min_level)) {
-                continue;
-            }
-            let members: Vec<dGeomID> = members().collect();
-            let aabbs: Vec<Aabb> = members.iter().map(|&member| aabb(member)).collect();
-            let found = hash_space::overlooked_pairs(&aabbs, min_level);
-            pairs.extend(found.into_iter().map(|pair| pair.map(|index| members[index])));
-        }
-        pairs
     }
 
     /// Collides all pairs and attaches up to `max` contacts with this surface to each, the usual collision step. Pairs

@@ -6,8 +6,38 @@
 //! there. Two boxes in cells of one unit are overlooked if the sum is negative for one of them alone: near the origin, if
 //! one crosses z = 0 and the other does not. (Cells of two units or more are concerned below z = -2000 only.)
 
+use super::convert;
+use super::space::SpaceKind;
+use super::world::World;
 use crate::hull::Aabb;
-use ode_sys::{dGeomGetClass, dHashSpaceClass, dHashSpaceGetLevels, dSpaceID};
+use ode_sys::{dGeomGetClass, dGeomID, dHashSpaceClass, dHashSpaceGetLevels, dSpaceID};
+
+impl World {
+    /// The pairs of geoms, or spaces, that ODE's hash spaces have overlooked.
+    pub(super) fn overlooked_pairs(&self) -> Vec<[dGeomID; 2]> {
+        let mut pairs = Vec::new();
+        for (key, space) in self.spaces.iter() {
+            let SpaceKind::Hash { min_level, max_level: 0.. } = space.kind else { continue };
+            let members = || {
+                let geoms = self.geoms.iter().filter(|(_, geom)| geom.space == key).map(|(_, geom)| geom.raw);
+                let inner = self.spaces.iter().filter(|(_, inner)| inner.parent == Some(key));
+                geoms.chain(inner.map(|(_, space)| space.raw.cast()))
+            };
+            // SAFETY: geoms and spaces are alive.
+            let aabb = |member: dGeomID| unsafe { convert::aabb_of(member) };
+
+            // In most steps there is none, and nothing is allocated.
+            if !members().any(|member| may_be_overlooked(&aabb(member), min_level)) {
+                continue;
+            }
+            let members: Vec<dGeomID> = members().collect();
+            let aabbs: Vec<Aabb> = members.iter().map(|&member| aabb(member)).collect();
+            let found = pairs_among(&aabbs, min_level);
+            pairs.extend(found.into_iter().map(|pair| pair.map(|index| members[index])));
+        }
+        pairs
+    }
+}
 
 /// A geom's bounding box, and the cells of one unit that it lies in.
 #[derive(Debug, Clone, Copy)]
@@ -36,14 +66,14 @@ pub(super) unsafe fn min_level_of(space: dSpaceID) -> Option<i32> {
 }
 
 /// Whether a hash space with cells of at least 2^`min_level` units may overlook pairs of a box.
-pub(super) fn may_be_overlooked(aabb: &Aabb, min_level: i32) -> bool {
+fn may_be_overlooked(aabb: &Aabb, min_level: i32) -> bool {
     let cells = Cells::new(aabb, min_level);
     cells.level <= 0 && cells.wraps()
 }
 
 /// The indices of all pairs among the bounding boxes `aabbs` that overlap, and that a hash space with cells of at least
 /// 2^`min_level` units overlooks.
-pub(super) fn overlooked_pairs(aabbs: &[Aabb], min_level: i32) -> Vec<[usize; 2]> {
+fn pairs_among(aabbs: &[Aabb], min_level: i32) -> Vec<[usize; 2]> {
     let small: Vec<(usize, Cells)> = aabbs
         .iter()
         .map(|aabb| Cells::new(aabb, min_level))
@@ -117,7 +147,7 @@ impl Cells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ode::{Ode, Shape, SpaceKind, World};
+    use crate::ode::{Ode, Shape};
     use nalgebra::{Isometry3, Point3, Vector3};
     use ode_visual_hull_random::Random;
     use std::collections::BTreeSet;
@@ -165,7 +195,7 @@ mod tests {
                 .iter()
                 .map(|(sides, place)| Aabb { min: place - sides / 2.0, max: place + sides / 2.0 })
                 .collect();
-            overlooked += overlooked_pairs(&aabbs, -3).len();
+            overlooked += pairs_among(&aabbs, -3).len();
         }
         assert!(overlooked > 100, "{overlooked}: the case occurs");
     }

@@ -13,7 +13,7 @@ fn corners(h: Vector3<f64>) -> (Vec<Point3<f64>>, [[u32; 4]; 6]) {
     ((0..8).map(|i| corner(i).into()).collect(), faces)
 }
 
-fn convex(h: Vector3<f64>) -> Shape {
+pub fn convex(h: Vector3<f64>) -> Shape {
     let (points, faces) = corners(h);
     Shape::Convex(Arc::new(Convex::new(points, &faces.map(|face| face.to_vec())).unwrap()))
 }

@@ -13,7 +13,9 @@ mod joint_kinds;
 mod joints;
 mod motors;
 mod pairs;
+mod random_hulls;
 mod random_joints;
+mod random_meshes;
 mod raw_objects;
 mod surfaces;
 

@@ -90,6 +90,22 @@ impl Ode {
     }
 }
 
+/// The result of `probe`, which runs while ODE is open: a closed ODE is opened for it, and closed again. `None` if ODE cannot
+/// be opened.
+pub(super) fn with_ode_open<T>(probe: impl FnOnce() -> T) -> Option<T> {
+    let _openings = openings();
+    // SAFETY: the lock keeps other threads of this crate out of ODE's unguarded counter, which is as before after the two
+    // calls.
+    unsafe {
+        if dInitODE2(0) == 0 {
+            return None;
+        }
+        let result = probe();
+        dCloseODE();
+        Some(result)
+    }
+}
+
 impl Clone for Ode {
     fn clone(&self) -> Self {
         // Opening an open ODE only counts references: it allocates nothing, and the precision was checked before.

@@ -9,7 +9,6 @@
 //! twice, as a shared library and inside a plugin, the copy that comes later replaces the canaries. So a canary answers
 //! for all copies: it writes down which copy has registered which class.
 
-use crate::lock::lock;
 use ode_sys::{
     dCollide, dContactGeom, dCreateHeightfield, dCreatePlane, dFirstUserClass, dGeomDestroy,
     dGeomHeightfieldDataCreate, dGeomHeightfieldDataDestroy, dGeomID, dHeightfieldClass, dMaxUserClasses,
@@ -17,7 +16,8 @@ use ode_sys::{
 };
 use std::ffi::c_int;
 use std::ptr::null_mut;
-use std::sync::Mutex;
+use std::sync::LazyLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// For each user class of ODE the copy of this library that has registered it; 0 for others.
 type Owners = [u64; dMaxUserClasses as usize];
@@ -25,8 +25,23 @@ type Owners = [u64; dMaxUserClasses as usize];
 /// Tells a canary's answer from the colliders of other libraries.
 const SIGNATURE: u64 = 0x6f64_655f_6875_6c6c;
 
+/// Two planes in no space, which collide with each other in every query. They are kept for the process, since making them
+/// takes longer than the query.
+static PLANES: LazyLock<Planes> = LazyLock::new(|| {
+    // SAFETY: the planes are in no space; ODE need not be open to make them, and keeps them when it closes.
+    Planes([0; 2].map(|_| unsafe { dCreatePlane(null_mut(), 0.0, 0.0, 1.0, 0.0) }))
+});
+
+struct Planes([dGeomID; 2]);
+
+// SAFETY: the planes are only collided, which reads them.
+unsafe impl Send for Planes {}
+// SAFETY: as above.
+unsafe impl Sync for Planes {}
+
 /// What this copy's canaries answer.
-static OWNERS: Mutex<Owners> = Mutex::new([0; dMaxUserClasses as usize]);
+static OWNERS: [AtomicU64; dMaxUserClasses as usize] =
+    [const { AtomicU64::new(0) }; dMaxUserClasses as usize];
 
 /// Registers the canaries together with the class of this number. ODE must be open.
 pub(super) fn register(class: c_int) {
@@ -35,7 +50,7 @@ pub(super) fn register(class: c_int) {
     if let Some(owner) = owners.get_mut(index(class)) {
         *owner = this_copy();
     }
-    *lock(&OWNERS) = owners;
+    OWNERS.iter().zip(owners).for_each(|(own, owner)| own.store(owner, Ordering::Release));
 
     for class in [dPlaneClass, dHeightfieldClass] {
         // SAFETY: ODE is open, and the number is one of its own classes.
@@ -60,15 +75,13 @@ fn this_copy() -> u64 {
 
 /// The answer of the first canary that still runs.
 fn query() -> Option<Owners> {
+    // SAFETY: ODE is open, and the planes are never destroyed.
+    if let Some(answer) = unsafe { collide(PLANES.0) } {
+        return Some(answer);
+    }
+
     // SAFETY: ODE is open; the geoms are in no space, and destroyed here before the data that they refer to.
     unsafe {
-        let planes = [0; 2].map(|_| dCreatePlane(null_mut(), 0.0, 0.0, 1.0, 0.0));
-        let answer = collide(planes);
-        planes.into_iter().for_each(|plane| dGeomDestroy(plane));
-        if answer.is_some() {
-            return answer;
-        }
-
         let data = dGeomHeightfieldDataCreate();
         let fields = [0; 2].map(|_| dCreateHeightfield(null_mut(), data, 0));
         let answer = collide(fields);
@@ -91,10 +104,9 @@ unsafe fn collide([first, second]: [dGeomID; 2]) -> Option<Owners> {
 
 /// The canary: reports no contact, and leaves its answer in the memory of the first.
 unsafe extern "C" fn answer(_: dGeomID, _: dGeomID, _: c_int, contact: *mut dContactGeom, _: c_int) -> c_int {
-    let owners = *lock(&OWNERS);
     // SAFETY: ODE passes memory for at least one contact, which its caller does not read where there is none.
     unsafe {
-        (*contact).pos = owners.map(f64::from_bits);
+        (*contact).pos = OWNERS.each_ref().map(|owner| f64::from_bits(owner.load(Ordering::Acquire)));
         (*contact).depth = f64::from_bits(SIGNATURE);
     }
     0

@@ -7,7 +7,7 @@ use super::geom::HullGeom;
 use super::{canary, collider};
 use crate::lock::lock;
 use crate::ode::abort;
-use crate::ode::init::Ode;
+use crate::ode::init;
 use crate::ode::panic::fence;
 use crate::{Error, Result};
 use ode_sys::{
@@ -18,6 +18,7 @@ use std::collections::BTreeMap;
 use std::ffi::c_int;
 use std::mem::size_of;
 use std::ptr::null;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// What ODE keeps in a geom of the class.
@@ -25,20 +26,24 @@ use std::sync::{Arc, Mutex};
 struct ClassData {
     /// The geom's data, which `HULL_GEOMS` owns; null before it is filled in.
     geom: *const HullGeom,
-    /// The [`Registration::serial`] under which the geom was made.
-    registration: u64,
+    /// The registration under which the geom was made.
+    registration: Registration,
 }
 
-/// A registration of the class in ODE.
-#[derive(Debug, Clone, Copy)]
-struct Registration {
-    number: c_int,
-    /// Counts the registrations of this process, and so tells geoms of this one from older ones.
-    serial: u64,
-}
+/// A registration of the class in ODE: the class's number in the low byte, and above it a count of the registrations of
+/// this process, which tells geoms of this one from older ones.
+type Registration = u64;
 
-/// The registration that is in force, as far as this library knows.
-static REGISTRATION: Mutex<Option<Registration>> = Mutex::new(None);
+/// The registration that is in force, as far as this library knows; 0 for none.
+static REGISTRATION: AtomicU64 = AtomicU64::new(0);
+
+/// The registration in force, and its class number.
+fn registration() -> Option<(Registration, c_int)> {
+    match REGISTRATION.load(Ordering::Acquire) {
+        0 => None,
+        registration => Some((registration, (registration & 0xff) as c_int)),
+    }
+}
 
 /// All living hull geoms by their addresses, which are not followed here: another thread may be about to destroy one.
 static HULL_GEOMS: Mutex<BTreeMap<usize, Arc<HullGeom>>> = Mutex::new(BTreeMap::new());
@@ -48,12 +53,12 @@ static HULL_GEOMS: Mutex<BTreeMap<usize, Arc<HullGeom>>> = Mutex::new(BTreeMap::
 /// # Errors
 /// All four user classes are taken by other libraries.
 pub(super) fn number() -> Result<c_int> {
-    static SERIAL: Mutex<u64> = Mutex::new(0);
-    let mut serial = lock(&SERIAL);
+    static COUNT: Mutex<u64> = Mutex::new(0);
+    let mut count = lock(&COUNT);
     if is_still_registered()
-        && let Some(known) = *lock(&REGISTRATION)
+        && let Some((_, number)) = registration()
     {
-        return Ok(known.number);
+        return Ok(number);
     }
 
     let class = dGeomClass {
@@ -74,20 +79,19 @@ pub(super) fn number() -> Result<c_int> {
     })?;
 
     canary::register(number);
-    *serial += 1;
-    *lock(&REGISTRATION) = Some(Registration { number, serial: *serial });
+    *count += 1;
+    REGISTRATION.store(*count << 8 | number as u64, Ordering::Release);
     Ok(number)
 }
 
 /// Whether ODE still knows the class. Where it was closed since the class was registered, all geoms of the class are
 /// forgotten: ODE no longer reports when they are destroyed.
 pub(super) fn is_still_registered() -> bool {
-    let Some(Registration { number, .. }) = *lock(&REGISTRATION) else { return false };
+    let Some((_, number)) = registration() else { return false };
 
-    // A reference of its own opens a closed ODE, which has forgotten the class, and closes it again.
-    let is_registered = Ode::init().is_ok_and(|_ode| canary::is_registered(number));
+    let is_registered = init::with_ode_open(|| canary::is_registered(number)).unwrap_or(false);
     if !is_registered {
-        *lock(&REGISTRATION) = None;
+        REGISTRATION.store(0, Ordering::Release);
         // Outside the lock, since this may free data objects with all their frames.
         let forgotten = std::mem::take(&mut *lock(&HULL_GEOMS));
         drop(forgotten);
@@ -101,7 +105,7 @@ pub(super) fn is_still_registered() -> bool {
 /// `geom` is a living geom of the class without data.
 pub(super) unsafe fn give_data(geom: dGeomID, data: HullGeom) {
     let data = Arc::new(data);
-    let registration = lock(&REGISTRATION).map_or(0, |registration| registration.serial);
+    let registration = REGISTRATION.load(Ordering::Acquire);
     // SAFETY: the caller vouches for the geom's class, whose data is of this type.
     unsafe {
         dGeomGetClassData(geom)
@@ -131,7 +135,7 @@ pub(super) fn all() -> Vec<(dGeomID, Arc<HullGeom>)> {
 /// # Safety
 /// `geom` is a living geom, and lives as long as `'a`.
 pub(super) unsafe fn data<'a>(geom: dGeomID) -> Option<&'a HullGeom> {
-    let Registration { number, serial } = (*lock(&REGISTRATION))?;
+    let (in_force, number) = registration()?;
     // SAFETY: the class is checked first, since ODE aborts on a geom without class data. A geom of an older registration
     // is not followed, since its data was dropped.
     unsafe {
@@ -139,14 +143,14 @@ pub(super) unsafe fn data<'a>(geom: dGeomID) -> Option<&'a HullGeom> {
             return None;
         }
         let ClassData { geom: data, registration } = dGeomGetClassData(geom).cast::<ClassData>().read();
-        if registration == serial { data.as_ref() } else { None }
+        if registration == in_force { data.as_ref() } else { None }
     }
 }
 
 /// The collider of a pair of classes, which ODE looks up once. A hull collides with all classes but itself and planes,
 /// which are unbounded and cannot be sampled.
 extern "C" fn collider(other: c_int) -> dColliderFn {
-    let own = lock(&REGISTRATION).map(|registration| registration.number);
+    let own = registration().map(|(_, number)| number);
     if other == dPlaneClass as c_int || Some(other) == own {
         None
     } else if other == dRayClass as c_int {

@@ -10,8 +10,8 @@ use crate::hull::{Aabb, Hull, HullData};
 use crate::lock::lock;
 use crate::ode::per_thread::per_thread;
 use crate::ode::{convert, hash_space};
-use nalgebra::{Isometry3, Point3};
-use ode_sys::{dGeomGetSpace, dGeomID, dGeomMoved};
+use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion};
+use ode_sys::{dGeomCopyPosition, dGeomCopyRotation, dGeomGetSpace, dGeomID, dGeomMoved};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 per_thread! {
@@ -202,14 +202,20 @@ pub(super) unsafe fn apply_latest_frame(geom: dGeomID, hull: &HullGeom) {
     }
 }
 
-/// The pose of a hull geom, world from hull, also inside a geom transform, where ODE's getter of the quaternion returns
-/// that of the body.
+/// The pose of a hull geom, world from hull. It is read from ODE's rotation matrix, since the quaternion of a geom inside a
+/// geom transform would be the body's.
 ///
 /// # Safety
-/// `geom` is a living geom.
+/// `geom` is a living geom of the class.
 pub(super) unsafe fn pose(geom: dGeomID) -> Isometry3<f64> {
-    // SAFETY: the caller vouches for the geom.
-    unsafe { convert::any_pose(geom) }
+    let (mut position, mut rotation) = ([0.0; 4], [0.0; 12]);
+    // SAFETY: the caller vouches for the geom, whose class is placeable; the arrays hold a vector and a matrix.
+    unsafe {
+        dGeomCopyPosition(geom, position.as_mut_ptr());
+        dGeomCopyRotation(geom, rotation.as_mut_ptr());
+    }
+    let rotation = Rotation3::from_matrix_unchecked(convert::matrix(&rotation));
+    Isometry3::from_parts(convert::vector(&position).into(), UnitQuaternion::from_rotation_matrix(&rotation))
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ static dBodyID sleeping_cube(void) {
 static void more_bodies_than_a_step_has_pairs_in_any_table_wake(void) {
   static dBodyID bodies[MANY];
   const dReal half = 0.004, pitch = 0.46 / SIDE;
-  int k, hang = 0;
+  int k;
   begin();
   for (k = 0; k < MANY; k++) {
     dMass mass;
@@ -59,15 +59,14 @@ static void more_bodies_than_a_step_has_pairs_in_any_table_wake(void) {
     dBodySetPosition(bodies[k], -0.23 + pitch * (k % SIDE + 0.5), -0.23 + pitch * (k / SIDE + 0.5), TOP + half - 0.0005);
   }
   /* The few that would still move are put to sleep where they touch. */
-  steps(2);
+  steps(1);
   for (k = 0; k < MANY; k++) dBodyDisable(bodies[k]);
-  steps(2);
+  steps(1);
   for (k = 0; k < MANY; k++) CHECK(!dBodyIsEnabled(bodies[k]));
 
   show(-0.05, 1);
-  steps(15);
-  for (k = 0; k < MANY; k++) hang += dBodyGetPosition(bodies[k])[2] > TOP - 0.02;
-  CHECK(hang == 0);
+  steps(2);
+  for (k = 0; k < MANY; k++) CHECK(dBodyIsEnabled(bodies[k]));
   end();
 }
 

@@ -99,15 +99,16 @@ impl Mass {
 
     /// The mass of this solid after a rotation about the frame's origin.
     ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] for a quaternion that is not of unit length.
-    pub fn rotated(&self, by: &UnitQuaternion<f64>) -> Result<Self> {
-        check::rotation("rotation of the mass", by)?;
+    /// A quaternion that is not of unit length gives a mass without a finite inertia, which every function that takes one
+    /// refuses.
+    pub fn rotated(&self, by: &UnitQuaternion<f64>) -> Self {
+        if check::rotation("", by).is_err() {
+            return Self { inertia: Matrix3::repeat(f64::NAN), ..*self };
+        }
         let rotation = by.to_rotation_matrix();
         let inertia = rotation.matrix() * self.inertia * rotation.matrix().transpose();
         let inertia = (inertia + inertia.transpose()) / 2.0;
-        Self { total: self.total, center: by * self.center, inertia }.checked()
+        Self { total: self.total, center: by * self.center, inertia }
     }
 
     /// The mass of a solid of this shape and density distribution with another total mass, in kg.
@@ -216,6 +217,12 @@ impl Mass {
     /// Refuses a mass that is not positive and an inertia that is not positive definite.
     fn checked(self) -> Result<Self> {
         check::positive("mass", self.total)?;
+        if !self.inertia.iter().all(|x| x.is_finite()) {
+            return Err(Error::argument(
+                "inertia: expected finite numbers, found NaN; a mass that was turned by a quaternion that is not of unit \
+                 length has such",
+            ));
+        }
         let definite = |inertia: Matrix3<f64>| Cholesky::new(inertia).is_some();
         if definite(self.inertia) && definite(self.inertia_about_center()) {
             Ok(self)
@@ -231,8 +238,10 @@ impl Mass {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if the centre of mass is not at the origin, for which ODE would abort.
+    /// [`Error::Argument`] if the centre of mass is not at the origin, or the inertia not finite, for which ODE would
+    /// abort.
     pub(super) fn to_ode(self) -> Result<dMass> {
+        self.checked()?;
         let radius = (self.inertia.trace() / self.total).sqrt();
         if self.center.norm() > 1e-9 * radius {
             let [x, y, z] = [self.center.x, self.center.y, self.center.z];

@@ -180,11 +180,20 @@ fn the_smallest_and_the_largest_shapes_collide_without_an_abort() {
 #[test]
 fn a_mass_is_not_turned_by_what_is_no_rotation() {
     let mass = Mass::of(&Shape::cuboid(0.1, 0.2, 0.3), Amount::Total(1.0)).unwrap();
+    let mut world = world();
+    let body = world.add_body();
     let zero = UnitQuaternion::new_unchecked(Quaternion::new(0.0, 0.0, 0.0, 0.0));
     let long = UnitQuaternion::new_unchecked(Quaternion::new(3.0, 1.0, 0.0, 0.0));
     for bad in [UnitQuaternion::from_euler_angles(f64::NAN, 0.0, 0.0), zero, long] {
-        let message = mass.rotated(&bad).unwrap_err().to_string();
-        assert!(message.contains("rotation of the mass: expected a unit quaternion"), "{message}");
+        let turned = mass.rotated(&bad);
+        for refused in [
+            world.body_mut(body).set_mass(&turned).unwrap_err(),
+            turned.translated(&Vector3::x()).unwrap_err(),
+            turned.combined(&mass).unwrap_err(),
+        ] {
+            assert!(refused.to_string().contains("a quaternion that is not of unit length"), "{refused}");
+        }
+        world.quick_step(0.01).unwrap();
     }
-    assert!(mass.rotated(&UnitQuaternion::from_euler_angles(0.3, 0.2, 0.1)).is_ok());
+    world.body_mut(body).set_mass(&mass.rotated(&UnitQuaternion::from_euler_angles(0.3, 0.2, 0.1))).unwrap();
 }

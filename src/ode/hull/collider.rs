@@ -3,7 +3,7 @@
 use super::geom::{self, HullGeom};
 use super::prefetch;
 use super::query::ContactQuery;
-use super::wake::{self, MetBody};
+use super::wake::{self, CollidedBody};
 use crate::camera::Ray;
 use crate::contact::{self, BodyContacts, Contact};
 use crate::ode::convert;
@@ -60,8 +60,8 @@ pub(super) unsafe fn collide_body(
         unsafe {
             let samples = query.samples.clone();
             prefetch::contacts_for(&geom.prefetch, &context, other, query, &mut found);
-            let met = MetBody { geom: other, samples: &samples, hull_from_body: hull_from_other };
-            wake::record_contacts(&context, &met, &found);
+            let collided = CollidedBody { geom: other, samples: &samples, hull_from_body: hull_from_other };
+            wake::record_contacts(&context, &collided, &found);
         }
     }
 

@@ -1,4 +1,4 @@
-//! How each body met a hull geom when it was last awake: what wakes sleeping bodies, and which escape direction to keep.
+//! The contacts of each body with a hull geom when it was last awake: what wakes sleeping bodies, and which escape direction to keep.
 
 use crate::hull::Aabb;
 use crate::lock::lock;
@@ -43,7 +43,7 @@ pub(super) struct Touch {
 
 /// What a collide has found of one body.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Meeting {
+pub(super) struct ContactState {
     pub(super) has_body: bool,
     pub(super) is_asleep: bool,
     /// `None` without contact.
@@ -56,10 +56,10 @@ pub(super) struct Meeting {
 
 #[derive(Debug, Clone, Copy)]
 struct LastContact {
-    /// The last meeting, but while the body sleeps with the touch and the escape direction of when it fell asleep, so that
+    /// The last contact state, but while the body sleeps with the touch and the escape direction of when it fell asleep, so that
     /// slow motions of the hull's surface add up.
-    meeting: Meeting,
-    /// The [`Table::steps`] in which the body was last met, and in which it last touched while awake.
+    state: ContactState,
+    /// The [`Table::steps`] in which the body was last collided, and in which it last touched while awake.
     renewed: u64,
     touched: u64,
 }
@@ -67,53 +67,53 @@ struct LastContact {
 impl LastContacts {
     /// The escape direction chosen last for the geom at address `other`, in the hull's frame.
     pub(super) fn escape(&self, other: usize) -> Option<Vector3<f64>> {
-        lock(&self.table).by_geom.get(&other)?.meeting.escape
+        lock(&self.table).by_geom.get(&other)?.state.escape
     }
 
     /// How the geom at address `other` touched the hull when it was last awake.
     pub(super) fn touch(&self, other: usize) -> Option<Touch> {
-        lock(&self.table).by_geom.get(&other)?.meeting.touch
+        lock(&self.table).by_geom.get(&other)?.state.touch
     }
 
-    /// Records that the geom at address `other` was met. `is_woken` tells that its body was asleep until now.
-    pub(super) fn record(&self, other: usize, mut meeting: Meeting, is_woken: bool) {
+    /// Records that the geom at address `other` was collided. `is_woken` tells that its body was asleep until now.
+    pub(super) fn record(&self, other: usize, mut state: ContactState, is_woken: bool) {
         let mut table = lock(&self.table);
-        if meeting.has_body {
+        if state.has_body {
             table.count_steps(other);
         }
         table.forget_surplus();
         let steps = table.steps;
         let last = table.by_geom.get(&other).copied();
 
-        if let Some(last) = last.filter(|_| meeting.is_asleep) {
-            meeting.escape = last.meeting.escape;
+        if let Some(last) = last.filter(|_| state.is_asleep) {
+            state.escape = last.state.escape;
         }
-        let touched = if meeting.touch.is_some() { steps } else { last.map_or(0, |last| last.touched) };
-        let keeps_touch = if meeting.is_asleep { !is_woken } else { touched + RECENT >= steps };
+        let touched = if state.touch.is_some() { steps } else { last.map_or(0, |last| last.touched) };
+        let keeps_touch = if state.is_asleep { !is_woken } else { touched + RECENT >= steps };
         if let Some(last) = last
             && keeps_touch
-            && (meeting.is_asleep || meeting.touch.is_none())
+            && (state.is_asleep || state.touch.is_none())
         {
-            meeting.touch = last.meeting.touch;
+            state.touch = last.state.touch;
         }
-        table.by_geom.insert(other, LastContact { meeting, renewed: steps, touched });
+        table.by_geom.insert(other, LastContact { state, renewed: steps, touched });
     }
 
     /// A box around the bodies that touched the hull when they were last awake, in the world's frame: those that sleep,
     /// and those of the last steps, which may have fallen asleep since.
     pub(super) fn touching_bodies(&self) -> Aabb {
         let table = lock(&self.table);
-        let may_sleep = |last: &&LastContact| last.meeting.is_asleep || last.is_recent(table.steps);
-        let bodies = table.by_geom.values().filter(may_sleep).map(|last| &last.meeting);
+        let may_sleep = |last: &&LastContact| last.state.is_asleep || last.is_recent(table.steps);
+        let bodies = table.by_geom.values().filter(may_sleep).map(|last| &last.state);
         bodies
-            .filter(|meeting| meeting.touch.is_some())
-            .fold(Aabb::EMPTY, |union, meeting| union.union(&meeting.body))
+            .filter(|state| state.touch.is_some())
+            .fold(Aabb::EMPTY, |union, state| union.union(&state.body))
     }
 
     /// The addresses of the geoms that touched the hull when their bodies were last awake.
     pub(super) fn touching_geoms(&self) -> Vec<usize> {
         let table = lock(&self.table);
-        let touching = table.by_geom.iter().filter(|(_, last)| last.meeting.touch.is_some());
+        let touching = table.by_geom.iter().filter(|(_, last)| last.state.touch.is_some());
         touching.map(|(&geom, _)| geom).collect()
     }
 }
@@ -137,10 +137,10 @@ impl Table {
         }
     }
 
-    /// Bounds the memory where geoms are met once each, and steps are not counted.
+    /// Bounds the memory where geoms are collided once each, and steps are not counted.
     fn forget_surplus(&mut self) {
         if self.by_geom.len() >= MAX_GEOMS {
-            self.by_geom.retain(|_, last| last.meeting.has_body);
+            self.by_geom.retain(|_, last| last.state.has_body);
         }
     }
 }
@@ -152,9 +152,9 @@ mod tests {
 
     const AT_ORIGIN: Aabb = Aabb { min: Point3::new(0.0, 0.0, 0.0), max: Point3::new(1.0, 1.0, 1.0) };
 
-    fn meeting(is_asleep: bool, depth: Option<f64>) -> Meeting {
+    fn state(is_asleep: bool, depth: Option<f64>) -> ContactState {
         let touch = depth.map(|depth| Touch { depth, direction: Vector3::z() });
-        Meeting { has_body: true, is_asleep, touch, escape: None, body: AT_ORIGIN }
+        ContactState { has_body: true, is_asleep, touch, escape: None, body: AT_ORIGIN }
     }
 
     fn depth(contacts: &LastContacts, geom: usize) -> Option<f64> {
@@ -164,21 +164,21 @@ mod tests {
     #[test]
     fn a_sleeping_body_keeps_the_touch_with_which_it_fell_asleep_until_it_is_woken() {
         let contacts = LastContacts::default();
-        contacts.record(1, meeting(false, Some(0.1)), false);
-        contacts.record(1, meeting(true, Some(0.2)), false);
-        contacts.record(1, meeting(true, None), false);
+        contacts.record(1, state(false, Some(0.1)), false);
+        contacts.record(1, state(true, Some(0.2)), false);
+        contacts.record(1, state(true, None), false);
         assert_eq!(depth(&contacts, 1), Some(0.1));
-        contacts.record(1, meeting(true, None), true);
+        contacts.record(1, state(true, None), true);
         assert_eq!(depth(&contacts, 1), None);
     }
 
     #[test]
     fn a_body_that_touches_now_and_then_counts_as_touching() {
         let contacts = LastContacts::default();
-        contacts.record(1, meeting(false, Some(0.1)), false);
-        (0..RECENT).for_each(|_| contacts.record(1, meeting(false, None), false));
+        contacts.record(1, state(false, Some(0.1)), false);
+        (0..RECENT).for_each(|_| contacts.record(1, state(false, None), false));
         assert_eq!(depth(&contacts, 1), Some(0.1));
-        contacts.record(1, meeting(false, None), false);
+        contacts.record(1, state(false, None), false);
         assert_eq!(depth(&contacts, 1), None);
     }
 
@@ -186,7 +186,7 @@ mod tests {
     fn no_contact_is_forgotten_within_a_step_however_many_bodies_it_has() {
         let contacts = LastContacts::default();
         for _ in 0..3 {
-            (0..5000).for_each(|geom| contacts.record(geom, meeting(true, Some(0.1)), false));
+            (0..5000).for_each(|geom| contacts.record(geom, state(true, Some(0.1)), false));
         }
         assert!((0..5000).all(|geom| depth(&contacts, geom) == Some(0.1)));
         assert_eq!(contacts.touching_geoms().len(), 5000);
@@ -196,8 +196,8 @@ mod tests {
     #[test]
     fn contacts_of_geoms_that_are_gone_are_forgotten() {
         let contacts = LastContacts::default();
-        contacts.record(1, meeting(true, Some(0.1)), false);
-        (0..2 * FORGET_AFTER + 1).for_each(|_| contacts.record(2, meeting(false, None), false));
+        contacts.record(1, state(true, Some(0.1)), false);
+        (0..2 * FORGET_AFTER + 1).for_each(|_| contacts.record(2, state(false, None), false));
         assert_eq!(contacts.touching_geoms(), []);
         assert!(contacts.touching_bodies().is_empty());
     }

@@ -1,7 +1,7 @@
 //! Wakes sleeping bodies at which the hull's surface has moved. ODE wakes a body only through contacts with another that
 //! is awake.
 
-use super::last_contacts::{Meeting, Touch};
+use super::last_contacts::{ContactState, Touch};
 use super::query::CollideContext;
 use crate::contact::tuning::WAKE_PX;
 use crate::contact::{self, BodyContacts};
@@ -10,35 +10,35 @@ use crate::sample::Samples;
 use nalgebra::{Isometry3, Point3};
 use ode_sys::{dBodyEnable, dBodyIsEnabled, dGeomGetBody, dGeomID};
 
-/// A body in front of a hull geom that is being collided.
-pub(super) struct MetBody<'a> {
+/// A body that is collided with a hull geom.
+pub(super) struct CollidedBody<'a> {
     pub(super) geom: dGeomID,
     pub(super) samples: &'a Samples,
     pub(super) hull_from_body: Isometry3<f64>,
 }
 
-/// Records how `met` meets the hull, and wakes it where it sleeps and the hull at it has changed.
+/// Records the contacts of `other` with the hull, and wakes it where it sleeps and the hull at it has changed.
 ///
 /// # Safety
-/// The geom of `met` is living.
-pub(super) unsafe fn record_contacts(context: &CollideContext, met: &MetBody, found: &BodyContacts) {
+/// The geom of `other` is living.
+pub(super) unsafe fn record_contacts(context: &CollideContext, other: &CollidedBody, found: &BodyContacts) {
     // The body is the one that ODE names now, not one remembered.
     // SAFETY: the caller vouches for the geom, and ODE for its body.
     let (body, is_asleep) = unsafe {
-        let body = dGeomGetBody(met.geom);
+        let body = dGeomGetBody(other.geom);
         (body, !body.is_null() && dBodyIsEnabled(body) == 0)
     };
 
     let deepest = found.contacts().max_by(|a, b| a.depth.total_cmp(&b.depth));
     let touch = deepest.map(|contact| Touch { depth: contact.depth, direction: contact.direction });
-    let is_woken = is_asleep && context.has_moved_at(met, touch);
+    let is_woken = is_asleep && context.has_moved_at(other, touch);
 
-    let (centre, radius) = met.samples.bounding_sphere();
-    let centre = context.hull_from_world.inverse() * (met.hull_from_body * centre);
+    let (centre, radius) = other.samples.bounding_sphere();
+    let centre = context.hull_from_world.inverse() * (other.hull_from_body * centre);
     let around_body = Aabb { min: centre, max: centre }.grown(radius);
-    let meeting =
-        Meeting { has_body: !body.is_null(), is_asleep, touch, escape: found.escape, body: around_body };
-    context.geom.last_contacts.record(met.geom as usize, meeting, is_woken);
+    let state =
+        ContactState { has_body: !body.is_null(), is_asleep, touch, escape: found.escape, body: around_body };
+    context.geom.last_contacts.record(other.geom as usize, state, is_woken);
 
     if is_woken {
         // SAFETY: as above; it sets flags of the body and touches no space.
@@ -48,25 +48,25 @@ pub(super) unsafe fn record_contacts(context: &CollideContext, met: &MetBody, fo
 
 impl CollideContext<'_> {
     /// Whether the hull's surface is no longer where it was when the body fell asleep, by more than a flickering pixel.
-    /// A body that was never met had no contact.
-    fn has_moved_at(&self, met: &MetBody, now: Option<Touch>) -> bool {
-        let position = Point3::from(met.hull_from_body.translation.vector);
+    /// A body that was never collided had no contact.
+    fn has_moved_at(&self, other: &CollidedBody, now: Option<Touch>) -> bool {
+        let position = Point3::from(other.hull_from_body.translation.vector);
         // A depth that is limited cannot change by more.
         let tolerance = (WAKE_PX * self.hull.pixel_size(&position)).min(0.5 * self.settings.max_depth);
 
-        match (self.geom.last_contacts.touch(met.geom as usize), now) {
+        match (self.geom.last_contacts.touch(other.geom as usize), now) {
             (before, Some(now)) => (now.depth - before.map_or(0.0, |before| before.depth)).abs() > tolerance,
-            (Some(before), None) => !self.is_within(met, &before, tolerance),
+            (Some(before), None) => !self.is_within(other, &before, tolerance),
             (None, None) => false,
         }
     }
 
     /// Whether the body would touch the hull if it were `distance` metres deeper.
-    fn is_within(&self, met: &MetBody, before: &Touch, distance: f64) -> bool {
-        let mut deeper = met.hull_from_body;
+    fn is_within(&self, other: &CollidedBody, before: &Touch, distance: f64) -> bool {
+        let mut deeper = other.hull_from_body;
         deeper.translation.vector -= distance * before.direction;
         let mut found = BodyContacts::default();
-        contact::collide_any(&mut found, &self.hull, met.samples, &deeper, &self.settings);
+        contact::collide_any(&mut found, &self.hull, other.samples, &deeper, &self.settings);
         !found.points.is_empty()
     }
 }

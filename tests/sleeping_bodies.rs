@@ -86,7 +86,7 @@ fn slow_motions_of_the_hull_add_up() {
 fn a_body_sleeps_on_beside_a_hull_whose_edges_flicker() {
     let data = table();
     let (mut world, _, body) = asleep(&data);
-    for k in 1..60 {
+    for k in 1..25 {
         let noisy = table_masks().iter().enumerate().map(|(view, mask)| {
             let mut mask = mask.clone();
             flip_boundary(&mut mask, 0.05, 100 * k + view as u64).unwrap();

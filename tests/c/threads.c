@@ -48,7 +48,7 @@ static dReal rest_on(dVisualHullDataID data, int (*update)(dVisualHullDataID, dG
   contacts.calls = 0;
 
   cube = add_cube(contacts.world, space, 0.02, 0.01, TOP + 0.101);
-  for (k = 0; k < 100; k++) {
+  for (k = 0; k < 60; k++) {
     CHECK(update(data, hull, 0.005 * k));
     step(&contacts, space);
   }

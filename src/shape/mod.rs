@@ -72,7 +72,8 @@ pub enum Shape {
     /// - Its bounding box is right only for rotations by quarter turns. At other rotations it is too small, so that
     ///   geoms near the border of the field may go unnoticed.
     /// - Where all heights under a geom are equal, it collides with their whole plane, even beyond the border.
-    /// - The depth of a geom that is entirely below the surface is its distance from the surface, not its way out.
+    /// - The depth of a geom that is entirely below the surface is its distance from the surface, not the distance that
+    ///   it has to move to leave the ground.
     /// - A ray from below hits the ground too. The normal of its hit points upwards, not towards the ray.
     /// - The time for a pair grows with the square of the number of cells under the geom. A pair over more than 4096
     ///   cells has no contacts, and its collide returns an error.

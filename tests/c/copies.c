@@ -44,20 +44,20 @@ static void programs_may_override_colliders_of_their_own(int number, dGeomID hul
   class_stays(number, hull, data);
 }
 
-/* Copies the shared library, if this program uses it, and loads the copy. */
-static void *second_copy(char path[64]) {
+/* Copies the shared library, if this program uses it, into the library's own folder, and loads the copy. */
+static void *second_copy(char path[4200]) {
   Dl_info info;
-  char command[4300];
+  char command[8400];
   CHECK(dladdr((void *)&dInitVisualHull, &info));
   if (!strstr(info.dli_fname, ".so")) return NULL;
-  sprintf(path, "/tmp/ode_visual_hull_copy_%d.so", (int)getpid());
-  sprintf(command, "cp '%.4096s' %s", info.dli_fname, path);
+  sprintf(path, "%.4096s.copy_%d", info.dli_fname, (int)getpid());
+  sprintf(command, "cp '%.4096s' '%s'", info.dli_fname, path);
   CHECK(system(command) == 0);
   return dlopen(path, RTLD_NOW | RTLD_LOCAL);
 }
 
 static void copies_recognise_each_other(int number, dGeomID hull, dVisualHullDataID data) {
-  char path[64];
+  char path[4200];
   int (*init)(void), (*get_class)(void), k;
   void *library = second_copy(path);
   dGeomID rays[2], planes[2];

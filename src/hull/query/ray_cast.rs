@@ -16,7 +16,7 @@ pub struct RayHit {
     /// Metres along the ray.
     pub t: f64,
     /// Unit outward normal of the hull at that point. Where no silhouette ends the hull but a view's sight does, it is
-    /// the way out along the ray.
+    /// the ray's direction, or its opposite at an entry.
     pub normal: Vector3<f64>,
 }
 
@@ -38,7 +38,7 @@ impl Hull {
         Some((into, self.hit(ray, &exit, ray.direction)))
     }
 
-    /// The hit at `crossing`, where `outward` is the way out along the ray.
+    /// The hit at `crossing`, where `outward` points out of the hull along the ray.
     fn hit(&self, ray: &Ray, crossing: &Crossing, outward: Vector3<f64>) -> RayHit {
         let at = ray.at(crossing.t);
         let edge = crossing.view.and_then(|view| nearest_edge_in(view, &at));

@@ -203,8 +203,9 @@ impl<'c> Pair<'c> {
     pub fn touches(&self) -> bool {
         // ODE's own colliders miss touching boxes with this flag, and read contacts that they have not written.
         let has_hull = self.raw.iter().any(|&geom| self.world.is_hull(geom));
-        let flags = if has_hull { CONTACTS_UNIMPORTANT } else { 0 };
-        !true_contacts(self.world, self.raw, self.geoms, 1, flags).is_empty()
+        // A few, since false ones of heightfields are dropped.
+        let (max, flags) = if has_hull { (1, CONTACTS_UNIMPORTANT) } else { (8, 0) };
+        !true_contacts(self.world, self.raw, self.geoms, max, flags).is_empty()
     }
 
     /// Attaches a contact joint between the pair's bodies, which lasts until the next [`collide`](World::collide). A

@@ -56,12 +56,12 @@ impl EscapeSearch<'_> {
         let rejects = |exit: f64| factor * exit >= least_cost;
 
         let likely = &rays[*last_rejecting_sample].point;
-        if rejects(hull.exit_within(likely, direction, EdgeModel::Pixel, t_max)) {
+        if rejects(hull.exit_within(likely, direction, EdgeModel::Coverage, t_max)) {
             return None;
         }
 
         rays.iter_mut().for_each(|ray| ray.direction = *direction);
-        hull.exits_within(rays, EdgeModel::Pixel, t_max, scratch, exits);
+        hull.exits_within(rays, EdgeModel::Coverage, t_max, scratch, exits);
         let (sample, longest) = exits.iter().enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
         *last_rejecting_sample = sample;
         (!rejects(*longest)).then_some(factor * longest)

@@ -1,9 +1,9 @@
 //! Correction of masks: ragged edges, gaps, specks and holes.
 
 use super::morphology::Morphology;
-use super::regions::Regions;
 use crate::silhouette::PackedMask;
 use crate::silhouette::bit_image::BitImage;
+use crate::silhouette::regions::Regions;
 use crate::{Error, Result};
 use image::GrayImage;
 

@@ -23,7 +23,6 @@ mod coverage_matte;
 mod difference;
 mod morphology;
 mod plate;
-mod regions;
 mod running_gaussian;
 mod shadows;
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! A mask in either form in which it may be passed in, before a silhouette is prepared from it.
 
+use super::bit_image::BitImage;
+use super::regions::Regions;
 use super::{MaskView, PackedMask, TileMask};
 use image::GrayImage;
 
@@ -19,6 +21,28 @@ pub(crate) struct MaskScratch {
     pub(crate) bytes: GrayImage,
     /// A mask of a camera with a lens model, undistorted.
     pub(crate) tiles: TileMask,
+    pub(crate) holes: HoleScratch,
+}
+
+/// Memory for filling the holes of a mask.
+#[derive(Debug, Default)]
+pub(crate) struct HoleScratch {
+    packed: PackedMask,
+    subject: BitImage,
+    regions: Regions,
+    filled: PackedMask,
+}
+
+impl HoleScratch {
+    /// The mask with its holes of fewer than `smallest_px` pixels filled.
+    pub(crate) fn fill(&mut self, mask: IncomingMask, smallest_px: u32) -> &PackedMask {
+        let Self { packed, subject, regions, filled } = self;
+        let mask = mask.packed(packed);
+        subject.copy(mask.subject());
+        regions.fill_holes(subject, smallest_px);
+        filled.copy_with_bits(mask, subject);
+        filled
+    }
 }
 
 impl<'a> IncomingMask<'a> {
@@ -42,7 +66,10 @@ impl<'a> IncomingMask<'a> {
     }
 
     /// The mask as a packed mask; bytes are packed to `memory`.
-    pub(crate) fn packed(self, memory: &'a mut PackedMask) -> &'a PackedMask {
+    pub(crate) fn packed<'m>(self, memory: &'m mut PackedMask) -> &'m PackedMask
+    where
+        'a: 'm,
+    {
         match self {
             Self::Bytes(view) => {
                 memory.pack(view);

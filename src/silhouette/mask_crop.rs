@@ -165,6 +165,20 @@ impl MaskCrop {
         Some(self.bytes.get(self.rect().index(i, j)).copied().unwrap_or(byte_of(is_subject)))
     }
 
+    /// Writes the bytes of row `j` of the crop from column `i` on.
+    pub(super) fn write_row(&self, i: i32, j: i32, bytes: &mut [u8]) {
+        if !self.bytes.is_empty() {
+            let start = self.rect().index(i, j);
+            return bytes.copy_from_slice(&self.bytes[start..][..bytes.len()]);
+        }
+        for (k, bytes) in bytes.chunks_mut(WORD).enumerate() {
+            let bits = self.rows_from(i + (WORD * k) as i32, j).row(0);
+            for (n, byte) in bytes.iter_mut().enumerate() {
+                *byte = ((bits >> n & 1) as u8).wrapping_neg();
+            }
+        }
+    }
+
     /// The mask's bytes, row-major; empty if each is 0 or 255.
     pub(super) fn bytes(&self) -> &[u8] {
         &self.bytes

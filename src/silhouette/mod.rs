@@ -18,10 +18,12 @@ mod mask;
 mod mask_crop;
 mod mask_ring;
 mod mask_view;
+mod motion;
 mod nearest;
 mod occupancy;
 mod packed_mask;
 mod paper_normal;
+pub(crate) mod regions;
 pub(crate) mod ring_search;
 mod run_length;
 mod signed_distance;
@@ -40,6 +42,7 @@ pub(crate) use lookup::{Bits, Distances};
 pub use mask::load_mask;
 pub(crate) use mask_ring::{MaskRing, TimedMask};
 pub use mask_view::MaskView;
+pub(crate) use motion::{EdgeDistances, EdgeShift, MaskMotion, MotionChain, MotionScratch, WarpedMask};
 pub use packed_mask::PackedMask;
 pub use signed_distance::SignedDistance;
 pub(crate) use tables::{TableSlices, Tables};
@@ -47,9 +50,9 @@ pub(crate) use undistort::TileMask;
 pub use undistort::Undistortion;
 
 use crate::Result;
+use crate::math::lanes::set_bits;
 use image::GrayImage;
 use mask_crop::MaskCrop;
-pub(crate) use mask_crop::Word;
 pub(crate) use occupancy::OccupancyLookup;
 use std::sync::OnceLock;
 
@@ -304,21 +307,31 @@ impl Silhouette {
 
     /// The background pixels with a subject pixel to the left, right, above or below, row-major.
     pub fn edge_pixels(&self) -> impl Iterator<Item = (i32, i32)> {
+        self.edge_pixels_in(self.crop.rect())
+    }
+
+    /// The [`Self::edge_pixels`] in `window`.
+    pub(crate) fn edge_pixels_in(&self, window: Rect) -> impl Iterator<Item = (i32, i32)> {
+        const WORD: i32 = mask_crop::WORD as i32;
         let rect = self.crop.rect();
-        let words = self.crop.words().max(1);
-        let pixels_of_word = move |(k, &word): (usize, &Word)| {
-            let (x, y) = (rect.x0 + (k % words * mask_crop::WORD) as i32, rect.y0 + (k / words) as i32);
-            (0..mask_crop::WORD as i32).filter(move |bit| word >> bit & 1 == 1).map(move |bit| (x + bit, y))
-        };
+        let window = window.intersection(&rect);
+        let words = self.crop.words();
+        let boundary = self.derived_tables().boundary.boundary_pixels();
+        let columns = (window.x0 - rect.x0) / WORD..(window.x1 - rect.x0 + WORD - 1) / WORD;
+        let pixels = (window.y0..window.y1).flat_map(move |y| {
+            let row = (y - rect.y0) as usize * words;
+            columns.clone().flat_map(move |k| {
+                let x = rect.x0 + k * WORD;
+                set_bits(boundary[row + k as usize]).map(move |bit| (x + bit as i32, y))
+            })
+        });
 
         // The table also holds the pixels along an unknown border, which is not an edge.
         let is_subject = |i, j| self.rect.contains(i, j) && self.is_subject(i, j);
-        let is_edge = move |(i, j): (i32, i32)| {
+        let is_edge = move |&(i, j): &(i32, i32)| {
             is_subject(i - 1, j) || is_subject(i + 1, j) || is_subject(i, j - 1) || is_subject(i, j + 1)
         };
-
-        let boundary = self.derived_tables().boundary.boundary_pixels();
-        boundary.iter().enumerate().flat_map(pixels_of_word).filter(move |&pixel| is_edge(pixel))
+        pixels.filter(move |&(x, _)| window.x0 <= x && x < window.x1).filter(is_edge)
     }
 }
 

@@ -105,6 +105,41 @@ impl PackedMask {
         self.rect = self.subject.rect();
     }
 
+    /// Copies `other` with the bits of `subject`. Pixels that change sides become 0 or 255, the others keep their
+    /// coverage.
+    pub(crate) fn copy_with_bits(&mut self, other: &Self, subject: &BitImage) {
+        self.take_bits(subject, |cover| {
+            for y in 0..subject.height() {
+                for (x, byte) in
+                    other.coverage.row(y).filter(|&(x, byte)| subject.get(x, y) == (byte >= SUBJECT))
+                {
+                    cover(x, y, byte);
+                }
+            }
+        });
+    }
+
+    /// Sets all pixels that are not `visible` to background, or to subject.
+    pub(crate) fn hide(&mut self, visible: &BitImage, as_subject: bool) {
+        let last_word = visible.last_word();
+        let stride = visible.stride();
+        for (k, (word, &seen)) in self.subject.words_mut().iter_mut().zip(visible.words()).enumerate() {
+            let pixels = if (k + 1) % stride == 0 { last_word } else { u64::MAX };
+            *word = if as_subject { *word | !seen & pixels } else { *word & seen };
+        }
+
+        if self.has_coverage() {
+            let all = std::mem::take(&mut self.coverage);
+            for y in 0..self.subject.height() {
+                for (x, byte) in all.row(y).filter(|&(x, _)| visible.get(x, y)) {
+                    self.coverage.push(x, y, byte);
+                }
+            }
+            self.coverage.end_rows(self.subject.height());
+        }
+        self.rect = self.subject.rect();
+    }
+
     /// Width and height in pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.subject.width() as u32, self.subject.height() as u32)

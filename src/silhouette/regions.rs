@@ -1,6 +1,6 @@
 //! Connected regions of binary images, by union-find over the runs of their rows.
 
-use crate::silhouette::bit_image::{BitImage, WORD};
+use super::bit_image::{BitImage, WORD};
 
 /// The set pixels `start..end` of a row.
 #[derive(Debug, Clone, Copy)]
@@ -12,7 +12,7 @@ struct Run {
 
 /// The regions of a binary image, in reused buffers.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Regions {
+pub(crate) struct Regions {
     runs: Vec<Run>,
     /// The index of each row's first run, and the number of runs.
     rows: Vec<usize>,
@@ -27,7 +27,7 @@ pub(super) struct Regions {
 impl Regions {
     /// Drops each region of fewer than `area_px` pixels or less than `share` of the largest one's area. Diagonal
     /// neighbours are connected.
-    pub(super) fn drop_small(&mut self, bits: &mut BitImage, area_px: u32, share: f64) {
+    pub(crate) fn drop_small(&mut self, bits: &mut BitImage, area_px: u32, share: f64) {
         self.find(bits, 0, 1);
         let most = self.areas.iter().copied().max().unwrap_or(0);
         let least = area_px.max((share * f64::from(most)).ceil() as u32);
@@ -37,7 +37,7 @@ impl Regions {
 
     /// Fills each hole of fewer than `area_px` pixels. Diagonal neighbours are not connected, since two diagonals
     /// could cross otherwise; a region at the image's border is not a hole.
-    pub(super) fn fill_holes(&mut self, bits: &mut BitImage, area_px: u32) {
+    pub(crate) fn fill_holes(&mut self, bits: &mut BitImage, area_px: u32) {
         self.find(bits, u64::MAX, 0);
         self.flip(bits, |regions, root| !regions.at_border[root] && regions.areas[root] < area_px);
     }

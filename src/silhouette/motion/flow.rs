@@ -1,0 +1,269 @@
+//! Dense optical flow between two silhouettes by dense inverse search (Kroeger, Timofte, Dai and Van Gool 2016), on
+//! their signed distances.
+//!
+//! ```text
+//!   cells of 32 x 32 pixels      patches of 8 x 8 cells, each moved until it fits the earlier image best
+//!        | x 2                   their motions, averaged over the patches that hold a cell, start the next level
+//!   cells of 16 x 16
+//!       ...
+//!   cells of 4 x 4               smoothed: the flow
+//! ```
+//!
+//! Signed distances have a slope at every pixel near an edge, so that a patch beside the edge of a mask without any
+//! texture knows how far the edge has moved.
+
+// Loops over the lanes of several arrays by index become vector instructions.
+#![allow(clippy::needless_range_loop)]
+
+use super::distance_image::{CELL, DistanceImage, REACH, whole_cells};
+use super::level::Level;
+use super::patch::{PATCH, PatchSearch};
+use crate::math::vectorised;
+use crate::silhouette::Rect;
+
+/// Levels of the pyramid: cells of 4, 8, 16 and 32 pixels.
+const LEVELS: usize = 4;
+
+/// Cells from one patch to the next: patches overlap by half.
+const STRIDE: usize = PATCH / 2;
+
+/// A five-tap Gaussian whose standard deviation is one cell.
+const GAUSSIAN: [f32; 3] = [0.402_62, 0.244_2, 0.054_49];
+
+/// The motion of an image's cells from the later to the earlier of two silhouettes.
+#[derive(Debug, Default)]
+pub(super) struct Flow {
+    /// The cells that have a motion, in pixels of the image. The motion of all others is zero.
+    rect: Rect,
+    /// Right and down, in pixels, row-major over the cells of `rect`.
+    right: Vec<f32>,
+    down: Vec<f32>,
+    longest: f32,
+    /// As `right` and `down`, for warping ahead: shorter where the later image does not fit the earlier one, and nowhere
+    /// longer than [`MAX_AHEAD`].
+    ahead: [Vec<f32>; 2],
+    /// The mean distances of these cells in the earlier and the later image.
+    distances: [Vec<f32>; 2],
+}
+
+/// The motions of a flow, as a warp needs them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FlowView<'a> {
+    rect: Rect,
+    right: &'a [f32],
+    down: &'a [f32],
+    distances: [&'a [f32]; 2],
+}
+
+/// The longest motion ahead, in pixels.
+pub(super) const MAX_AHEAD: f32 = 64.0;
+
+/// Differences of the distances at a cell and where its motion leads, in pixels: up to the first the motion is trusted,
+/// from the second on it is not.
+const TRUSTED: [f32; 2] = [1.5, 4.0];
+
+/// A row of cells, from the left of a flow's rectangle on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FlowRow<'a> {
+    pub(super) right: &'a [f32],
+    pub(super) down: &'a [f32],
+    /// The mean distances in the earlier and the later image.
+    pub(super) distances: [&'a [f32]; 2],
+}
+
+/// Memory for computing a flow.
+#[derive(Debug, Default)]
+pub(super) struct FlowScratch {
+    levels: [Level; LEVELS],
+    search: PatchSearch,
+    /// A row and an image that are being smoothed.
+    row: Vec<f32>,
+    smoothed: Vec<f32>,
+}
+
+impl Flow {
+    /// Computes the flow from `later` back to `earlier`, in the memory of the last one.
+    pub(super) fn fill(&mut self, earlier: &DistanceImage, later: &DistanceImage, scratch: &mut FlowScratch) {
+        self.rect = later.rect().union(&earlier.rect());
+        self.rect = whole_cells(&self.rect);
+        let FlowScratch { levels, search, row, smoothed } = scratch;
+
+        let (finest, coarser) = levels.split_at_mut(1);
+        finest[0].fill(&self.rect, earlier, later);
+        let mut finer = &mut finest[0];
+        for level in coarser {
+            level.halve(finer);
+            finer = level;
+        }
+
+        for k in (0..LEVELS).rev() {
+            let (fine, coarse) = levels.split_at_mut(k + 1);
+            fine[k].start_from(coarse.first());
+            search.run(&mut fine[k], STRIDE);
+        }
+
+        let finest = &levels[0];
+        finest.write_flow(&mut self.right, &mut self.down);
+        for (image, cells) in [earlier, later].into_iter().zip(&mut self.distances) {
+            copy_cells(&self.rect, image, cells);
+        }
+        let columns = self.rect.width() / CELL as usize;
+        self.longest = 0.0;
+        for component in [&mut self.right, &mut self.down] {
+            if columns > 0 {
+                smooth(component, columns, CELL as f32, row, smoothed);
+            }
+            let longest = component.iter().fold(0.0, |longest: f32, motion| longest.max(motion.abs()));
+            self.longest = self.longest.max(longest);
+        }
+        self.shorten_ahead(earlier);
+    }
+
+    /// Replaces the later image by another one of about the same mask, from which the same flow leads.
+    pub(super) fn replace_later(&mut self, later: &DistanceImage) {
+        copy_cells(&self.rect, later, &mut self.distances[1]);
+    }
+
+    /// The cells that have a motion, as pixels.
+    pub(super) fn rect(&self) -> Rect {
+        self.rect
+    }
+
+    /// The largest motion along either axis, in pixels.
+    pub(super) fn longest(&self) -> f32 {
+        self.longest
+    }
+
+    /// The motions between the two images.
+    pub(super) fn between(&self) -> FlowView<'_> {
+        self.view(&self.right, &self.down)
+    }
+
+    /// The motions for warping ahead of the later image.
+    pub(super) fn ahead(&self) -> FlowView<'_> {
+        self.view(&self.ahead[0], &self.ahead[1])
+    }
+
+    fn view<'a>(&'a self, right: &'a [f32], down: &'a [f32]) -> FlowView<'a> {
+        FlowView { rect: self.rect, right, down, distances: [&self.distances[0], &self.distances[1]] }
+    }
+
+    /// Shortens the motions for warping ahead where they are not trusted.
+    fn shorten_ahead(&mut self, earlier: &DistanceImage) {
+        let columns = (self.rect.width() / CELL as usize).max(1);
+        let [right_ahead, down_ahead] = &mut self.ahead;
+        right_ahead.clear();
+        down_ahead.clear();
+        for (k, (&right, &down)) in self.right.iter().zip(&self.down).enumerate() {
+            let place = |first: i32, k: usize| (first + CELL * k as i32) as f32 + 0.5 * CELL as f32;
+            let (u, v) = (place(self.rect.x0, k % columns), place(self.rect.y0, k / columns));
+            let factor = if right == 0.0 && down == 0.0 {
+                1.0
+            } else {
+                let [before] = earlier.sample_cells(&[u + right], &[v + down]);
+                let [trusted, lost] = TRUSTED;
+                let difference = (before - self.distances[1][k]).abs();
+                let trust = ((lost - difference) / (lost - trusted)).clamp(0.0, 1.0);
+                trust * (MAX_AHEAD / right.hypot(down)).min(1.0)
+            };
+            right_ahead.push(factor * right);
+            down_ahead.push(factor * down);
+        }
+    }
+}
+
+impl<'a> FlowView<'a> {
+    /// The cells that have a motion, as pixels.
+    pub(super) fn rect(&self) -> Rect {
+        self.rect
+    }
+
+    /// The cells of a row, if it is one of [`Self::rect`].
+    pub(super) fn row(&self, row: i32) -> Option<FlowRow<'a>> {
+        let columns = self.rect.width() / CELL as usize;
+        let cells = usize::try_from(row).ok()? * columns;
+        let cells = cells..cells + columns;
+        let [earlier, later] = self.distances;
+        let distances = [earlier.get(cells.clone())?, later.get(cells.clone())?];
+        Some(FlowRow { right: self.right.get(cells.clone())?, down: self.down.get(cells)?, distances })
+    }
+
+    /// The motion of a cell of [`Self::rect`], right and down in pixels; that of the nearest one for cells outside.
+    #[inline(always)]
+    pub(super) fn of_cell(&self, column: i32, row: i32) -> [f32; 2] {
+        let (columns, rows) = (self.rect.width() as i32 / CELL, self.rect.height() as i32 / CELL);
+        let index = (row.clamp(0, rows - 1) * columns + column.clamp(0, columns - 1)) as usize;
+        [self.right[index], self.down[index]]
+    }
+
+    /// The motion at image position `(u, v)`, right and down in pixels, bilinear between the centres of cells.
+    #[inline(always)]
+    pub(super) fn at(&self, u: f32, v: f32) -> [f32; 2] {
+        if self.rect.is_empty() {
+            return [0.0; 2];
+        }
+        let (side, half) = (CELL as f32, 0.5 * CELL as f32);
+        let (x, y) = ((u - half - self.rect.x0 as f32) / side, (v - half - self.rect.y0 as f32) / side);
+        // Rounded down, also below zero.
+        let below = |x: f32| x as i32 - i32::from(x < 0.0);
+        let (i, j) = (below(x), below(y));
+        let (fx, fy) = (x - i as f32, y - j as f32);
+        let of = |right: i32, down: i32| self.of_cell(i + right, j + down);
+        let [a, b, c, d] = [of(0, 0), of(1, 0), of(0, 1), of(1, 1)];
+        [0, 1].map(|k| {
+            let (upper, lower) = (a[k] + (b[k] - a[k]) * fx, c[k] + (d[k] - c[k]) * fx);
+            upper + (lower - upper) * fy
+        })
+    }
+}
+
+/// Copies the mean distances of the cells of `rect`; those beyond the image are as far from its edge as can be.
+fn copy_cells(rect: &Rect, image: &DistanceImage, cells: &mut Vec<f32>) {
+    let (side, own) = (CELL as usize, image.rect());
+    let columns = rect.width() / side;
+    cells.clear();
+    cells.resize(columns * rect.height() / side, REACH as f32);
+    let inner = own.intersection(rect);
+    if inner.is_empty() {
+        return;
+    }
+    let (width, own_columns) = (inner.width() / side, own.width() / side);
+    for y in (inner.y0..inner.y1).step_by(side) {
+        let place = |of: &Rect, columns: usize| {
+            (y - of.y0) as usize / side * columns + (inner.x0 - of.x0) as usize / side
+        };
+        let row = &image.cells()[place(&own, own_columns)..][..width];
+        cells[place(rect, columns)..][..width].copy_from_slice(row);
+    }
+}
+
+vectorised! {
+    /// Smooths an image of `width` columns by a Gaussian, along rows and then along columns, and multiplies it by
+    /// `factor`. The outermost pixels count as continued.
+    fn smooth(image: &mut [f32], width: usize, factor: f32, row_memory: &mut Vec<f32>, smoothed: &mut Vec<f32>) {
+        let [centre, next, far] = GAUSSIAN;
+        smoothed.resize(image.len(), 0.0);
+        row_memory.resize(width + 4, 0.0);
+        for (row, smoothed) in image.chunks_exact(width).zip(smoothed.chunks_exact_mut(width)) {
+            row_memory[..2].fill(row[0]);
+            row_memory[2..][..width].copy_from_slice(row);
+            row_memory[width + 2..].fill(row[width - 1]);
+            let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|shift| &row_memory[shift..][..width]);
+            for x in 0..width {
+                smoothed[x] = centre * c[x] + next * (b[x] + d[x]) + far * (a[x] + e[x]);
+            }
+        }
+
+        let last = image.len() / width - 1;
+        for (y, row) in image.chunks_exact_mut(width).enumerate() {
+            let at = |down: isize| {
+                let y = (y as isize + down).clamp(0, last as isize) as usize;
+                &smoothed[y * width..][..width]
+            };
+            let [a, b, c, d, e] = [at(-2), at(-1), at(0), at(1), at(2)];
+            for x in 0..width {
+                row[x] = factor * (centre * c[x] + next * (b[x] + d[x]) + far * (a[x] + e[x]));
+            }
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Bilinear samples of distance images, many at once.
+
+// Loops over the lanes of several arrays by index become vector instructions.
+#![allow(clippy::needless_range_loop)]
+
+use super::distance_image::{CELL, DistanceImage, REACH, UNIT};
+use crate::math::lanes::{floor_clamped, select};
+use crate::silhouette::mask_crop::LOW;
+
+impl DistanceImage {
+    /// The distance at image position `(u, v)`, as [`Self::sample_many`].
+    pub(super) fn sample(&self, u: f32, v: f32) -> f32 {
+        let [distance] = self.sample_many(&[u], &[v]);
+        distance
+    }
+
+    /// The distances at `N` image positions, bilinear between pixel centres. A position beyond the outermost centres is
+    /// moved to the nearest position between them, where the distance is [`REACH`] unless the image ends there.
+    #[inline(always)]
+    pub(super) fn sample_many<const N: usize>(&self, u: &[f32; N], v: &[f32; N]) -> [f32; N] {
+        let (width, height) = (self.rect.width(), self.rect.height());
+        let mut distances = [REACH as f32; N];
+        if width < 2 || height < 2 {
+            return distances;
+        }
+
+        let (left, top) = (self.rect.x0 as f32 + 0.5, self.rect.y0 as f32 + 0.5);
+        let (columns, rows) = (width as u32, height as u32);
+        let pairs = Lookup::new(&self.pairs);
+        for k in 0..N {
+            let (i, fx) = place_between(u[k] - left, columns);
+            let (j, fy) = place_between(v[k] - top, rows);
+            let first = j * columns + i;
+            let row = |first: u32| {
+                let pair = pairs.at(first);
+                let (a, b) = ((pair << 16) as i32 >> 16, pair as i32 >> 16);
+                a as f32 + (b - a) as f32 * fx
+            };
+            let (upper, lower) = (row(first), row(first + columns));
+            distances[k] = (upper + (lower - upper) * fy) * (1.0 / UNIT);
+        }
+        distances
+    }
+
+    /// The mean distances around `N` image positions, bilinear between the centres of cells, at the ends as in
+    /// [`Self::sample_many`].
+    #[inline(always)]
+    pub(super) fn sample_cells<const N: usize>(&self, u: &[f32; N], v: &[f32; N]) -> [f32; N] {
+        let (columns, rows) =
+            (self.rect.width() as u32 / CELL as u32, self.rect.height() as u32 / CELL as u32);
+        let mut distances = [REACH as f32; N];
+        if columns < 2 || rows < 2 {
+            return distances;
+        }
+
+        let (side, half) = (1.0 / CELL as f32, 0.5 * CELL as f32);
+        let (left, top) = (self.rect.x0 as f32 + half, self.rect.y0 as f32 + half);
+        let cells = Lookup::new(&self.cells);
+        for k in 0..N {
+            let (i, fx) = place_between((u[k] - left) * side, columns);
+            let (j, fy) = place_between((v[k] - top) * side, rows);
+            let first = j * columns + i;
+            let row = |first: u32| cells.at(first) + (cells.at(first + 1) - cells.at(first)) * fx;
+            let (upper, lower) = (row(first), row(first + columns));
+            distances[k] = upper + (lower - upper) * fy;
+        }
+        distances
+    }
+}
+
+/// A table that many lanes look up at once, by one gather instruction.
+#[derive(Clone, Copy)]
+struct Lookup<'a, T> {
+    values: &'a [T],
+    last: u32,
+}
+
+impl<'a, T: Copy> Lookup<'a, T> {
+    /// A look-up in a table that is not empty.
+    #[inline(always)]
+    fn new(values: &'a [T]) -> Self {
+        let last = (values.len() - 1) as u32 & LOW;
+        Self { values: &values[..=last as usize], last }
+    }
+
+    /// The value at an index; the last one beyond the end.
+    #[inline(always)]
+    fn at(&self, index: u32) -> T {
+        self.values[index.min(self.last) as usize]
+    }
+}
+
+/// The index below the position `x` among `count` samples, and the rest; both are clamped to the samples. There are at
+/// least two.
+#[inline(always)]
+fn place_between(x: f32, count: u32) -> (u32, f32) {
+    let last = (count - 2) as f32;
+    let below = floor_clamped(x, last);
+    let rest = x - below as f32;
+    let rest = select(rest > 0.0, rest, 0.0);
+    (below, select(rest < 1.0, rest, 1.0))
+}

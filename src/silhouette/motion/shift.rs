@@ -1,0 +1,78 @@
+//! How far the edge of a silhouette has moved over its last masks.
+
+use super::{EdgeDistances, MaskMotion};
+use nalgebra::{Point2, Vector2};
+use std::sync::Arc;
+
+/// Distance from an edge point at which distances are read for its normal, in pixels.
+const NORMAL_REACH: f32 = 3.0;
+
+/// The gradient of the distances below which an edge point has no reliable normal: 1 at a straight edge.
+const LEAST_GRADIENT: f32 = 0.6;
+
+/// The largest distance between an edge and where the flow leads, in pixels.
+const LARGEST_ERROR: f32 = 4.0;
+
+/// The motions between the last masks of a view, up to a tenth of a second.
+#[derive(Debug)]
+pub(crate) struct MotionChain {
+    /// The latest first.
+    motions: Vec<Arc<MaskMotion>>,
+    seconds: f64,
+}
+
+/// An edge point and how far the edge has moved there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct EdgeShift {
+    /// The unit normal in the image, out of the subject.
+    pub(crate) normal: Vector2<f64>,
+    /// The motion along the normal, in pixels a second.
+    pub(crate) speed: f64,
+}
+
+impl MotionChain {
+    /// A chain of motions that took `seconds`, the latest first. There is at least one.
+    pub(crate) fn new(motions: Vec<Arc<MaskMotion>>, seconds: f64) -> Self {
+        Self { motions, seconds }
+    }
+
+    /// The motion of the silhouette's edge near `point`, an edge point of the silhouette that lies `back` parts of the
+    /// latest motion before the latest mask. `None` where the edge cannot be followed.
+    ///
+    /// The flow leads from the edge of the latest mask close to that of the oldest, and both masks' distances tell how
+    /// far from their edges it begins and ends. So the motion along the normal is as exact as the edges are.
+    pub(crate) fn edge_shift(&self, point: &Point2<f64>, back: f64) -> Option<EdgeShift> {
+        let (latest, oldest) = (self.motions.first()?, self.motions.last()?);
+        let (u, v, back) = (point.x as f32, point.y as f32, back as f32);
+        let flow = latest.flow.between().at(u, v);
+        let (u, v) = (u - back * flow[0], v - back * flow[1]);
+        let normal = normal_at(&latest.later, u, v)?;
+
+        let (mut from_u, mut from_v) = (u, v);
+        for motion in &self.motions {
+            let flow = motion.flow.between().at(from_u, from_v);
+            (from_u, from_v) = (from_u + flow[0], from_v + flow[1]);
+        }
+
+        let now = latest.later.0.sample(u, v);
+        let before = oldest.earlier.0.sample(from_u, from_v);
+        if now.abs() > LARGEST_ERROR || before.abs() > LARGEST_ERROR {
+            return None;
+        }
+        let along = (u - from_u) * normal[0] + (v - from_v) * normal[1] + before - now;
+        Some(EdgeShift {
+            normal: Vector2::new(f64::from(normal[0]), f64::from(normal[1])),
+            speed: f64::from(along) / self.seconds,
+        })
+    }
+}
+
+/// The unit normal of the edge near a point, out of the subject: the direction in which distances grow.
+fn normal_at(distances: &EdgeDistances, u: f32, v: f32) -> Option<[f32; 2]> {
+    let at = |du: f32, dv: f32| distances.0.sample(u + du, v + dv);
+    let reach = NORMAL_REACH;
+    let x = (at(reach, 0.0) - at(-reach, 0.0)) / (2.0 * reach);
+    let y = (at(0.0, reach) - at(0.0, -reach)) / (2.0 * reach);
+    let length = x.hypot(y);
+    (length > LEAST_GRADIENT).then(|| [x / length, y / length])
+}

@@ -1,0 +1,357 @@
+//! Warping of distance images along a flow into a mask.
+//!
+//! Most of a mask is decided by cells: where both images are farther from their edges than the flow is long, a cell is
+//! background or subject at all times between the two masks. Of the other cells, those whose warped mean distance is
+//! larger than any of their pixels can lie from it are decided as a whole. Only the pixels of the rest, a few on both
+//! sides of the edge, are warped one by one.
+
+// Loops over the lanes of several arrays by index become vector instructions.
+#![allow(clippy::needless_range_loop)]
+
+use super::distance_image::{CELL, whole_cells};
+use super::flow::FlowView;
+use super::mix::{Mix, Term};
+use crate::math::lanes::select;
+use crate::math::vectorised;
+use crate::silhouette::bit_image::{BitImage, WORD};
+use crate::silhouette::{PackedMask, Rect};
+
+/// No distance of a cell's pixels differs by more from the interpolated mean distance at the cell's centre, in pixels:
+/// a pixel is at most 2.1 px from the centre, and the mean is over pixels up to 6 px away, most of them much nearer.
+pub(super) const SPREAD: f32 = 3.6;
+
+/// Pixels of a cell.
+const PIXELS: usize = (CELL * CELL) as usize;
+
+/// A cell whose pixels have to be warped one by one.
+#[derive(Debug, Clone, Copy)]
+struct EdgeCell {
+    /// The column of its first pixel.
+    x: i32,
+    /// The flow at the cell's centre, and its change per pixel to the right and down.
+    flow: [f32; 2],
+    slope: [[f32; 2]; 2],
+}
+
+/// What is known of a cell; as wide as a distance, so that a row is decided in a few vector instructions.
+type CellState = u32;
+
+/// The cell has to be warped.
+const UNKNOWN: CellState = 0;
+
+/// All of its pixels are background.
+const BACKGROUND: CellState = 1;
+
+/// All of its pixels are subject.
+const INSIDE: CellState = 2;
+
+/// Cells that are warped at once.
+const LANES: usize = 16;
+
+/// Memory for warping.
+#[derive(Debug, Default)]
+pub(crate) struct WarpScratch {
+    /// Added to [`SPREAD`]: a test decides all pixels one by one.
+    #[cfg(test)]
+    pub(super) more_spread: f32,
+    /// What is known of a row's cells without a warp.
+    states: Vec<CellState>,
+    /// The weighted sums of its cells' distances.
+    sums: Vec<f32>,
+    /// Indices of its unknown cells.
+    unknown: Vec<u32>,
+    edge_cells: Vec<EdgeCell>,
+    /// The bytes of their pixels, row by row.
+    bytes: Vec<[[u8; CELL as usize]; CELL as usize]>,
+}
+
+impl WarpScratch {
+    /// The mean distance up to which a cell is decided pixel by pixel.
+    #[inline(always)]
+    fn spread(&self) -> f32 {
+        #[cfg(test)]
+        return SPREAD + self.more_spread;
+        #[cfg(not(test))]
+        SPREAD
+    }
+}
+
+/// Writes the mask of the weighted sum of `terms` to the pixels of `rect`, which is a multiple of cells; all others are
+/// background.
+pub(super) fn warp(
+    terms: &[Term],
+    mix: Mix,
+    flow: &FlowView,
+    rect: &Rect,
+    size: (u32, u32),
+    mask: &mut PackedMask,
+    scratch: &mut WarpScratch,
+) {
+    mask.restart(size);
+    let rect = rect.intersection(&whole_cells(&Rect::of_image(size.0, size.1)));
+    if !rect.is_empty() {
+        match *terms {
+            [one] => warp_one(&[one], mix, flow, &rect, mask, scratch),
+            [one, other] => warp_two(&[one, other], mix, flow, &rect, mask, scratch),
+            _ => unreachable!("one or two images are warped"),
+        }
+    }
+    mask.close_mask();
+}
+
+vectorised! {
+    /// [`warp_rows`] of one image.
+    fn warp_one(terms: &[Term; 1], mix: Mix, flow: &FlowView, rect: &Rect, mask: &mut PackedMask, scratch: &mut WarpScratch) {
+        warp_rows(terms, mix, flow, rect, mask, scratch);
+    }
+}
+
+vectorised! {
+    /// [`warp_rows`] of two images.
+    fn warp_two(terms: &[Term; 2], mix: Mix, flow: &FlowView, rect: &Rect, mask: &mut PackedMask, scratch: &mut WarpScratch) {
+        warp_rows(terms, mix, flow, rect, mask, scratch);
+    }
+}
+
+/// Warps row by row of cells.
+#[inline(always)]
+fn warp_rows<const N: usize>(
+    terms: &[Term; N],
+    mix: Mix,
+    flow: &FlowView,
+    rect: &Rect,
+    mask: &mut PackedMask,
+    scratch: &mut WarpScratch,
+) {
+    for y in (rect.y0..rect.y1).step_by(CELL as usize) {
+        foretell_cells(terms, mix, flow, rect, y, scratch);
+        decide_unknown_cells(terms, mix, flow, rect, y, scratch);
+        write_cells(rect, y, &scratch.states, mask.subject_mut());
+
+        let WarpScratch { edge_cells, bytes, .. } = scratch;
+        bytes.clear();
+        for cell in edge_cells.iter() {
+            bytes.push(warp_pixels(terms, mix, cell, y));
+        }
+        write_pixels(edge_cells, bytes, y, mask);
+    }
+}
+
+/// Finds the cells of a row of `rect` that are so far from the edges of all images that the flow cannot bring an edge to
+/// them.
+#[inline(always)]
+fn foretell_cells<const N: usize>(
+    terms: &[Term; N],
+    mix: Mix,
+    flow: &FlowView,
+    rect: &Rect,
+    y: i32,
+    scratch: &mut WarpScratch,
+) {
+    let spread = scratch.spread();
+    let WarpScratch { states, sums, unknown, .. } = scratch;
+    let columns = rect.width() / CELL as usize;
+    states.clear();
+    states.resize(columns, UNKNOWN);
+    unknown.clear();
+    let origin = flow.rect();
+    let (left, right) = (rect.x0.max(origin.x0), rect.x1.min(origin.x1));
+    if let Some(row) = flow.row((y - origin.y0).div_euclid(CELL))
+        && left < right
+    {
+        let first = (left - origin.x0) as usize / CELL as usize;
+        let count = (right - left) as usize / CELL as usize;
+        let states = &mut states[(left - rect.x0) as usize / CELL as usize..][..count];
+        // Along a vector of length f, the distance of a cell changes by at most f times this.
+        let change = match mix {
+            Mix::Sum => terms.iter().map(|term| term.weight * term.along_flow.abs()).sum(),
+            Mix::Agreement => 1.0,
+        };
+        sums.clear();
+        sums.resize(count, 0.0);
+        let sums = &mut sums[..count];
+        let images: [&[f32]; N] =
+            std::array::from_fn(|k| &row.distances[usize::from(terms[k].is_later)][first..][..count]);
+        for x in 0..count {
+            let mut distances = [0.0; N];
+            for k in 0..N {
+                distances[k] = images[k][x];
+            }
+            sums[x] = mix.of_cell(terms, distances);
+        }
+        let (right, down) = (&row.right[first..][..count], &row.down[first..][..count]);
+        for x in 0..count {
+            let margin = change * (right[x].abs() + down[x].abs()) + spread;
+            let state = select(sums[x] > margin, BACKGROUND, UNKNOWN);
+            states[x] = select(sums[x] < -margin, INSIDE, state);
+        }
+    }
+
+    for (k, &state) in states.iter().enumerate() {
+        if state == UNKNOWN {
+            unknown.push(k as u32);
+        }
+    }
+}
+
+/// Decides the unknown cells of a row by their warped mean distances, and lists those that have to be decided pixel by
+/// pixel.
+#[inline(always)]
+fn decide_unknown_cells<const N: usize>(
+    terms: &[Term; N],
+    mix: Mix,
+    flow: &FlowView,
+    rect: &Rect,
+    y: i32,
+    scratch: &mut WarpScratch,
+) {
+    let spread = scratch.spread();
+    let WarpScratch { states, unknown, edge_cells, .. } = scratch;
+    edge_cells.clear();
+    let origin = flow.rect();
+    let (row, half) = ((y - origin.y0).div_euclid(CELL), 0.5 * CELL as f32);
+    let to_later = terms[N - 1].along_flow;
+    for group in unknown.chunks(LANES) {
+        let mut motions = [[0.0; LANES]; 2];
+        let mut left = [0.0; LANES];
+        for (k, &cell) in group.iter().enumerate() {
+            let x = rect.x0 + CELL * cell as i32;
+            // The flow is known where the later image shows the subject, which is not where it is now.
+            let [right, down] = flow.of_cell((x - origin.x0).div_euclid(CELL), row);
+            let (u, v) = (x as f32 + half + to_later * right, y as f32 + half + to_later * down);
+            [motions[0][k], motions[1][k]] = flow.at(u, v);
+            left[k] = x as f32;
+        }
+
+        let mut distances = [[0.0; LANES]; N];
+        for (term, distances) in terms.iter().zip(&mut distances) {
+            let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
+            for k in 0..LANES {
+                u[k] = left[k] + half + term.along_flow * motions[0][k];
+                v[k] = y as f32 + half + term.along_flow * motions[1][k];
+            }
+            *distances = term.image.sample_cells(&u, &v);
+        }
+        let mut means = [0.0; LANES];
+        for k in 0..LANES {
+            let mut of_cell = [0.0; N];
+            for n in 0..N {
+                of_cell[n] = distances[n][k];
+            }
+            means[k] = mix.of_cell(terms, of_cell);
+        }
+
+        for (k, &cell) in group.iter().enumerate() {
+            states[cell as usize] = select(means[k] < 0.0, INSIDE, BACKGROUND);
+            if means[k].abs() <= spread {
+                let x = rect.x0 + CELL * cell as i32;
+                let column = (x - origin.x0).div_euclid(CELL);
+                let motion = [motions[0][k], motions[1][k]];
+                states[cell as usize] = UNKNOWN;
+                edge_cells.push(EdgeCell { x, flow: motion, slope: slope(flow, column, row) });
+            }
+        }
+    }
+}
+
+/// Sets the bits of a row of cells that are subject as a whole.
+#[inline(always)]
+fn write_cells(rect: &Rect, y: i32, states: &[CellState], bits: &mut BitImage) {
+    let (height, stride, last_word) = (bits.height() as i32, bits.stride(), bits.last_word());
+    let first = y as usize * stride;
+    for (k, &state) in states.iter().enumerate() {
+        if state == INSIDE {
+            let x = rect.x0 as usize + CELL as usize * k;
+            bits.words_mut()[first + x / WORD] |= 0b1111 << (x % WORD);
+        }
+    }
+    bits.words_mut()[first + stride - 1] &= last_word;
+    for y in y + 1..(y + CELL).min(height) {
+        bits.words_mut().copy_within(first..first + stride, y as usize * stride);
+    }
+}
+
+/// The change of the flow per pixel to the right and down, at a cell.
+#[inline(always)]
+fn slope(flow: &FlowView, column: i32, row: i32) -> [[f32; 2]; 2] {
+    let [left, right] = [flow.of_cell(column - 1, row), flow.of_cell(column + 1, row)];
+    let [above, below] = [flow.of_cell(column, row - 1), flow.of_cell(column, row + 1)];
+    let change = |from: [f32; 2], to: [f32; 2]| [0, 1].map(|k| (to[k] - from[k]) / (2.0 * CELL as f32));
+    [change(left, right), change(above, below)]
+}
+
+/// The bytes of the pixels of a cell, whose first row is `y`.
+#[inline(always)]
+fn warp_pixels<const N: usize>(
+    terms: &[Term; N],
+    mix: Mix,
+    cell: &EdgeCell,
+    y: i32,
+) -> [[u8; CELL as usize]; CELL as usize] {
+    const SIDE: usize = CELL as usize;
+    let centre = 0.5 * CELL as f32 - 0.5;
+    let (mut right, mut down) = ([0.0; PIXELS], [0.0; PIXELS]);
+    for k in 0..PIXELS {
+        let (dx, dy) = ((k % SIDE) as f32 - centre, (k / SIDE) as f32 - centre);
+        right[k] = cell.flow[0] + cell.slope[0][0] * dx + cell.slope[1][0] * dy;
+        down[k] = cell.flow[1] + cell.slope[0][1] * dx + cell.slope[1][1] * dy;
+    }
+
+    let mut distances = [[0.0; PIXELS]; N];
+    for (term, distances) in terms.iter().zip(&mut distances) {
+        let (mut u, mut v) = ([0.0; PIXELS], [0.0; PIXELS]);
+        for k in 0..PIXELS {
+            u[k] = (cell.x + (k % SIDE) as i32) as f32 + 0.5 + term.along_flow * right[k];
+            v[k] = (y + (k / SIDE) as i32) as f32 + 0.5 + term.along_flow * down[k];
+        }
+        *distances = term.image.sample_many(&u, &v);
+    }
+
+    let mut bytes = [[0; SIDE]; SIDE];
+    for k in 0..PIXELS {
+        // Rounded to the nearest, which is not negative.
+        let mut of_pixel = [0.0; N];
+        for n in 0..N {
+            of_pixel[n] = distances[n][k];
+        }
+        let byte = 128.0 - 255.0 * mix.distance(terms, of_pixel);
+        let byte = select(byte > 0.0, byte, 0.0);
+        bytes[k / SIDE][k % SIDE] = select(byte < 255.0, byte, 255.0) as u8;
+    }
+    bytes
+}
+
+/// Writes the bytes of the listed cells, whose first row is `y`.
+#[inline(always)]
+fn write_pixels(
+    edge_cells: &[EdgeCell],
+    bytes: &[[[u8; CELL as usize]; CELL as usize]],
+    y: i32,
+    mask: &mut PackedMask,
+) {
+    let (width, height) = mask.size();
+    for row in 0..CELL.min(height as i32 - y) as usize {
+        let y = y as usize + row;
+        for (cell, bytes) in edge_cells.iter().zip(bytes) {
+            let (x, bytes) = (cell.x as usize, bytes[row]);
+            let all = u32::from_le_bytes(bytes);
+            if all == 0 {
+                continue;
+            }
+            if all != u32::MAX {
+                for (k, &byte) in bytes.iter().enumerate() {
+                    if byte != 0 && byte != 255 && x + k < width as usize {
+                        mask.push_coverage(x + k, y, byte);
+                    }
+                }
+            }
+
+            // The highest bit of a byte tells whether its pixel is subject.
+            let bits = u64::from((all >> 7 & 0x0101_0101).wrapping_mul(0x0102_0408) >> 24 & 0b1111);
+            let bit_image = mask.subject_mut();
+            let stride = bit_image.stride();
+            let last_word = if x / WORD + 1 == stride { bit_image.last_word() } else { u64::MAX };
+            bit_image.words_mut()[y * stride + x / WORD] |= bits << (x % WORD) & last_word;
+        }
+    }
+}

@@ -15,15 +15,18 @@ mod batch;
 mod cull;
 mod live;
 mod many;
+mod motion;
 mod query;
 pub mod reference;
+mod velocity;
 mod view;
 
 pub use crate::math::aabb::Aabb;
 pub use crate::math::point_cloud::Points;
 pub(crate) use batch::{ExitRay, Scratch};
-pub use live::HullData;
+pub use live::{HullData, MaskFilter};
 pub use many::{Inside, PointResponse, Workspace};
+pub use motion::Motion;
 pub use query::{ExitVector, NearestEdge, RayHit, Response};
 pub use view::{EdgeModel, Verdict, View};
 
@@ -89,7 +92,7 @@ impl Culls {
 /// Why a hull contains no point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EmptyReason {
-    /// There is no enabled view.
+    /// Every view is disabled or late.
     NoViews,
     /// The mask of `view` has no subject pixel.
     EmptySilhouette {

@@ -2,7 +2,7 @@
 
 use crate::camera::{Camera, Footprint, MIN_DEPTH, Pixel, floor_pixel, frustum};
 use crate::math::aabb::Aabb;
-use crate::silhouette::{Border, Edge, HALF_COVERAGE, Rect, Silhouette};
+use crate::silhouette::{Border, Edge, EdgeShift, HALF_COVERAGE, MotionChain, Rect, Silhouette};
 use nalgebra::{Matrix3x4, Point2, Point3, Vector2, Vector3};
 use std::sync::Arc;
 
@@ -35,6 +35,8 @@ pub struct View {
     field_of_view: Option<Arc<Silhouette>>,
     enabled: bool,
     time: Option<f64>,
+    /// The motions of its masks up to the latest, and how many parts of the latest motion the silhouette lies before it.
+    motion: Option<(Arc<MotionChain>, f64)>,
     centre: Point3<f64>,
     /// Holds the whole silhouette, by either edge model.
     rect: Rect,
@@ -69,6 +71,7 @@ impl View {
             field_of_view,
             enabled: true,
             time: None,
+            motion: None,
             centre,
             rect,
             planes,
@@ -86,6 +89,24 @@ impl View {
     pub(super) fn with_time(mut self, time: Option<f64>) -> Self {
         self.time = time;
         self
+    }
+
+    /// This view with the motions of its masks, whose silhouette lies `back` parts of the latest motion before the latest
+    /// mask.
+    pub(super) fn with_motion(mut self, chain: Arc<MotionChain>, back: f64) -> Self {
+        self.motion = Some((chain, back));
+        self
+    }
+
+    /// The motion of the silhouette's edge at `point`, an edge point; `None` where it is not known.
+    pub(super) fn edge_shift(&self, point: &Point2<f64>) -> Option<EdgeShift> {
+        let (chain, back) = self.motion.as_ref()?;
+        chain.edge_shift(point, *back)
+    }
+
+    /// Whether the motion of the silhouette is known.
+    pub(super) fn has_motion(&self) -> bool {
+        self.motion.is_some()
     }
 
     /// When the mask was taken, in seconds; `None` where that is not known.
@@ -112,7 +133,7 @@ impl View {
         self.silhouette
     }
 
-    /// Whether the view takes part in queries.
+    /// Whether the view takes part in queries: it is neither disabled nor late.
     pub fn is_enabled(&self) -> bool {
         self.enabled
     }

@@ -1,5 +1,6 @@
 //! The views, masks and frames of one subject, shared between the cameras' threads and simulations.
 
+use super::mask_filter::MaskFilter;
 use super::view_state::ViewState;
 use crate::camera::Camera;
 use crate::hull::{Aabb, Hull, Unseen, View};
@@ -24,10 +25,17 @@ struct State {
     views: Vec<ViewState>,
     bounds: Option<Aabb>,
     unseen: Unseen,
+    filter: MaskFilter,
+    /// In seconds; `None` for no limit.
+    max_age: Option<f64>,
     latest: Option<Arc<Hull>>,
     /// Past frames, whose memory is reused for the next ones once they have no other owner.
     retired: Vec<Arc<Hull>>,
     published: u64,
+    /// The time between the last two frames, in seconds; 0 before the second.
+    period: f64,
+    /// [`Self::published`] when a moving frame was asked for last.
+    motion_asked: Option<u64>,
 }
 
 impl Default for State {
@@ -36,9 +44,13 @@ impl Default for State {
             views: Vec::new(),
             bounds: None,
             unseen: Unseen::Outside,
+            filter: MaskFilter::default(),
+            max_age: None,
             latest: None,
             retired: Vec::new(),
             published: 0,
+            period: 0.0,
+            motion_asked: None,
         }
     }
 }
@@ -125,6 +137,16 @@ impl HullData {
         Ok(())
     }
 
+    /// Sets the corrections of masks, for those that are set from now on.
+    ///
+    /// # Errors
+    /// A weight of new masks that is not above 0 and at most 1.
+    pub fn set_mask_filter(&self, filter: MaskFilter) -> Result<()> {
+        filter.check()?;
+        self.lock().filter = filter;
+        Ok(())
+    }
+
     /// Enables or disables a view, from the next [`update`](Self::update) on. A disabled view abstains under either
     /// policy.
     ///
@@ -132,6 +154,25 @@ impl HullData {
     /// A view index out of range.
     pub fn set_view_enabled(&self, view: usize, enabled: bool) -> Result<()> {
         self.lock().view_mut(view)?.enabled = enabled;
+        Ok(())
+    }
+
+    /// Sets how old, in seconds, a view's latest mask may be, from the next [`update`](Self::update) on; `None`, the
+    /// default, for any age. A view whose mask is older than that at the time of a frame is late: it abstains in that
+    /// frame as a disabled view does, and takes part again in the first frame that has a newer mask of it.
+    ///
+    /// A frame in which every view is late, or disabled, is no error: its hull is empty.
+    ///
+    /// # Errors
+    /// An age that is not finite or not positive.
+    pub fn set_max_age(&self, seconds: Option<f64>) -> Result<()> {
+        if let Some(found) = seconds.filter(|age| !(age.is_finite() && *age > 0.0)) {
+            return Err(Error::argument(format!(
+                "max_age: expected a positive, finite number of seconds, found {found}; pass several times the time \
+                 between two masks, or no age at all to use masks however old they are"
+            )));
+        }
+        self.lock().max_age = seconds;
         Ok(())
     }
 
@@ -176,18 +217,21 @@ impl HullData {
         let (mut preparation, border) = {
             let mut state = self.lock();
             let border = border_of(state.unseen);
+            let (filter, is_motion_asked) = (state.filter, state.is_motion_asked());
             let view = state.view_mut(view)?;
             view.check_time(time)?;
-            (view.take_buffers(), border)
+            (view.take_buffers(time, filter, is_motion_asked), border)
         };
 
         // The mask is prepared outside the lock, so that cameras on several threads do not wait for one another.
         preparation.prepare(mask, border)?;
+        preparation.find_motion();
 
         // The policy may have changed meanwhile.
         let mut state = self.lock();
         if border != border_of(state.unseen) {
             preparation.prepare(mask, border_of(state.unseen))?;
+            preparation.forget_motion();
         }
         state.view_mut(view)?.commit(preparation, time)
     }
@@ -206,10 +250,12 @@ impl HullData {
             )));
         }
 
-        let hull = state.frame(time, ViewState::next_view)?;
+        let oldest = state.oldest_mask(time);
+        let hull = state.frame(time, |_, view, bounds| view.next_view(bounds, time, oldest))?;
         state.views.iter_mut().for_each(|view| view.publish(time));
 
         let past = state.latest.replace(hull.clone());
+        state.period = past.as_ref().map_or(0.0, |past| time - past.time());
         state.retired.extend(past);
         state.recycle();
         state.published += 1;
@@ -231,7 +277,9 @@ impl HullData {
     /// # Errors
     /// A time that is not finite; otherwise as [`update`](Self::update).
     pub fn at(&self, time: f64) -> Result<Arc<Hull>> {
-        self.lock().frame(time, ViewState::view_at)
+        let mut state = self.lock();
+        let oldest = state.oldest_mask(time);
+        state.frame(time, |_, view, bounds| view.view_at(bounds, time, oldest))
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -240,6 +288,16 @@ impl HullData {
 }
 
 impl State {
+    /// Whether a moving frame was asked for since the last frame but one.
+    fn is_motion_asked(&self) -> bool {
+        self.motion_asked.is_some_and(|asked| asked + 2 >= self.published)
+    }
+
+    /// The time of the oldest mask that counts in a frame at `time`.
+    fn oldest_mask(&self, time: f64) -> f64 {
+        self.max_age.map_or(f64::NEG_INFINITY, |age| time - age)
+    }
+
     fn view(&self, view: usize) -> Result<&ViewState> {
         let count = self.views.len();
         self.views.get(view).ok_or_else(|| no_such_view(view, count))
@@ -254,7 +312,7 @@ impl State {
     fn frame(
         &mut self,
         time: f64,
-        view_at: fn(&mut ViewState, &Aabb, f64) -> Result<View>,
+        mut view_at: impl FnMut(usize, &mut ViewState, &Aabb) -> Result<View>,
     ) -> Result<Arc<Hull>> {
         if self.views.is_empty() {
             return Err(Error::argument(
@@ -266,17 +324,13 @@ impl State {
                 "expected a work volume, found none; set the bounds before the update",
             ));
         };
-        if !time.is_finite() {
-            return Err(Error::argument(format!(
-                "expected a finite frame time in seconds, found {time}; pass a clock's reading"
-            )));
-        }
+        check_time(time)?;
 
         // The frame and its list of views are built in the memory of a past frame, if there is one.
         let mut hull = self.take_recycled_frame();
         let mut views = Arc::get_mut(&mut hull).map(Hull::take_views).unwrap_or_default();
-        for view in &mut self.views {
-            views.push(view_at(view, &bounds, time)?);
+        for (k, view) in self.views.iter_mut().enumerate() {
+            views.push(view_at(k, view, &bounds)?);
         }
 
         let frame = Hull::new(views, bounds, self.unseen, time);
@@ -305,6 +359,15 @@ impl State {
     }
 }
 
+fn check_time(time: f64) -> Result<()> {
+    if !time.is_finite() {
+        return Err(Error::argument(format!(
+            "expected a finite frame time in seconds, found {time}; pass a clock's reading"
+        )));
+    }
+    Ok(())
+}
+
 /// The border of silhouettes under a policy: where views abstain, the image's border is no silhouette edge.
 fn border_of(unseen: Unseen) -> Border {
     match unseen {
@@ -316,6 +379,8 @@ fn border_of(unseen: Unseen) -> Border {
 fn no_such_view(view: usize, count: usize) -> Error {
     Error::argument(format!("expected a view index below {count}, found {view}; use what add_view returned"))
 }
+
+mod in_motion;
 
 #[cfg(test)]
 mod tests;

@@ -1,15 +1,22 @@
 //! One view of a [`HullData`](crate::hull::HullData): its camera, its latest silhouettes, and recycled memory.
 
+use super::mask_filter::MaskFilter;
+use super::moving_mask::{MovingMask, distances_of, motion_between};
+use super::preparation::{Preparation, ViewCalibration, unseen_value};
 use crate::camera::Camera;
 use crate::hull::{Aabb, View};
 use crate::silhouette::{
-    Border, IncomingMask, MaskRing, MaskScratch, SUBJECT, Silhouette, Tables, TimedMask, Undistortion,
+    Border, EdgeDistances, MaskMotion, MaskRing, MaskScratch, MotionScratch, SUBJECT, Silhouette, Tables,
+    TimedMask, WarpedMask,
 };
 use crate::{Error, Result};
 use std::sync::Arc;
 
 /// The largest number of silhouettes, and of sets of tables, whose memory a view keeps for its next masks.
 const MAX_RECYCLED: usize = 3;
+
+/// The longest time between two masks, in seconds, over which a motion is believed.
+const MAX_PERIOD: f64 = 0.5;
 
 /// A view's camera, its latest silhouettes, and recycled memory.
 #[derive(Debug)]
@@ -24,58 +31,26 @@ pub(super) struct ViewState {
     /// Tables of past silhouettes, whose memory is reused for the next masks. They take nine tenths of the memory.
     recycled_tables: Vec<Tables>,
     scratch: MaskScratch,
+    motion_scratch: MotionScratch,
+    warp_scratch: WarpedMask,
+    /// Motions of past masks, whose memory is reused once no frame holds them.
+    retired_motions: Vec<Arc<MaskMotion>>,
 }
-
-/// The immutable part of a view: its camera, and how its lens is undistorted.
-#[derive(Debug)]
-pub(super) struct ViewCalibration {
-    /// The camera that was added, with its lens.
-    camera: Arc<Camera>,
-    /// The camera of the undistorted image, in which the hull works; `camera` itself if it has no distortion.
-    pinhole: Arc<Camera>,
-    undistortion: Option<Undistortion>,
-    /// The part of the undistorted image that the lens sees; `None` if that is all of it.
-    field_of_view: Option<Arc<Silhouette>>,
-}
-
-/// A mask that is being prepared, without holding a lock.
-#[derive(Debug)]
-pub(super) struct Preparation {
-    calibration: Arc<ViewCalibration>,
-    silhouette: Arc<Silhouette>,
-    scratch: MaskScratch,
-}
-
 impl ViewState {
     /// # Errors
     /// A lens that cannot be undistorted within the largest image.
     pub(super) fn new(camera: Camera) -> Result<Self> {
-        let undistortion = Undistortion::new(&camera);
-        if undistortion.is_none() && !camera.lens().is_none() {
-            let (width, height) = camera.size();
-            let problem = format!(
-                "expected a lens that can be undistorted within the largest image, found {width} x {height} pixels \
-                 and the lens {}; scale the images down or undistort them first",
-                camera.lens()
-            );
-            return Err(Error::view(camera.name(), problem));
-        }
-
-        let field_of_view =
-            undistortion.as_ref().map(|lens| Silhouette::new(lens.field_of_view(), Border::Background));
-        let field_of_view = field_of_view.map(Arc::new);
-        let camera = Arc::new(camera);
-        let pinhole =
-            undistortion.as_ref().map_or_else(|| camera.clone(), |lens| Arc::new(lens.pinhole().clone()));
-
         Ok(Self {
-            calibration: Arc::new(ViewCalibration { camera, pinhole, undistortion, field_of_view }),
+            calibration: Arc::new(ViewCalibration::new(camera)?),
             masks: MaskRing::default(),
             enabled: true,
             sees_volume: None,
             recycled_silhouettes: Vec::new(),
             recycled_tables: Vec::new(),
             scratch: MaskScratch::default(),
+            motion_scratch: MotionScratch::default(),
+            warp_scratch: WarpedMask::default(),
+            retired_motions: Vec::new(),
         })
     }
 
@@ -87,8 +62,43 @@ impl ViewState {
         &self.calibration.camera
     }
 
-    /// Takes the buffers in which the next mask is prepared: recycled ones if there are any.
-    pub(super) fn take_buffers(&mut self) -> Preparation {
+    /// Takes the buffers in which the next mask is prepared: recycled ones if there are any. `wants_motion` tells whether
+    /// its motion will be computed.
+    pub(super) fn take_buffers(
+        &mut self,
+        time: Option<f64>,
+        filter: MaskFilter,
+        wants_motion: bool,
+    ) -> Preparation {
+        let silhouette = self.take_silhouette();
+        let spare = (wants_motion || filter.averages()).then(|| self.take_spare_motion());
+        let predecessor = self.masks.predecessor();
+        let gap = predecessor.and_then(|mask| mask.time).zip(time).map(|(before, time)| time - before);
+        Preparation {
+            calibration: self.calibration.clone(),
+            silhouette,
+            scratch: std::mem::take(&mut self.scratch),
+            motion_scratch: std::mem::take(&mut self.motion_scratch),
+            predecessor: predecessor.and_then(|mask| mask.distances.clone()),
+            distances: None,
+            motion: None,
+            spare,
+            filter,
+            is_after_gap: gap.is_some_and(|gap| gap > MAX_PERIOD),
+            warp_scratch: std::mem::take(&mut self.warp_scratch),
+        }
+    }
+
+    /// Memory for a mask's distances and its motion.
+    fn take_spare_motion(&mut self) -> (Arc<EdgeDistances>, Arc<MaskMotion>) {
+        let unshared = self.retired_motions.iter_mut().position(|motion| Arc::get_mut(motion).is_some());
+        let mut motion = unshared.map(|k| self.retired_motions.swap_remove(k)).unwrap_or_default();
+        let distances = Arc::get_mut(&mut motion).map(MaskMotion::take_earlier).unwrap_or_default();
+        (distances, motion)
+    }
+
+    /// A silhouette whose memory can be reused, or a new one.
+    fn take_silhouette(&mut self) -> Arc<Silhouette> {
         let blank = || Arc::new(Silhouette::blank(Border::Background));
         let mut silhouette = self.recycled_silhouettes.pop().unwrap_or_else(blank);
         if let Some(unshared) = Arc::get_mut(&mut silhouette)
@@ -96,8 +106,7 @@ impl ViewState {
         {
             unshared.recycle_tables(tables);
         }
-        let scratch = std::mem::take(&mut self.scratch);
-        Preparation { calibration: self.calibration.clone(), silhouette, scratch }
+        silhouette
     }
 
     /// Refuses a time at which the next mask cannot have been taken.
@@ -113,8 +122,18 @@ impl ViewState {
     /// # Errors
     /// As [`Self::check_time`].
     pub(super) fn commit(&mut self, preparation: Preparation, time: Option<f64>) -> Result<()> {
-        let Preparation { silhouette, scratch, .. } = preparation;
-        self.scratch = scratch;
+        let Preparation {
+            silhouette,
+            scratch,
+            motion_scratch,
+            warp_scratch,
+            distances,
+            motion,
+            predecessor,
+            ..
+        } = preparation;
+        self.warp_scratch = warp_scratch;
+        (self.scratch, self.motion_scratch) = (scratch, motion_scratch);
 
         // Another thread may have committed a later mask meanwhile.
         if let Err(e) = self.check_time(time) {
@@ -122,8 +141,15 @@ impl ViewState {
             return Err(e);
         }
 
-        if let Some(replaced) = self.masks.push(TimedMask { silhouette, time }) {
-            self.recycle(replaced);
+        // Another thread may have set a mask in between, from which the motion was not computed.
+        let before = self.masks.predecessor().and_then(|mask| mask.distances.as_ref());
+        let follows =
+            before.zip(predecessor.as_ref()).is_some_and(|(before, from)| Arc::ptr_eq(before, from));
+        let motion =
+            motion.filter(|_| follows && self.masks.predecessor().is_some_and(|mask| mask.time != time));
+        let mask = TimedMask { distances, motion, ..TimedMask::new(silhouette, time) };
+        if let Some(replaced) = self.masks.push(mask) {
+            self.retire(replaced);
         }
         self.recycle_old();
         Ok(())
@@ -138,7 +164,15 @@ impl ViewState {
     /// Recycles the masks that are too old to be kept.
     fn recycle_old(&mut self) {
         while let Some(old) = self.masks.pop_old() {
-            self.recycle(old);
+            self.retire(old);
+        }
+    }
+
+    /// Recycles the memory of a mask that left the ring, and of its motion.
+    fn retire(&mut self, mask: TimedMask) {
+        self.recycle(mask.silhouette);
+        if self.retired_motions.len() < MAX_RECYCLED {
+            self.retired_motions.extend(mask.motion);
         }
     }
 
@@ -170,28 +204,85 @@ impl ViewState {
             }
             *silhouette = Arc::new(Silhouette::new(&mask, border));
         }
+        self.masks.forget_motion();
     }
 
-    /// The view with its latest mask, for the frame at `time`.
+    /// What the view shows at `time`, in seconds, by the two masks around it.
     ///
-    /// # Errors
-    /// No mask, or a camera that sees nothing of `bounds`, unless the view is disabled.
-    pub(super) fn next_view(&mut self, bounds: &Aabb, time: f64) -> Result<View> {
-        let latest = self.masks.latest().map(|mask| mask.silhouette.clone());
-        self.view(latest.zip(self.masks.time_in_frame(time)), bounds)
+    /// `is_ahead` tells that the time may lie after the last mask's, by at most the time between the last two. A view
+    /// whose mask at that time is older than `oldest` shows nothing.
+    pub(super) fn moving_mask(&mut self, time: f64, is_ahead: bool, oldest: f64) -> Option<MovingMask> {
+        let later_index = self.masks.moving_at(if is_ahead { f64::INFINITY } else { time })?;
+        let [earlier, later] = self.masks.pair(later_index)?;
+        let (from, to) = (earlier.time?, later.time?);
+        let period = to - from;
+        if !(period > 0.0 && period <= MAX_PERIOD) || to < oldest {
+            return None;
+        }
+
+        let s = ((time - from) / period).clamp(0.0, if is_ahead { 2.0 } else { 1.0 });
+        let border = later.silhouette.border();
+        let scratch = &mut self.motion_scratch;
+        let distances = |mask: &mut TimedMask| {
+            mask.distances.get_or_insert_with(|| distances_of(&mask.silhouette, Arc::default())).clone()
+        };
+        if later.motion.is_none() {
+            let (first, second) = (distances(earlier), distances(later));
+            later.motion = Some(motion_between(first, second, Arc::default(), scratch));
+        }
+        let motion = later.motion.clone()?;
+        Some(MovingMask {
+            calibration: self.calibration.clone(),
+            motion,
+            chain: self.masks.chain(later_index)?,
+            s,
+            time: from + s * period,
+            border,
+            silhouette: self.take_silhouette(),
+            memory: std::mem::take(&mut self.warp_scratch),
+        })
     }
 
-    /// The view with the mask that it showed at `time`.
+    /// The view with a silhouette that was warped.
     ///
     /// # Errors
     /// As [`Self::next_view`].
-    pub(super) fn view_at(&mut self, bounds: &Aabb, time: f64) -> Result<View> {
-        let mask = self.masks.at(time).map(|mask| (mask.silhouette.clone(), mask.time.unwrap_or(time)));
-        self.view(mask, bounds)
+    pub(super) fn moved_view(
+        &mut self,
+        mask: Option<MovingMask>,
+        bounds: &Aabb,
+        time: f64,
+        oldest: f64,
+    ) -> Result<View> {
+        match mask {
+            Some(MovingMask { silhouette, chain, s, time, memory, .. }) => {
+                self.warp_scratch = memory;
+                Ok(self.view(Some((silhouette, time)), bounds, oldest)?.with_motion(chain, 1.0 - s))
+            }
+            None => self.view_at(bounds, time, oldest),
+        }
     }
 
-    /// The view with a silhouette that was taken at a time.
-    fn view(&mut self, mask: Option<(Arc<Silhouette>, f64)>, bounds: &Aabb) -> Result<View> {
+    /// The view with its latest mask, for the frame at `time`. It abstains if the mask is older than `oldest`.
+    ///
+    /// # Errors
+    /// No mask, unless the view is disabled; a camera that sees nothing of `bounds`, unless the view abstains.
+    pub(super) fn next_view(&mut self, bounds: &Aabb, time: f64, oldest: f64) -> Result<View> {
+        let latest = self.masks.latest().map(|mask| mask.silhouette.clone());
+        self.view(latest.zip(self.masks.time_in_frame(time)), bounds, oldest)
+    }
+
+    /// The view with the mask that it showed at `time`. It abstains if the mask is older than `oldest`.
+    ///
+    /// # Errors
+    /// As [`Self::next_view`].
+    pub(super) fn view_at(&mut self, bounds: &Aabb, time: f64, oldest: f64) -> Result<View> {
+        let mask = self.masks.at(time).map(|mask| (mask.silhouette.clone(), mask.time.unwrap_or(time)));
+        self.view(mask, bounds, oldest)
+    }
+
+    /// The view with a silhouette that was taken at a time. It abstains if that lies before `oldest`.
+    fn view(&mut self, mask: Option<(Arc<Silhouette>, f64)>, bounds: &Aabb, oldest: f64) -> Result<View> {
         let (silhouette, time) = match mask {
             Some((silhouette, time)) => (silhouette, Some(time)),
             // A disabled view takes no part in queries.
@@ -205,9 +296,10 @@ impl ViewState {
 
         let ViewCalibration { pinhole, field_of_view, .. } = &*self.calibration;
         let view = View::new(pinhole.clone(), silhouette, field_of_view.clone());
-        let view = view.with_enabled(self.enabled).with_time(time);
+        let is_enabled = self.enabled && time.is_none_or(|time| time >= oldest);
+        let view = view.with_enabled(is_enabled).with_time(time);
 
-        if self.enabled && !self.sees_some_of(&view, bounds) {
+        if is_enabled && !self.sees_some_of(&view, bounds) {
             let (centre, forward) = (self.camera().centre(), self.camera().forward());
             return Err(Error::view(
                 self.name(),
@@ -231,71 +323,9 @@ impl ViewState {
         sees
     }
 }
-
 /// Adds tables to the recycled ones, unless there are enough.
 fn keep_tables(recycled: &mut Vec<Tables>, tables: Option<Tables>) {
     if recycled.len() < MAX_RECYCLED {
         recycled.extend(tables);
     }
-}
-
-impl Preparation {
-    /// Prepares `mask`. Pixels that the lens does not see become subject if the border is [`Border::Unknown`], so that
-    /// they make no edge.
-    ///
-    /// # Errors
-    /// As [`HullData::set_mask`](crate::hull::HullData::set_mask).
-    pub(super) fn prepare(&mut self, mask: IncomingMask, border: Border) -> Result<()> {
-        self.calibration.check_size(mask.size())?;
-
-        // A silhouette with another owner stays as it is.
-        if Arc::get_mut(&mut self.silhouette).is_none() {
-            self.silhouette = Arc::new(Silhouette::blank(border));
-        }
-        let Some(silhouette) = Arc::get_mut(&mut self.silhouette) else {
-            unreachable!("a new silhouette has one owner");
-        };
-
-        let MaskScratch { packed, bytes, tiles } = &mut self.scratch;
-        let is_full = match &self.calibration.undistortion {
-            Some(lens) => !silhouette.refill_undistorted(&mask.bytes(bytes), lens, border, tiles)?,
-            None => {
-                let packed = mask.packed(packed);
-                let is_full = packed.is_full();
-                if !is_full {
-                    silhouette.refill_packed(packed, border);
-                }
-                is_full
-            }
-        };
-        if is_full { Err(self.calibration.full_mask()) } else { Ok(()) }
-    }
-}
-
-impl ViewCalibration {
-    /// Refuses a mask whose size differs from the camera's image.
-    fn check_size(&self, found: (u32, u32)) -> Result<()> {
-        let (width, height) = self.camera.size();
-        if found != (width, height) {
-            let found = format!("found {} x {}", found.0, found.1);
-            let problem = format!(
-                "mask: expected {width} x {height} pixels as in the calibration, {found}; scale the mask or calibrate \
-                 at its size"
-            );
-            return Err(Error::view(self.camera.name(), problem));
-        }
-        Ok(())
-    }
-
-    /// The error for a mask without background.
-    fn full_mask(&self) -> Error {
-        let problem = "mask: expected some background, found every pixel subject; \
-                       it is inverted or the segmentation failed; the last good mask stays";
-        Error::view(self.camera.name(), problem)
-    }
-}
-
-/// The mask's value at pixels that a lens does not see.
-fn unseen_value(border: Border) -> u8 {
-    if border == Border::Unknown { 255 } else { 0 }
 }

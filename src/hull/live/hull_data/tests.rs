@@ -1,8 +1,9 @@
 //! Frames, masks and times of [`HullData`], on discs that move and grow.
 
 use super::*;
+use crate::hull::Motion;
 use crate::hull::tests::{bounds, cameras, point_in};
-use crate::hull::{EdgeModel, ExitVector};
+use crate::hull::{EdgeModel, EmptyReason, ExitVector};
 use image::{GrayImage, Luma};
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull_random::Random;
@@ -26,6 +27,11 @@ fn points() -> Vec<Point3<f64>> {
 /// Sets masks of a disc that moves from frame to frame, with coverage in every second view, and publishes the frame.
 /// The last view gets a new mask in every third frame only.
 fn publish(data: &HullData, frame: u32) -> Arc<Hull> {
+    publish_at(data, frame, 0.03 * f64::from(frame))
+}
+
+/// [`publish`] at a time in seconds.
+fn publish_at(data: &HullData, frame: u32, time: f64) -> Arc<Hull> {
     let views = data.view_count();
     for view in (0..views).filter(|view| view + 1 < views || frame.is_multiple_of(3)) {
         let steepness = if view % 2 == 0 { 100.0 } else { 1e6 };
@@ -36,7 +42,7 @@ fn publish(data: &HullData, frame: u32) -> Arc<Hull> {
         });
         data.set_mask(view, &mask).unwrap();
     }
-    data.update(0.03 * f64::from(frame)).unwrap()
+    data.update(time).unwrap()
 }
 
 /// The results of all queries of one point.
@@ -237,3 +243,102 @@ fn a_mask_with_a_time_that_is_not_finite_or_before_the_last_is_refused_and_the_l
     assert!(hull.views()[2].silhouette().rect().width() > hull.views()[1].silhouette().rect().width());
     assert!(data.at(f64::NAN).is_err());
 }
+
+/// The frame at 0.1 s of discs that were taken then, but for the disc of the view `late`, which was taken at 0 s.
+fn frame_without_new_mask_of(data: &HullData, late: usize) -> Arc<Hull> {
+    for view in 0..data.view_count() {
+        data.set_mask_at(view, &disc(30.0), 0.0).unwrap();
+    }
+    data.update(0.0).unwrap();
+    for view in (0..data.view_count()).filter(|&view| view != late) {
+        data.set_mask_at(view, &disc(32.0), 0.1).unwrap();
+    }
+    data.update(0.1).unwrap()
+}
+
+/// The indices of the views that abstain.
+fn abstaining(hull: &Hull) -> Vec<usize> {
+    let views = hull.views().iter().enumerate();
+    views.filter(|(_, view)| !view.is_enabled()).map(|(index, _)| index).collect()
+}
+
+#[test]
+fn a_view_with_a_mask_older_than_the_largest_age_abstains_as_a_disabled_one() {
+    let points = points();
+    for policy in [Unseen::Outside, Unseen::ABSTAIN] {
+        let (late, disabled) = (data(), data());
+        late.set_max_age(Some(0.09)).unwrap();
+        disabled.set_view_enabled(3, false).unwrap();
+        let [late, disabled] = [late, disabled].map(|data| {
+            data.set_unseen(policy).unwrap();
+            frame_without_new_mask_of(&data, 3)
+        });
+        assert_eq!(abstaining(&late), [3]);
+        assert_eq!(query(&late, &points), query(&disabled, &points));
+        assert_eq!(late.aabb(), disabled.aabb());
+    }
+}
+
+#[test]
+fn a_late_view_takes_part_again_in_the_first_frame_with_its_next_mask() {
+    let data = data();
+    data.set_max_age(Some(0.09)).unwrap();
+    assert_eq!(abstaining(&frame_without_new_mask_of(&data, 1)), [1]);
+
+    // A mask that was taken too long ago for this frame does not bring the view back.
+    data.set_mask_at(1, &disc(32.0), 0.02).unwrap();
+    assert_eq!(abstaining(&data.update(0.12).unwrap()), [1]);
+    data.set_mask_at(1, &disc(32.0), 0.13).unwrap();
+    assert_eq!(abstaining(&data.update(0.14).unwrap()), []);
+
+    // Frames of the past are judged by their own times.
+    assert_eq!(abstaining(&data.at(0.125).unwrap()), [1]);
+    assert_eq!(abstaining(&data.at(0.05).unwrap()), []);
+}
+
+#[test]
+fn views_are_late_in_a_moving_hull_by_the_time_that_it_shows() {
+    let data = data();
+    data.set_max_age(Some(0.09)).unwrap();
+    frame_without_new_mask_of(&data, 2);
+
+    // The interpolated hull shows a time a frame earlier, the predicted one goes by the latest frame.
+    let at = |motion, time| abstaining(&data.in_motion(motion, time).unwrap());
+    assert_eq!(at(Motion::Interpolated, 0.18), []);
+    assert_eq!(at(Motion::Interpolated, 0.195), [2]);
+    assert_eq!(at(Motion::Held, 0.15), [2]);
+    assert_eq!(at(Motion::Predicted, 0.15), [2]);
+    data.set_max_age(Some(0.11)).unwrap();
+    assert_eq!(at(Motion::Predicted, 0.15), []);
+}
+
+#[test]
+fn a_frame_of_late_views_alone_is_an_empty_hull_as_one_of_disabled_views() {
+    let data = data();
+    frame_without_new_mask_of(&data, 0);
+    data.set_max_age(Some(0.5)).unwrap();
+    let late = data.update(1.0).unwrap();
+    assert_eq!(late.empty_reason(), Some(EmptyReason::NoViews));
+    assert!(points().iter().all(|point| !late.inside(point)));
+
+    data.set_max_age(None).unwrap();
+    assert_eq!(abstaining(&data.update(1.0).unwrap()), []);
+    (0..data.view_count()).for_each(|view| data.set_view_enabled(view, false).unwrap());
+    assert_eq!(data.update(1.0).unwrap().empty_reason(), late.empty_reason());
+}
+
+#[test]
+fn a_largest_age_that_is_not_positive_and_finite_is_refused_and_the_last_stays() {
+    let data = data();
+    data.set_max_age(Some(0.09)).unwrap();
+    for age in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let message = data.set_max_age(Some(age)).unwrap_err().to_string();
+        assert!(
+            message.contains("max_age: expected a positive") && message.contains(&age.to_string()),
+            "{message}"
+        );
+    }
+    assert_eq!(abstaining(&frame_without_new_mask_of(&data, 4)), [4]);
+}
+
+mod motion;

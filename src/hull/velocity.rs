@@ -1,0 +1,128 @@
+//! The velocity of the real surface, from the motion of the silhouettes' edges around a point.
+//!
+//! An edge only shows how fast it moves along its own normal, and a view only what crosses its line of sight. So all
+//! edge points around the point, in all views, are put together: each is one equation for the three components of the
+//! velocity that they share, and those that do not fit lose their weight.
+
+use super::{Hull, View};
+use nalgebra::{Matrix3, Point2, Point3, Vector3};
+
+/// Edges within this distance of a point are taken to move as it does, in metres. The second applies where the edges
+/// within the first leave a direction open, as in the middle of a large flat side.
+const REACHES: [f64; 2] = [0.13, 0.25];
+
+/// The least part of the equations' weight in every direction that determines a velocity.
+const LEAST_WEIGHT: f64 = 0.02;
+
+/// The most edge points of a view that are used.
+const MAX_EDGES: usize = 32;
+
+/// The scales at which an equation's error halves its weight, in m/s, one for each solution. The first is wide: edges
+/// that carry the motion along the surface are few, and a narrow one would take them for errors.
+const SCALES: [f64; 6] = [2.0, 1.0, 0.5, 0.25, 0.15, 0.1];
+
+/// Part of the equations' weight that pulls directions in which no edge moves to rest.
+const DAMPING: f64 = 1e-3;
+
+/// Speeds below this count as rest, in m/s: the noise of a mask's edge is as fast.
+const DEAD_BAND: f64 = 0.1;
+
+/// The greatest speed, in m/s, that is believed.
+pub(crate) const MAX_SPEED: f64 = 20.0;
+
+/// What an edge point tells of a velocity: its component along `direction`, a unit vector.
+#[derive(Debug, Clone, Copy)]
+struct Equation {
+    direction: Vector3<f64>,
+    speed: f64,
+}
+
+impl Hull {
+    /// The velocity of the real surface near `p`, in m/s in the hull's frame, fitted to the motion of the silhouettes'
+    /// edges within 0.13 m of it. `None` where no edge with a known motion is near. Only hulls in
+    /// [`Motion`](super::Motion) know how their silhouettes move.
+    ///
+    /// It is the mean over the last tenth of a second, or over the last two frames where they are farther apart. Speeds
+    /// below 0.1 m/s are zero, and none exceeds 20 m/s.
+    pub fn velocity(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
+        let mut equations = Vec::new();
+        for reach in REACHES {
+            equations.clear();
+            for view in self.enabled_views().filter(|view| view.has_motion()) {
+                view.collect_motion(p, reach, &mut equations);
+            }
+            if determine_all_directions(&equations) {
+                break;
+            }
+        }
+        let velocity = solve(&equations)?;
+        let speed = velocity.norm();
+        if !speed.is_finite() || speed > MAX_SPEED {
+            return None;
+        }
+        Some(if speed < DEAD_BAND { Vector3::zeros() } else { velocity })
+    }
+}
+
+impl View {
+    /// Adds what the edges within `reach` metres of `p` tell of its velocity.
+    fn collect_motion(&self, p: &Point3<f64>, reach: f64, equations: &mut Vec<Equation>) {
+        let Some(pixel) = self.project(p) else { return };
+        let reach = reach / self.footprint().at(pixel.depth);
+        let centre = Point2::new(pixel.u, pixel.v);
+        let window = crate::math::rect::Rect::window(pixel.u as i32, pixel.v as i32, reach.min(1e6) as i32);
+
+        let is_near = |&(i, j): &(i32, i32)| (middle(i, j) - centre).norm() <= reach;
+        let near = || self.silhouette().edge_pixels_in(window).filter(is_near);
+        let stride = near().count().div_ceil(MAX_EDGES).max(1);
+        for (i, j) in near().step_by(stride) {
+            let point = middle(i, j);
+            let Some(shift) = self.edge_shift(&point) else { continue };
+
+            // The edge point is taken to lie as deep as `p`. There, the image moves along the edge's normal by the
+            // product of this row and the velocity.
+            let projection = self.projection();
+            let (du, dv) = (point.x, point.y);
+            let row = |k: usize| projection.fixed_view::<1, 3>(k, 0).transpose();
+            let along = (row(0) - row(2) * du) * shift.normal.x + (row(1) - row(2) * dv) * shift.normal.y;
+            let along = along / pixel.depth;
+            let scale = along.norm();
+            if scale > 0.0 {
+                equations.push(Equation { direction: along / scale, speed: shift.speed / scale });
+            }
+        }
+    }
+}
+
+fn middle(i: i32, j: i32) -> Point2<f64> {
+    Point2::new(f64::from(i) + 0.5, f64::from(j) + 0.5)
+}
+
+/// Whether the equations tell the velocity in every direction.
+fn determine_all_directions(equations: &[Equation]) -> bool {
+    let directions = equations.iter().map(|equation| equation.direction * equation.direction.transpose());
+    let sum: Matrix3<f64> = directions.sum();
+    let least = sum.symmetric_eigenvalues().min();
+    least > LEAST_WEIGHT * equations.len() as f64
+}
+
+/// The velocity that fits most equations, by weighted least squares whose weights follow from the last solution.
+fn solve(equations: &[Equation]) -> Option<Vector3<f64>> {
+    if equations.len() < 3 {
+        return None;
+    }
+    let mut velocity: Option<Vector3<f64>> = None;
+    for scale in SCALES {
+        let (mut matrix, mut right, mut total) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
+        for Equation { direction, speed } in equations {
+            let error = velocity.map_or(0.0, |velocity| (direction.dot(&velocity) - speed) / scale);
+            let weight = 1.0 / (1.0 + error * error);
+            matrix += direction * direction.transpose() * weight;
+            right += direction * (speed * weight);
+            total += weight;
+        }
+        matrix += Matrix3::identity() * (DAMPING * total);
+        velocity = Some(matrix.cholesky()?.solve(&right));
+    }
+    velocity
+}

@@ -17,6 +17,7 @@ use ode_sys::{
 use super::arena::{BodyId, GeomId};
 use super::body::Body;
 use super::geom::Geom;
+use super::hull::{SurfaceMotion, surface_motion};
 use super::pair_search::{near_callback, search_pairs};
 use super::surface::Surface;
 use super::world::World;
@@ -121,19 +122,24 @@ impl World {
     }
 
     /// Collides all pairs and attaches up to `max` contacts with this surface to each, the usual collision step. Pairs
-    /// without a body, and pairs of bodies that another joint connects, get none.
+    /// without a body, and pairs of bodies that another joint connects, get none. Contacts with a visual hull in
+    /// [`Motion`](crate::hull::Motion) move as the real surface does: see [`Pair::surface_motion`].
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] for a surface with NaN or numbers out of range.
     pub fn default_collide(&mut self, surface: &Surface, max: usize) -> Result<()> {
         surface.to_ode()?;
+        let dt = self.last_dt;
         self.collide(|pair| {
             if pair.bodies() == [None, None] || pair.are_connected_excluding_contact() {
                 return;
             }
             for contact in pair.contacts(max).iter() {
-                pair.attach(contact, surface);
+                match pair.surface_motion_along(contact, dt, surface.friction_direction) {
+                    Some(motion) => pair.attach(contact, &surface.with_motion(&motion)),
+                    None => pair.attach(contact, surface),
+                }
             }
         })
     }
@@ -206,6 +212,26 @@ impl<'c> Pair<'c> {
         // A few, since false ones of heightfields are dropped.
         let (max, flags) = if has_hull { (1, CONTACTS_UNIMPORTANT) } else { (8, 0) };
         !true_contacts(self.world, self.raw, self.geoms, max, flags).is_empty()
+    }
+
+    /// How the real surface moves at a contact of this pair; `None` unless one of its geoms is a visual hull in
+    /// [`Motion`](crate::hull::Motion) whose velocity is known there.
+    ///
+    /// `dt` is the length of the next step in seconds, in which gravity and forces change how the body slips.
+    /// [`Surface::with_motion`] hands the result to a contact.
+    pub fn surface_motion(&self, contact: &ContactGeom, dt: f64) -> Option<SurfaceMotion> {
+        self.surface_motion_along(contact, dt, None)
+    }
+
+    fn surface_motion_along(
+        &self,
+        contact: &ContactGeom,
+        dt: f64,
+        friction_direction: Option<Vector3<f64>>,
+    ) -> Option<SurfaceMotion> {
+        let ContactGeom { position, normal, .. } = contact;
+        // SAFETY: both geoms are alive, since ODE has just passed them, and so are their bodies.
+        unsafe { surface_motion(self.raw, position, normal, dt, friction_direction) }
     }
 
     /// Attaches a contact joint between the pair's bodies, which lasts until the next [`collide`](World::collide). A

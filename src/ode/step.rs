@@ -53,6 +53,7 @@ impl World {
         check::within("time step", dt, 1e-9, 1e3)?;
         self.ode.ensure_thread_data()?;
         self.check_joint_axes()?;
+        self.last_dt = dt;
         self.clear_feedback();
         self.stopped.clear();
 

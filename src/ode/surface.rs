@@ -8,6 +8,7 @@ use ode_sys::{
 };
 
 use super::check;
+use super::hull::SurfaceMotion;
 use crate::{Error, Result};
 
 /// The largest cosine of the angle between a normal and a direction that counts as perpendicular to it, and the largest
@@ -89,6 +90,19 @@ impl Surface {
     /// A surface with this friction coefficient, and nothing else.
     pub fn with_friction(mu: f64) -> Self {
         Self { mu, ..Self::default() }
+    }
+
+    /// This surface, moving as the real one: with the friction direction and the velocities of `motion`, to which its
+    /// own velocities are added.
+    pub fn with_motion(self, motion: &SurfaceMotion) -> Self {
+        let [first, second] = self.surface_velocity.unwrap_or_default();
+        let [along_first, along_second] = motion.surface_velocity;
+        Self {
+            friction_direction: Some(motion.friction_direction),
+            surface_velocity: Some([first + along_first, second + along_second]),
+            normal_velocity: Some(self.normal_velocity.unwrap_or(0.0) + motion.normal_velocity),
+            ..self
+        }
     }
 
     /// The surface as ODE's structure.

@@ -47,6 +47,8 @@ pub struct World {
     pub(super) buffers: Buffers,
     /// The bodies that the last step stopped.
     pub(super) stopped: Vec<BodyId>,
+    /// The length of the last step in seconds; 0 before the first.
+    pub(super) last_dt: f64,
     /// Declared last, so that it is dropped last: ODE stays open until all other fields are dropped.
     pub(super) ode: Ode,
 }
@@ -121,6 +123,7 @@ impl World {
             groups: Arena::new(serial),
             buffers: Buffers::default(),
             stopped: Vec::new(),
+            last_dt: 0.0,
             ode,
         })
     }

@@ -17,6 +17,7 @@ mod random_hulls;
 mod random_joints;
 mod random_meshes;
 mod raw_objects;
+mod surface_motion;
 mod surfaces;
 
 use nalgebra::{Isometry3, Vector3};

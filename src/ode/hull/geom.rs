@@ -3,14 +3,14 @@
 use super::last_contacts::LastContacts;
 use super::prefetch::ContactPrefetch;
 use super::query::CollideContext;
-use crate::Error;
 use crate::contact::Settings;
 use crate::contact::tuning::MIN_FEATURE;
-use crate::hull::{Aabb, Hull, HullData};
+use crate::hull::{Aabb, Hull, HullData, Motion};
 use crate::lock::lock;
 use crate::ode::per_thread::per_thread;
 use crate::ode::{convert, hash_space};
-use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion};
+use crate::{Error, Result};
+use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 use ode_sys::{dGeomCopyPosition, dGeomCopyRotation, dGeomGetSpace, dGeomID, dGeomMoved};
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -31,7 +31,19 @@ pub(super) struct HullGeom {
     pub(super) last_contacts: LastContacts,
     /// Contacts of this step that are computed already; `None` while a thread uses them.
     pub(super) prefetch: Mutex<Option<Box<ContactPrefetch>>>,
+    velocities: Mutex<Velocities>,
 }
+
+/// Velocities of the surface at points of one frame, in the hull's frame of reference.
+#[derive(Debug, Default)]
+struct Velocities {
+    /// The [`State::frame_count`] of the frame.
+    frame: u64,
+    found: Vec<(Point3<f64>, Option<Vector3<f64>>)>,
+}
+
+/// Points closer to one another than this share a velocity, in metres. It is fitted to edges much farther away.
+const SAME_VELOCITY: f64 = 0.03;
 
 #[derive(Debug)]
 struct State {
@@ -40,6 +52,13 @@ struct State {
     hull: Option<Arc<Hull>>,
     /// How many frames have come into force.
     frame_count: u64,
+    /// The pose of the geom when it was last collided.
+    collided_at: Option<Isometry3<f64>>,
+    motion: Motion,
+    /// The simulation's time in seconds, where it was told.
+    time: Option<f64>,
+    /// What the hull in force was warped for: the latest frame's number, and the time.
+    warped_for: Option<(u64, f64)>,
     settings: Settings,
     /// In metres.
     min_feature: f64,
@@ -54,6 +73,10 @@ impl HullGeom {
             data,
             hull: None,
             frame_count: 0,
+            collided_at: None,
+            motion: Motion::Held,
+            time: None,
+            warped_for: None,
             settings: Settings::default(),
             min_feature: MIN_FEATURE,
             error: None,
@@ -62,6 +85,7 @@ impl HullGeom {
             state: Mutex::new(state),
             last_contacts: LastContacts::default(),
             prefetch: Mutex::new(Some(Box::default())),
+            velocities: Mutex::default(),
         }
     }
 
@@ -76,7 +100,40 @@ impl HullGeom {
 
     /// Binds the geom to another data object, from the next frame on.
     pub(super) fn set_data(&self, data: Arc<HullData>) {
-        self.lock().data = data;
+        let mut state = self.lock();
+        (state.data, state.time, state.warped_for) = (data, None, None);
+    }
+
+    /// Which hull the geom shows at the simulation's time.
+    pub(super) fn motion(&self) -> Motion {
+        self.lock().motion
+    }
+
+    /// Sets [`Self::motion`], from the next frame or time on.
+    pub(super) fn set_motion(&self, motion: Motion) {
+        let mut state = self.lock();
+        (state.motion, state.warped_for) = (motion, None);
+    }
+
+    /// Sets the simulation's time in seconds.
+    ///
+    /// # Errors
+    /// A time that is not finite or lies before the last one.
+    pub(super) fn set_time(&self, time: f64) -> Result<()> {
+        let mut state = self.lock();
+        if !time.is_finite() {
+            return Err(Error::argument(format!(
+                "time of the hull: expected finite seconds, found {time}; pass the simulation's clock"
+            )));
+        }
+        if let Some(last) = state.time.filter(|&last| time < last) {
+            return Err(Error::argument(format!(
+                "time of the hull: expected one not before the last, {last} s, found {time} s; pass the times of one \
+                 clock, and bind the geom to new data where a simulation begins again"
+            )));
+        }
+        state.time = Some(time);
+        Ok(())
     }
 
     /// How contacts are made.
@@ -115,10 +172,31 @@ impl HullGeom {
         self.lock().error.take()
     }
 
-    /// Brings the latest published frame into force; true where it is a new one.
+    /// Brings the latest published frame into force, or the hull at the simulation's time where that is asked for; true
+    /// where it is a new one.
     fn swap_frame(&self) -> bool {
+        let (data, motion, time, warped_for) = {
+            let state = self.lock();
+            (state.data.clone(), state.motion, state.time, state.warped_for)
+        };
+
+        let latest = data.latest();
+        let hull = match (&latest, time) {
+            (Some((number, _)), Some(time)) if motion != Motion::Held => {
+                if warped_for == Some((*number, time)) {
+                    return false;
+                }
+                data.in_motion(motion, time).map(Some)
+            }
+            _ => Ok(latest.as_ref().map(|(_, hull)| hull.clone())),
+        };
+        let hull = hull.unwrap_or_else(|error| {
+            self.record_error(error);
+            latest.as_ref().map(|(_, hull)| hull.clone())
+        });
+
         let mut state = self.lock();
-        let hull = state.data.latest().map(|(_, hull)| hull);
+        state.warped_for = latest.map(|(number, _)| number).zip(time);
         let is_new = match (&state.hull, &hull) {
             (Some(old), Some(new)) => !Arc::ptr_eq(old, new),
             (None, None) => false,
@@ -130,6 +208,45 @@ impl HullGeom {
             state.frame_count += 1;
         }
         is_new
+    }
+
+    /// The velocity of the real surface near `p`, both in the world; `None` where it is not known.
+    ///
+    /// # Safety
+    /// `geom` is the living geom that owns this data.
+    pub(super) unsafe fn velocity(&self, geom: dGeomID, p: &Point3<f64>) -> Option<Vector3<f64>> {
+        // SAFETY: the caller vouches for the geom.
+        let world_from_hull = unsafe { pose(geom) };
+        let p = world_from_hull.inverse_transform_point(p);
+        let (hull, frame) = {
+            let state = self.lock();
+            (state.hull.clone().filter(|_| state.motion != Motion::Held)?, state.frame_count)
+        };
+
+        let mut velocities = lock(&self.velocities);
+        if velocities.frame != frame {
+            velocities.found.clear();
+            velocities.frame = frame;
+        }
+        let is_near = |known: &Point3<f64>| (p - known).norm_squared() < SAME_VELOCITY * SAME_VELOCITY;
+        let known = velocities.found.iter().find(|(known, _)| is_near(known)).map(|&(_, velocity)| velocity);
+        let velocity = known.unwrap_or_else(|| {
+            let velocity = hull.velocity(&p);
+            velocities.found.push((p, velocity));
+            velocity
+        })?;
+        Some(world_from_hull * velocity)
+    }
+
+    /// Whether the geom's pose is that of its last collide. It is not inside a geom transform, which gives it its pose in
+    /// the world only while ODE collides it.
+    ///
+    /// # Safety
+    /// `geom` is the living geom that owns this data.
+    pub(super) unsafe fn is_where_it_collided(&self, geom: dGeomID) -> bool {
+        // SAFETY: the caller vouches for the geom.
+        let pose = unsafe { pose(geom) };
+        self.lock().collided_at.is_none_or(|collided_at| collided_at == pose)
     }
 
     /// The box of the geom in the world: around the hull, and around the bodies that touched it last and may sleep, so
@@ -164,14 +281,15 @@ impl HullGeom {
     /// `geom` is the living geom that owns this data.
     pub(super) unsafe fn start_collide(&self, geom: dGeomID) -> Option<CollideContext<'_>> {
         // SAFETY: the caller vouches for the geom.
-        let hull_from_world = unsafe { pose(geom).inverse() };
-        let state = self.lock();
+        let world_from_hull = unsafe { pose(geom) };
+        let mut state = self.lock();
+        state.collided_at = Some(world_from_hull);
         Some(CollideContext {
             hull: state.hull.clone()?,
             frame: state.frame_count,
             settings: state.settings,
             min_feature: state.min_feature,
-            hull_from_world,
+            hull_from_world: world_from_hull.inverse(),
             geom: self,
         })
     }

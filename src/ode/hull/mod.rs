@@ -18,6 +18,7 @@ mod open_class;
 mod prefetch;
 mod query;
 mod raw;
+mod surface_motion;
 mod view;
 mod wake;
 
@@ -25,4 +26,7 @@ pub(crate) use body_samples::{clear_samples, set_samples};
 pub(crate) use geom::take_last_error;
 pub(crate) use open_class::{close_class, number as open_class_number, open as open_class};
 pub(crate) use raw::{RawHull, apply_latest_frame_everywhere, create_in as create_hull_in};
+pub use surface_motion::SurfaceMotion;
+pub(crate) use surface_motion::set_contact_motion;
+pub(super) use surface_motion::surface_motion;
 pub use view::{HullMut, HullView};

@@ -3,7 +3,7 @@
 use super::geom::{self, HullGeom};
 use super::{body_samples, class};
 use crate::contact::{self, BodyResponse, Mode, Settings};
-use crate::hull::{Hull, HullData};
+use crate::hull::{Hull, HullData, Motion};
 use crate::ode::{check, convert};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -104,6 +104,25 @@ impl RawHull {
         self.geom.set_data(data);
     }
 
+    pub(crate) fn motion(&self) -> Motion {
+        self.geom.motion()
+    }
+
+    pub(crate) fn set_motion(&self, motion: Motion) {
+        self.geom.set_motion(motion);
+    }
+
+    /// Sets the simulation's time, and brings the hull at it into force.
+    ///
+    /// # Safety
+    /// As [`Self::apply_latest_frame`].
+    pub(crate) unsafe fn set_time(&self, time: f64) -> Result<()> {
+        self.geom.set_time(time)?;
+        // SAFETY: the caller vouches for the geom.
+        unsafe { self.apply_latest_frame() };
+        Ok(())
+    }
+
     pub(crate) fn frame(&self) -> Option<Arc<Hull>> {
         self.geom.hull()
     }
@@ -127,6 +146,12 @@ impl RawHull {
     pub(crate) fn point_response(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
         let (hull, pose) = (self.frame()?, self.pose());
         hull.respond(&pose.inverse_transform_point(p)).map(|response| pose * response.w())
+    }
+
+    /// The velocity of the real surface near `p`, both in the world.
+    pub(crate) fn point_velocity(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
+        // SAFETY: the geom is listed as living, and its owner does not destroy it meanwhile.
+        unsafe { self.geom.velocity(self.raw, p) }
     }
 
     /// The paper's response of the shape of `other`, in the world.

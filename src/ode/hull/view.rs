@@ -3,7 +3,7 @@
 use super::raw::{self, RawHull};
 use super::{body_samples, class, geom};
 use crate::contact::{BodyResponse, Mode, Settings};
-use crate::hull::{Hull, HullData};
+use crate::hull::{Hull, HullData, Motion};
 use crate::ode::arena::{GeomId, SpaceId};
 use crate::ode::world::World;
 use crate::sample::Samples;
@@ -131,6 +131,11 @@ impl HullView<'_> {
         self.hull.frame()
     }
 
+    /// Which hull the geom shows at the simulation's time.
+    pub fn motion(&self) -> Motion {
+        self.hull.motion()
+    }
+
     /// How contacts are made.
     pub fn settings(&self) -> Settings {
         self.hull.settings()
@@ -155,6 +160,12 @@ impl HullView<'_> {
     /// The paper's response vector `w` (section 4.2) of a point, both in world coordinates; `None` outside the hull.
     pub fn point_response(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
         self.hull.point_response(p)
+    }
+
+    /// The velocity of the real surface near a point, m/s, both in world coordinates; `None` where it is not known, and
+    /// always with [`Motion::Held`]. See [`Hull::velocity`].
+    pub fn point_velocity(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
+        self.hull.point_velocity(p)
     }
 
     /// The paper's response `V` (section 5) of the shape of geom `body`, in world coordinates.
@@ -184,6 +195,25 @@ impl HullMut<'_> {
     /// Binds the geom to another data object, from the next collide on.
     pub fn set_data(&mut self, data: &Arc<HullData>) {
         self.view.hull.set_data(data.clone());
+    }
+
+    /// Sets which hull the geom shows at the simulation's time, [`Motion::Held`] by default. The others need
+    /// [`set_time`](Self::set_time) before each collide.
+    pub fn set_motion(&mut self, motion: Motion) {
+        self.view.hull.set_motion(motion);
+    }
+
+    /// Tells the simulation's time in seconds, by the clock of the frames, and brings the hull at that time into force.
+    /// Does nothing more than that where the motion is [`Motion::Held`].
+    ///
+    /// A time beyond the frames is no error: the hull stays as it is at the nearest time that [`Motion`] allows.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for a time that is not finite or lies before the last one.
+    pub fn set_time(&mut self, time: f64) -> Result<()> {
+        // SAFETY: the record is alive, and the world is borrowed mutably, so that nothing collides.
+        unsafe { self.view.hull.set_time(time) }
     }
 
     /// Sets how contacts are made.

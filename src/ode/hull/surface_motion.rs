@@ -1,0 +1,141 @@
+//! The motion of the real surface at a contact, in the form in which ODE's contact joints take it.
+
+use super::class;
+use crate::ode::convert;
+use nalgebra::{Point3, Vector3};
+use ode_sys::{
+    dBodyGetForce, dBodyGetGravityMode, dBodyGetMass, dBodyGetPointVel, dBodyGetWorld, dBodyID, dContact,
+    dContactFDir1, dContactMotion1, dContactMotion2, dContactMotionN, dGeomGetBody, dGeomID, dMass, dReal,
+    dWorldGetGravity,
+};
+
+/// Slips slower than this have no direction, in m/s.
+const NO_SLIP: f64 = 1e-6;
+
+/// The least sine of the angle between a normal and a direction that has a part perpendicular to it.
+const LEAST_SINE: f64 = 1e-6;
+
+/// How the real surface moves at a contact of a body with a visual hull, for a contact joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceMotion {
+    /// The velocity of the surface, m/s, in the world's frame.
+    pub velocity: Vector3<f64>,
+    /// The first tangential direction: along the slip of the body over the surface that this step would bring without
+    /// friction. ODE limits friction in each of two directions; with the first one along the slip, it is Coulomb's.
+    pub friction_direction: Vector3<f64>,
+    /// The velocity of the surface in the first and second tangential direction, m/s (ODE's `motion1` and `motion2`).
+    pub surface_velocity: [f64; 2],
+    /// The velocity of the surface along the contact's direction out of the hull, m/s (ODE's `motionN`).
+    pub normal_velocity: f64,
+}
+
+/// The motion of the surface at a contact of two geoms, in the world's frame, for a joint between the first geom's body
+/// and the second's. `None` unless one of them is a hull in motion whose velocity is known there. `friction_direction`
+/// is the first tangential direction where the caller has chosen it.
+///
+/// ODE returns no body for a geom inside a geom transform, so that its velocity is missing in the slip. A hull inside
+/// one has no motion, since its pose in the world is not known here.
+///
+/// # Safety
+/// Both geoms are living, and so are their bodies.
+pub(in crate::ode) unsafe fn surface_motion(
+    geoms: [dGeomID; 2],
+    position: &Point3<f64>,
+    normal: &Vector3<f64>,
+    stepsize: f64,
+    friction_direction: Option<Vector3<f64>>,
+) -> Option<SurfaceMotion> {
+    let hulls = geoms.map(class::find_current);
+    let is_first = hulls[0].is_some();
+    let hull = hulls.into_iter().flatten().next()?;
+    let [hull_geom, other] = if is_first { geoms } else { [geoms[1], geoms[0]] };
+    // SAFETY: the caller vouches for the geoms.
+    let (of_surface, hull_body, body) = unsafe {
+        if !hull.is_where_it_collided(hull_geom) {
+            return None;
+        }
+        (hull.velocity(hull_geom, position)?, dGeomGetBody(hull_geom), dGeomGetBody(other))
+    };
+
+    // SAFETY: the caller vouches for the bodies.
+    let slip = unsafe {
+        free_velocity(body, position, stepsize) - free_velocity(hull_body, position, stepsize) - of_surface
+    };
+    // Normals may deviate from unit length by what `attach` allows.
+    let normal = normal.normalize();
+    let out_of_hull = if is_first { -normal } else { normal };
+    let along = slip - out_of_hull * out_of_hull.dot(&slip);
+    let first = friction_direction.unwrap_or_else(|| {
+        let length = along.norm();
+        let has_direction = length > NO_SLIP && length.is_finite();
+        if has_direction { along / length } else { any_perpendicular(&out_of_hull) }
+    });
+
+    // ODE measures motions of its joint's first body, which is the only one where the other is the world.
+    let is_hull_first_body = !hull_body.is_null() && (is_first || body.is_null());
+    let (sign, into_first) = if is_hull_first_body { (-1.0, -out_of_hull) } else { (1.0, out_of_hull) };
+    let second = into_first.cross(&first);
+    Some(SurfaceMotion {
+        velocity: of_surface,
+        friction_direction: first,
+        surface_velocity: [first, second].map(|direction| sign * of_surface.dot(&direction)),
+        normal_velocity: of_surface.dot(&out_of_hull),
+    })
+}
+
+/// Fills the motion of the surface into a contact of ODE, and returns whether there was one. A friction direction that
+/// the contact has is projected onto the tangent plane; one that has no part there is replaced.
+///
+/// # Safety
+/// The contact's geoms are living, and so are their bodies.
+pub(crate) unsafe fn set_contact_motion(contact: &mut dContact, stepsize: f64) -> bool {
+    let (position, normal) = (convert::point(&contact.geom.pos), convert::vector(&contact.geom.normal));
+    let has_direction = contact.surface.mode & dContactFDir1 as i32 != 0;
+    let chosen = has_direction.then(|| tangent(&convert::vector(&contact.fdir1), &normal)).flatten();
+    // SAFETY: the caller vouches for the geoms.
+    let motion =
+        unsafe { surface_motion([contact.geom.g1, contact.geom.g2], &position, &normal, stepsize, chosen) };
+    let Some(motion) = motion else { return false };
+
+    contact.fdir1 = convert::ode_vector(&motion.friction_direction);
+    contact.surface.mode |= (dContactFDir1 | dContactMotion1 | dContactMotion2 | dContactMotionN) as i32;
+    [contact.surface.motion1, contact.surface.motion2] = motion.surface_velocity;
+    contact.surface.motionN = motion.normal_velocity;
+    true
+}
+
+/// The velocity of a body's point after a step without contacts; zero for the world.
+///
+/// # Safety
+/// `body` is null or a living body.
+unsafe fn free_velocity(body: dBodyID, point: &Point3<f64>, stepsize: f64) -> Vector3<f64> {
+    if body.is_null() {
+        return Vector3::zeros();
+    }
+    let (mut velocity, mut gravity, mut mass) = ([0.0; 4], [0.0; 4], dMass::default());
+    // SAFETY: the caller vouches for the body, which belongs to a world; all arrays hold four numbers.
+    unsafe {
+        dBodyGetPointVel(body, point.x, point.y, point.z, velocity.as_mut_ptr());
+        if dBodyGetGravityMode(body) != 0 {
+            dWorldGetGravity(dBodyGetWorld(body), gravity.as_mut_ptr());
+        }
+        dBodyGetMass(body, &mut mass);
+        let force: *const dReal = dBodyGetForce(body);
+        let acceleration = convert::vector(&gravity) + convert::vector_at(force) / mass.mass;
+        convert::vector(&velocity) + acceleration * stepsize
+    }
+}
+
+/// The unit vector along the part of `direction` that is perpendicular to `normal`; `None` where there is none.
+fn tangent(direction: &Vector3<f64>, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let (direction, normal) = (direction.normalize(), normal.normalize());
+    let part = direction - normal * normal.dot(&direction);
+    // A direction of length zero is NaN here, which is refused too.
+    if part.norm() > LEAST_SINE { Some(part.normalize()) } else { None }
+}
+
+/// A unit vector perpendicular to `normal`.
+fn any_perpendicular(normal: &Vector3<f64>) -> Vector3<f64> {
+    let axis = Vector3::ith(normal.iamin(), 1.0);
+    normal.cross(&axis).normalize()
+}

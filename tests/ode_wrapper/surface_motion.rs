@@ -1,0 +1,150 @@
+//! Contacts that carry the velocity of a real surface, in both orders of the geoms and with a body on either side.
+
+use nalgebra::{Isometry3, Vector3};
+use ode_visual_hull::hull::{HullData, Motion};
+use ode_visual_hull::ode::{BodyId, GeomId, Ode, SpaceKind, Surface, SurfaceMotion, World};
+use ode_visual_hull::synthetic::{Subject, layout};
+use ode_visual_hull_testing::scene::{at, cuboid, data_with, show};
+use ode_visual_hull_testing::world::{add_body, cube};
+use std::sync::{Arc, LazyLock};
+
+/// The velocity of the real cube: out of its front along x, and along the front in both directions.
+const VELOCITY: Vector3<f64> = Vector3::new(0.5, 0.4, -0.3);
+
+/// The side length of the real cube, in metres.
+const SIDE: f64 = 0.3;
+
+/// The side length of the virtual cube, in metres.
+const OTHER: f64 = 0.2;
+
+/// Seconds of a step.
+const DT: f64 = 0.001;
+
+/// Seconds from frame to frame.
+const PERIOD: f64 = 1.0 / 30.0;
+
+/// Three frames of the real cube, which reaches the origin at time 0.
+fn moving_cube() -> Arc<HullData> {
+    static DATA: LazyLock<Arc<HullData>> = LazyLock::new(|| {
+        let lengths = Vector3::repeat(SIDE);
+        let cameras = layout::face_on(lengths, &Isometry3::identity(), 2.8, 0.2, (320, 240), 0.45).unwrap();
+        let data = data_with(&cameras);
+        for time in [-2.0 * PERIOD, -PERIOD, 0.0] {
+            let place = Isometry3::from(VELOCITY * time);
+            show(&data, &cameras, &Subject::new(vec![cuboid(lengths, place)]), time);
+        }
+        data
+    });
+    DATA.clone()
+}
+
+/// Which geoms of the pair have a body, and in which order they are.
+#[derive(Debug, Clone, Copy)]
+struct Case {
+    hull_has_body: bool,
+    other_has_body: bool,
+    is_hull_first: bool,
+}
+
+/// A hull of the moving cube and a virtual cube 5 mm deep in its front.
+struct Scene {
+    world: World,
+    hull: GeomId,
+    hull_body: Option<BodyId>,
+    other_body: Option<BodyId>,
+}
+
+impl Scene {
+    fn new(case: Case) -> Self {
+        let mut world = World::with_space(&Ode::init().unwrap(), SpaceKind::Simple).unwrap();
+        world.set_cfm(0.0).unwrap();
+        let root = world.root_space();
+        let other_pose = at(0.5 * (SIDE + OTHER) - 0.005, 0.0, 0.0);
+        let add_other = |world: &mut World| {
+            if case.other_has_body {
+                return Some(add_body(world, &cube(OTHER), &other_pose).0);
+            }
+            let geom = world.add_geom(root, &cube(OTHER)).unwrap();
+            world.geom_mut(geom).set_pose(&other_pose).unwrap();
+            None
+        };
+
+        // The geom that was added last is the first of its pair.
+        let before = if case.is_hull_first { add_other(&mut world) } else { None };
+        let hull = world.add_hull(root, &moving_cube()).unwrap();
+        let after = if case.is_hull_first { None } else { add_other(&mut world) };
+
+        world.hull_mut(hull).set_motion(Motion::Predicted);
+        world.hull_mut(hull).set_time(0.0).unwrap();
+        let hull_body = case.hull_has_body.then(|| {
+            let body = world.add_body();
+            world.geom_mut(hull).set_body(Some(body)).unwrap();
+            body
+        });
+        let other_body = before.or(after);
+
+        // Along none of the surface's directions, so that slip and velocity have different directions.
+        for (body, velocity) in [(hull_body, [0.1, 0.3, -0.6]), (other_body, [-0.1, 0.7, 0.2])] {
+            if let Some(body) = body {
+                world.body_mut(body).set_linear_velocity(&velocity.into()).unwrap();
+            }
+        }
+        Self { world, hull, hull_body, other_body }
+    }
+
+    /// The velocity of a body's point; zero for the world.
+    fn velocity(&self, body: Option<BodyId>, arm: &Vector3<f64>) -> Vector3<f64> {
+        body.map_or_else(Vector3::zeros, |body| {
+            let body = self.world.body(body);
+            body.linear_velocity() + body.angular_velocity().cross(arm)
+        })
+    }
+}
+
+/// Calls `check` for each case in which ODE has a body to move.
+fn for_each_case(mut check: impl FnMut(Case)) {
+    for bits in 0..8 {
+        let [hull_has_body, other_has_body, is_hull_first] = [1, 2, 4].map(|bit| bits & bit != 0);
+        if hull_has_body || other_has_body {
+            check(Case { hull_has_body, other_has_body, is_hull_first });
+        }
+    }
+}
+
+/// Attaches one contact that sticks and has no error correction, and steps once. Returns how the surface moves, and the
+/// velocity at which the two bodies part at the contact.
+fn step_with_one_contact(case: Case) -> (SurfaceMotion, Vector3<f64>) {
+    let mut scene = Scene::new(case);
+    let hull = scene.hull;
+    let sticky =
+        Surface { soft_erp: Some(0.0), soft_cfm: Some(0.0), ..Surface::with_friction(f64::INFINITY) };
+
+    let mut found = None;
+    let collided = scene.world.collide(|pair| {
+        assert_eq!(pair.geoms()[0] == hull, case.is_hull_first, "{case:?}");
+        let contact = pair.contacts(1)[0];
+        let motion = pair.surface_motion(&contact, DT).unwrap();
+        pair.attach(&contact, &sticky.with_motion(&motion));
+        found = Some((motion, contact.position));
+    });
+    collided.unwrap();
+    let (motion, position) = found.unwrap();
+
+    // The bodies' arms before the step, at which ODE's equations hold.
+    let [hull_arm, other_arm] = [scene.hull_body, scene.other_body]
+        .map(|body| body.map_or_else(Vector3::zeros, |body| position - scene.world.body(body).position()));
+    scene.world.step(DT).unwrap();
+    let parting = scene.velocity(scene.other_body, &other_arm) - scene.velocity(scene.hull_body, &hull_arm);
+    (motion, parting)
+}
+
+#[test]
+fn a_body_in_contact_gets_the_velocity_of_the_surface_in_both_orders_of_the_geoms() {
+    for_each_case(|case| {
+        let (motion, parting) = step_with_one_contact(case);
+        // ODE solves the contact's three equations exactly, up to rounding.
+        assert!((parting - motion.velocity).norm() < 1e-9, "{case:?}: {parting} of {motion:?}");
+        // The mean error of a velocity from masks without noise is below a tenth.
+        assert!((motion.velocity - VELOCITY).norm() < 0.1 * VELOCITY.norm(), "{case:?}: {motion:?}");
+    });
+}

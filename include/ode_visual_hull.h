@@ -76,6 +76,13 @@ enum {
   dVisualHullContactsSingle = 3     /**< Only the deepest sample. */
 };
 
+/** Which hull a geom shows at the simulation's time; see dGeomVisualHullSetMotion. */
+enum {
+  dVisualHullMotionHeld = 0,         /**< The latest frame, until the next one. The default. */
+  dVisualHullMotionInterpolated = 1, /**< The hull between the last two frames, one frame period late. */
+  dVisualHullMotionPredicted = 2     /**< The latest frame, moved ahead by at most one frame period. */
+};
+
 /**
  * @brief Opens the class: takes a reference to ODE (dInitODE2), checks that ODE computes in double precision, and
  * registers the geometry class.
@@ -238,6 +245,18 @@ int dGeomVisualHullDataLoadMask(dVisualHullDataID d, int view, const char *path)
 int dGeomVisualHullDataSetViewEnabled(dVisualHullDataID d, int view, int enabled);
 
 /**
+ * @brief Sets how old a view's latest mask may be. A view whose mask is older at the time of an update is late: it
+ * abstains in that frame as a disabled view does, until an update has a newer mask of it.
+ *
+ * If every view is late, or disabled, the hull is empty.
+ *
+ * @param d the data object
+ * @param seconds the largest age, finite and not negative; 0, the default, for any age
+ * @return Nonzero on success; 0 for an invalid age, and then the last one stays.
+ */
+int dGeomVisualHullDataSetMaxAge(dVisualHullDataID d, dReal seconds);
+
+/**
  * @brief Publishes the latest masks of all views as the frame of the given time, in seconds. Bound geoms collide with
  * this frame from now on.
  *
@@ -283,6 +302,34 @@ void dGeomVisualHullSetData(dGeomID g, dVisualHullDataID d);
 /** @brief The data object that a hull is bound to; NULL if that was destroyed, and on failure. */
 dVisualHullDataID dGeomVisualHullGetData(dGeomID g);
 
+/**
+ * @brief Sets which hull a geom shows at the simulation's time, from the next frame or dGeomVisualHullSetTime on.
+ *
+ * dVisualHullMotionHeld shows the latest frame: a surface that moves stands still for a frame period and then jumps.
+ * dVisualHullMotionInterpolated moves it evenly and shows at time t what the cameras saw at t less the period, which
+ * is the time between the last two frames. dVisualHullMotionPredicted moves the latest frame ahead to t; it is not
+ * late, and wrong where the subject changes its speed. Both show the latest frame while it is the only one, and where
+ * two masks of a view have equal times or are more than 0.5 seconds apart.
+ *
+ * @param g the hull
+ * @param mode one of dVisualHullMotion...; the geom keeps its mode, with a message, if it is another number
+ */
+void dGeomVisualHullSetMotion(dGeomID g, int mode);
+
+/**
+ * @brief Sets the simulation's time for the collides that follow, by the clock of the frames' times, and lets the hull
+ * collide with its shape at that time.
+ *
+ * Call it before each collide, between two collides, on the thread that steps the geom's world. It does what
+ * dGeomVisualHullUpdate does too: a program that publishes its frames by dGeomVisualHullDataPublish computes each shape
+ * once. A time beyond the frames is no failure: the hull stays as it was at the nearest time that the mode allows.
+ *
+ * @param g the hull
+ * @param time in seconds, finite and not before the last one since the geom was bound to its data object
+ * @return 1 on success; 0 if the geom is no visual hull or the time is invalid, and then the last time stays.
+ */
+int dGeomVisualHullSetTime(dGeomID g, dReal time);
+
 /** @brief Whether a point of the world is inside the hull: 1 inside, 0 outside, -1 on failure. */
 int dGeomVisualHullPointInside(dGeomID g, dReal x, dReal y, dReal z);
 
@@ -293,6 +340,20 @@ int dGeomVisualHullPointInside(dGeomID g, dReal x, dReal y, dReal z);
  * @return 1 inside, 0 outside, -1 on failure.
  */
 int dGeomVisualHullPointResponse(dGeomID g, dReal x, dReal y, dReal z, dVector3 w);
+
+/**
+ * @brief The velocity of the real surface near a point of the world, from the motion of the silhouettes' edges around
+ * the point.
+ *
+ * It is the mean over the last tenth of a second, or over the last two frames where they are farther apart. Speeds
+ * below 0.1 m/s are 0. The motion of the geom itself, by its body or by dGeomSetPosition, is not part of it.
+ *
+ * @param g the hull
+ * @param v receives the velocity in metres per second, in the world's frame; 0 where it is not known
+ * @return 1 where it is known; 0 where it is not: far from the surface, without two frames, and always for
+ * dVisualHullMotionHeld; -1 on failure, which a point that is not finite is too.
+ */
+int dGeomVisualHullPointVelocity(dGeomID g, dReal x, dReal y, dReal z, dVector3 v);
 
 /**
  * @brief The vector that moves a geom out of the hull, by the paper's section 5.
@@ -321,6 +382,27 @@ void dGeomVisualHullSetMaxDepth(dGeomID g, dReal depth);
  * 0.015 suits noisy masks.
  */
 void dGeomVisualHullSetMinFeature(dGeomID g, dReal diameter);
+
+/**
+ * @brief Lets a contact move as the real surface does, so that the surface pushes bodies at its own speed and carries
+ * them along. Call it in the near callback, after the surface is set and before dJointCreateContact.
+ *
+ * It sets dContactFDir1, dContactMotion1, dContactMotion2 and dContactMotionN of contact->surface.mode and the values
+ * that belong to them, for a joint that is attached to the bodies of geom.g1 and geom.g2 in this order. The friction
+ * direction is that in which the bodies would slip over each other without friction, so that the friction pyramid has
+ * Coulomb's limit along it. If the mode has dContactFDir1, contact->fdir1 stays, projected onto the tangent plane and
+ * of unit length; if it is zero, not finite or along the normal, it is replaced. Other values of the surface stay.
+ *
+ * It may be called for all contacts, also those without a hull. A body's geom inside a dGeomTransform counts as at rest
+ * for the friction direction, and a hull inside one has no motion.
+ *
+ * @param contact a contact that dCollide has filled, with its surface's mode set
+ * @param stepsize the length of the next step in seconds, in which gravity and forces change how bodies slip
+ * @return 1 if the contact was changed; 0 if none of its geoms is a hull in motion whose velocity is known there; -1 if
+ * the contact or one of its geoms is NULL, its position is not finite, its normal not a unit vector, or the stepsize
+ * negative or not finite. For 0 and -1 the contact is as it was.
+ */
+int dVisualHullSetContactMotion(dContact *contact, dReal stepsize);
 
 /**
  * @brief Sets surface samples for a geom, in place of its class's own samples or for a class that has none.

@@ -16,16 +16,19 @@ pub use data::DataId;
 
 use crate::camera::{Camera, Distortion, Fisheye};
 use crate::contact::Mode;
-use crate::hull::{Aabb, HullData, Unseen};
+use crate::hull::{Aabb, HullData, Motion, Unseen};
 use crate::ode::{self, RawHull};
 use crate::rig::Rig;
 use crate::sample;
 use crate::silhouette::{MaskView, load_mask};
 use crate::{Error, Result};
-use arguments::{CameraArguments, coefficients, image_size, index, not_null, numbers, vectors, write_vector};
+use arguments::{
+    CameraArguments, coefficients, finite_point, image_size, index, not_null, numbers, step_size, vectors,
+    write_vector,
+};
 use fence::{fenced, utf8};
 use nalgebra::{Matrix3x4, Point3};
-use ode_sys::{dGeomID, dReal, dSpaceID};
+use ode_sys::{dContact, dGeomID, dReal, dSpaceID};
 use std::ffi::{c_char, c_int, c_uchar};
 use std::slice;
 
@@ -273,6 +276,14 @@ extern "C" fn dGeomVisualHullDataSetViewEnabled(d: DataId, view: c_int, enabled:
 }
 
 #[unsafe(no_mangle)]
+extern "C" fn dGeomVisualHullDataSetMaxAge(d: DataId, seconds: dReal) -> c_int {
+    fenced(FAILED, || {
+        let max_age = (seconds != 0.0).then_some(seconds);
+        data::get(d)?.set_max_age(max_age).map(|()| OK)
+    })
+}
+
+#[unsafe(no_mangle)]
 extern "C" fn dGeomVisualHullDataUpdate(d: DataId, time: dReal) -> c_int {
     fenced(FAILED, || {
         let data = data::get(d)?;
@@ -326,6 +337,30 @@ extern "C" fn dGeomVisualHullGetData(g: dGeomID) -> DataId {
 }
 
 #[unsafe(no_mangle)]
+extern "C" fn dGeomVisualHullSetMotion(g: dGeomID, mode: c_int) {
+    fenced((), || {
+        let motion = match mode {
+            0 => Motion::Held,
+            1 => Motion::Interpolated,
+            2 => Motion::Predicted,
+            _ => return Err(Error::argument(format!("mode: expected dVisualHullMotion..., found {mode}"))),
+        };
+        RawHull::find(g)?.set_motion(motion);
+        Ok(())
+    });
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn dGeomVisualHullSetTime(g: dGeomID, time: dReal) -> c_int {
+    fenced(FAILED, || {
+        let hull = RawHull::find(g)?;
+        // SAFETY: the header requires a call between two collides, on the thread that steps the geom's world.
+        unsafe { hull.set_time(time) }?;
+        Ok(OK)
+    })
+}
+
+#[unsafe(no_mangle)]
 extern "C" fn dGeomVisualHullPointInside(g: dGeomID, x: dReal, y: dReal, z: dReal) -> c_int {
     fenced(NONE, || Ok(c_int::from(RawHull::find(g)?.inside(&Point3::new(x, y, z)))))
 }
@@ -345,6 +380,24 @@ unsafe extern "C" fn dGeomVisualHullPointResponse(
         // SAFETY: the caller guarantees memory for the vector.
         unsafe { write_vector(response.unwrap_or_default(), w, "w") }?;
         Ok(c_int::from(response.is_some()))
+    })
+}
+
+/// # Safety
+/// `v` is NULL or points to writable memory for three numbers.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn dGeomVisualHullPointVelocity(
+    g: dGeomID,
+    x: dReal,
+    y: dReal,
+    z: dReal,
+    v: *mut dReal,
+) -> c_int {
+    fenced(NONE, || {
+        let velocity = RawHull::find(g)?.point_velocity(&finite_point(x, y, z)?);
+        // SAFETY: the caller guarantees memory for the vector.
+        unsafe { write_vector(velocity.unwrap_or_default(), v, "v") }?;
+        Ok(c_int::from(velocity.is_some()))
     })
 }
 
@@ -392,6 +445,20 @@ extern "C" fn dGeomVisualHullSetMaxDepth(g: dGeomID, depth: dReal) {
 #[unsafe(no_mangle)]
 extern "C" fn dGeomVisualHullSetMinFeature(g: dGeomID, diameter: dReal) {
     fenced((), || RawHull::find(g)?.set_min_feature(diameter));
+}
+
+/// # Safety
+/// `contact` is NULL or points to a contact, whose geoms are NULL or living.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn dVisualHullSetContactMotion(contact: *mut dContact, stepsize: dReal) -> c_int {
+    fenced(NONE, || {
+        let stepsize = step_size(stepsize)?;
+        // SAFETY: the caller guarantees a contact and its geoms; the body of a living geom is living.
+        unsafe {
+            let contact = arguments::contact(contact)?;
+            Ok(c_int::from(ode::set_contact_motion(contact, stepsize)))
+        }
+    })
 }
 
 /// # Safety

@@ -3,10 +3,13 @@
 use crate::camera::{Camera, Lens};
 use crate::hull::HullData;
 use crate::{Error, Result};
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use ode_sys::{dGeomID, dReal};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use ode_sys::{dContact, dGeomID, dReal};
 use std::ffi::c_int;
 use std::slice;
+
+/// The largest deviation of a contact normal's length from 1.
+const MAX_NORMAL_DEVIATION: f64 = 1e-3;
 
 /// Refuses a geom that is NULL.
 pub(super) fn not_null(geom: dGeomID, what: &str) -> Result<()> {
@@ -26,6 +29,49 @@ pub(super) fn count(n: c_int, max: c_int, what: &str) -> Result<usize> {
     } else {
         Err(Error::argument(format!("{what}: expected 0 to {max}, found {n}")))
     }
+}
+
+/// A point, whose coordinates must be finite.
+pub(super) fn finite_point(x: dReal, y: dReal, z: dReal) -> Result<Point3<f64>> {
+    if [x, y, z].iter().all(|number| number.is_finite()) {
+        Ok(Point3::new(x, y, z))
+    } else {
+        Err(Error::argument(format!("point: expected finite coordinates, found ({x}, {y}, {z})")))
+    }
+}
+
+/// The length of a step in seconds, which must be finite and not negative.
+pub(super) fn step_size(seconds: dReal) -> Result<f64> {
+    if seconds >= 0.0 && seconds.is_finite() {
+        Ok(seconds)
+    } else {
+        Err(Error::argument(format!(
+            "stepsize: expected finite seconds, 0 or more, found {seconds}; pass the stepsize of the next step"
+        )))
+    }
+}
+
+/// The caller's contact, which must have two geoms, a finite position and a unit normal.
+///
+/// # Safety
+/// `contact` is NULL, or points to a contact that nothing else uses as long as the result lives.
+pub(super) unsafe fn contact<'a>(contact: *mut dContact) -> Result<&'a mut dContact> {
+    // SAFETY: the caller guarantees a contact.
+    let contact = unsafe { contact.as_mut() }
+        .ok_or_else(|| Error::argument("contact: expected one that dCollide has filled, found NULL"))?;
+    not_null(contact.geom.g1, "contact->geom.g1")?;
+    not_null(contact.geom.g2, "contact->geom.g2")?;
+
+    let [x, y, z, _] = contact.geom.pos;
+    finite_point(x, y, z)?;
+    let [x, y, z, _] = contact.geom.normal;
+    let length = Vector3::new(x, y, z).norm();
+    if length.is_nan() || (length - 1.0).abs() > MAX_NORMAL_DEVIATION {
+        return Err(Error::argument(format!(
+            "contact->geom.normal: expected a unit vector, found ({x}, {y}, {z}) of length {length}"
+        )));
+    }
+    Ok(contact)
 }
 
 /// The calibration of a camera without its lens.

@@ -42,6 +42,7 @@ static void invalid_data_ids_are_refused(dVisualHullDataID stale) {
     CHECK_REFUSED(dGeomVisualHullDataSetMask(d, 0, mask, 8), 0, "data");
     CHECK_REFUSED(dGeomVisualHullDataLoadMask(d, 0, "mask.png"), 0, "data");
     CHECK_REFUSED(dGeomVisualHullDataSetViewEnabled(d, 0, 1), 0, "data");
+    CHECK_REFUSED(dGeomVisualHullDataSetMaxAge(d, 1), 0, "data");
     CHECK_REFUSED(dGeomVisualHullDataUpdate(d, 0), 0, "data");
     CHECK_REFUSED(dCreateVisualHull(0, d), NULL, "data");
   }
@@ -60,6 +61,9 @@ static void geoms_other_than_hulls_are_refused(dVisualHullDataID data, dGeomID s
     const dGeomID g = geoms[k];
     CHECK_REFUSED_VOID(dGeomVisualHullSetData(g, data), "visual hull");
     CHECK_REFUSED(dGeomVisualHullGetData(g), NULL, "visual hull");
+    CHECK_REFUSED_VOID(dGeomVisualHullSetMotion(g, dVisualHullMotionPredicted), "visual hull");
+    CHECK_REFUSED(dGeomVisualHullSetTime(g, 1), 0, "visual hull");
+    CHECK_REFUSED(dGeomVisualHullPointVelocity(g, 0, 0, 0, w), -1, "visual hull");
     CHECK_REFUSED(dGeomVisualHullPointInside(g, 0, 0, 0), -1, "visual hull");
     CHECK_REFUSED(dGeomVisualHullPointResponse(g, 0, 0, 0, w), -1, "visual hull");
     CHECK_REFUSED(dGeomVisualHullBodyResponse(g, geoms[3], w), -1, "visual hull");
@@ -174,6 +178,9 @@ static void invalid_masks_and_updates_are_refused(void) {
 
   CHECK_REFUSED(dGeomVisualHullDataSetViewEnabled(d, 1, 0), 0, "view");
   CHECK_REFUSED(dGeomVisualHullDataSetViewEnabled(d, -1, 0), 0, "view");
+  CHECK_REFUSED(dGeomVisualHullDataSetMaxAge(d, -1), 0, "max_age");
+  CHECK_REFUSED(dGeomVisualHullDataSetMaxAge(d, NAN), 0, "max_age");
+  CHECK_REFUSED(dGeomVisualHullDataSetMaxAge(d, INFINITY), 0, "max_age");
   CHECK_REFUSED(dGeomVisualHullDataSetUnseen(d, -1, 2), 0, "policy");
   CHECK_REFUSED(dGeomVisualHullDataSetUnseen(d, dVisualHullUnseenAbstain, 0), 0, "min_views");
   CHECK_REFUSED(dGeomVisualHullDataSetUnseen(d, dVisualHullUnseenAbstain, -3), 0, "minViews");
@@ -190,6 +197,75 @@ static void invalid_masks_and_updates_are_refused(void) {
   CHECK_REFUSED(dGeomVisualHullDataSetMask(d, 0, mask, WIDTH), 0, "background");
   CHECK(dGeomVisualHullDataUpdate(d, 1));
   dGeomVisualHullDataDestroy(d);
+}
+
+static void invalid_motions_and_times_are_refused(void) {
+  dVisualHullDataID data = table_data();
+  dGeomID hull = dCreateVisualHull(0, data);
+  dVector3 v;
+
+  CHECK_REFUSED_VOID(dGeomVisualHullSetMotion(hull, 3), "dVisualHullMotion");
+  CHECK_REFUSED_VOID(dGeomVisualHullSetMotion(hull, -1), "dVisualHullMotion");
+  dGeomVisualHullSetMotion(hull, dVisualHullMotionInterpolated);
+
+  /* Times, which must not decrease. A refused time changes nothing. */
+  CHECK_REFUSED(dGeomVisualHullSetTime(hull, NAN), 0, "time");
+  CHECK_REFUSED(dGeomVisualHullSetTime(hull, -INFINITY), 0, "time");
+  CHECK(dGeomVisualHullSetTime(hull, -1e300) == 1);
+  CHECK(dGeomVisualHullSetTime(hull, 5) == 1 && dGeomVisualHullSetTime(hull, 5) == 1);
+  CHECK_REFUSED(dGeomVisualHullSetTime(hull, 4.9), 0, "not before");
+  CHECK_REFUSED(dGeomVisualHullSetTime(hull, INFINITY), 0, "time");
+  CHECK(dGeomVisualHullSetTime(hull, 1e300) == 1);
+  CHECK(dGeomVisualHullPointInside(hull, 0, 0, 0) == 1);
+
+  /* Velocities. Nothing is known of a hull with a single frame. */
+  CHECK(dGeomVisualHullPointVelocity(hull, 0.25, 0, 0, v) == 0 && v[0] == 0 && v[1] == 0 && v[2] == 0);
+  CHECK(dGeomVisualHullPointVelocity(hull, 1e300, 0, 0, v) == 0);
+  CHECK_REFUSED(dGeomVisualHullPointVelocity(hull, 0.25, 0, 0, NULL), -1, "v");
+  CHECK_REFUSED(dGeomVisualHullPointVelocity(hull, NAN, 0, 0, v), -1, "finite");
+  CHECK_REFUSED(dGeomVisualHullPointVelocity(hull, 0, INFINITY, 0, v), -1, "finite");
+  CHECK_REFUSED(dGeomVisualHullPointVelocity(hull, 0, 0, -INFINITY, v), -1, "finite");
+
+  dGeomDestroy(hull);
+  dGeomVisualHullDataDestroy(data);
+}
+
+static void invalid_contacts_are_refused(void) {
+  const dReal lengths[4] = {0, 0.99, 1.01, 1e200};
+  dVisualHullDataID data = table_data();
+  dGeomID hull = dCreateVisualHull(0, data), cube = dCreateBox(0, 0.2, 0.2, 0.2);
+  dContact good, bad;
+  int k;
+
+  memset(&good, 0, sizeof good);
+  dGeomSetPosition(cube, 0, 0, TOP + 0.096);
+  CHECK(dCollide(hull, cube, 1, &good.geom, sizeof good) == 1);
+  CHECK(dVisualHullSetContactMotion(&good, 0.005) == 0 && dVisualHullSetContactMotion(&good, 0) == 0);
+
+  CHECK_REFUSED(dVisualHullSetContactMotion(NULL, 0.005), -1, "contact");
+  CHECK_REFUSED(dVisualHullSetContactMotion(&good, -0.005), -1, "stepsize");
+  CHECK_REFUSED(dVisualHullSetContactMotion(&good, NAN), -1, "stepsize");
+  CHECK_REFUSED(dVisualHullSetContactMotion(&good, INFINITY), -1, "stepsize");
+  bad = good, bad.geom.g1 = 0;
+  CHECK_REFUSED(dVisualHullSetContactMotion(&bad, 0.005), -1, "g1");
+  bad = good, bad.geom.g2 = 0;
+  CHECK_REFUSED(dVisualHullSetContactMotion(&bad, 0.005), -1, "g2");
+  for (k = 0; k < 3; k++) {
+    bad = good, bad.geom.pos[k] = NAN;
+    CHECK_REFUSED(dVisualHullSetContactMotion(&bad, 0.005), -1, "finite");
+    bad = good, bad.geom.normal[k] = NAN;
+    CHECK_REFUSED(dVisualHullSetContactMotion(&bad, 0.005), -1, "unit");
+  }
+  for (k = 0; k < 4; k++) {
+    bad = good, bad.geom.normal[0] = bad.geom.normal[1] = 0, bad.geom.normal[2] = lengths[k];
+    CHECK_REFUSED(dVisualHullSetContactMotion(&bad, 0.005), -1, "unit");
+  }
+
+  /* A hull that was destroyed is an unknown address, which is not followed. */
+  dGeomDestroy(hull);
+  CHECK(dVisualHullSetContactMotion(&good, 0.005) == 0);
+  dGeomDestroy(cube);
+  dGeomVisualHullDataDestroy(data);
 }
 
 static void invalid_arguments_of_a_hull_are_refused(void) {
@@ -274,6 +350,8 @@ int main(void) {
   CHECK(dInitODE2(0) && dInitVisualHull());
   invalid_views_are_refused();
   invalid_masks_and_updates_are_refused();
+  invalid_motions_and_times_are_refused();
+  invalid_contacts_are_refused();
   invalid_arguments_of_a_hull_are_refused();
   calls_after_the_class_is_closed_are_refused();
   dCloseODE();

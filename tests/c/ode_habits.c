@@ -367,6 +367,36 @@ static void a_disabled_view_abstains_until_it_is_enabled(void) {
   dGeomVisualHullDataDestroy(own);
 }
 
+static void a_late_view_abstains_until_its_next_mask(void) {
+  const dReal behind = 0.5; /* as above */
+  dVisualHullDataID own = table_data();
+  dGeomID hull = dCreateVisualHull(0, own);
+  unsigned char mask[HEIGHT * WIDTH];
+  int view;
+
+  CHECK(dGeomVisualHullDataSetUnseen(own, dVisualHullUnseenAbstain, 2));
+  CHECK(dGeomVisualHullDataSetMaxAge(own, 0.5));
+  for (view = 0; view < VIEWS; view += 2) {
+    draw_table(view, 0, mask);
+    CHECK(dGeomVisualHullDataSetMask(own, view, mask, WIDTH));
+  }
+  CHECK(dGeomVisualHullDataUpdate(own, 1));
+  CHECK(dGeomVisualHullPointInside(hull, cos(0.3) * behind, sin(0.3) * behind, 0) == 1);
+
+  show_table(own, 0);
+  CHECK(dGeomVisualHullDataUpdate(own, 2));
+  CHECK(dGeomVisualHullPointInside(hull, cos(0.3) * behind, sin(0.3) * behind, 0) == 0);
+
+  /* Two seconds without masks make all views late, unless any age is allowed. */
+  CHECK(dGeomVisualHullDataUpdate(own, 4));
+  CHECK(dGeomVisualHullPointInside(hull, 0, 0, 0) == 0);
+  CHECK(dGeomVisualHullDataSetMaxAge(own, 0));
+  CHECK(dGeomVisualHullDataUpdate(own, 4));
+  CHECK(dGeomVisualHullPointInside(hull, 0, 0, 0) == 1);
+  dGeomDestroy(hull);
+  dGeomVisualHullDataDestroy(own);
+}
+
 /* The number of colliding samples of a geom that touches the table. */
 static int colliding(dGeomID hull, dGeomID body) {
   dVector3 v;
@@ -437,6 +467,7 @@ int main(void) {
   a_camera_and_its_projection_matrix_give_the_same_hull();
   a_fisheye_lens_and_a_pinhole_camera_give_the_same_hull();
   a_disabled_view_abstains_until_it_is_enabled();
+  a_late_view_abstains_until_its_next_mask();
   samples_belong_to_one_shape();
 
   dGeomVisualHullDataDestroy(data);

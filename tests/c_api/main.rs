@@ -35,18 +35,37 @@ macro_rules! programs {
     };
 }
 
-programs! { falling_box ode_habits bad_input classes copies late_calls sleepers threads transforms }
+programs! { falling_box ode_habits bad_input classes copies late_calls motion sleepers threads transforms }
+
+/// The blocks of C in the documentation.
+fn documented_code() -> Vec<String> {
+    let page = std::fs::read_to_string(root().join("docs/c.md")).unwrap();
+    page.split("```c\n").skip(1).map(|rest| rest.split_once("```").unwrap().0.to_owned()).collect()
+}
+
+/// The height at which the box of the documented program ends, in metres.
+fn documented_height(name: &str, code: &str) -> f64 {
+    let source = scratch().join(format!("{name}.c"));
+    std::fs::write(&source, code).unwrap();
+    let program = Program::build_from(name, &[source], Language::C99, Linkage::Shared);
+    let last = program.run().lines().last().unwrap().to_owned();
+    last.split_whitespace().rev().nth(1).unwrap().parse().unwrap()
+}
 
 #[test]
 fn the_program_in_the_documentation_does_what_it_says() {
-    let page = std::fs::read_to_string(root().join("docs/c.md")).unwrap();
-    let code = page.split_once("```c\n").unwrap().1.split_once("```").unwrap().0;
-    let source = scratch().join("documented.c");
-    std::fs::write(&source, code).unwrap();
-    let program = Program::build_from("documented", &[source], Language::C99, Linkage::Shared);
-
-    let last = program.run().lines().last().unwrap().to_owned();
-    let height: f64 = last.split_whitespace().rev().nth(1).unwrap().parse().unwrap();
+    let height = documented_height("documented", &documented_code()[0]);
     // The page says "rests at 0.3 m"; the contact surface layer lets the body sink by a millimetre.
-    assert!((height - 0.3).abs() < 0.002, "{last}");
+    assert!((height - 0.3).abs() < 0.002, "{height}");
+}
+
+#[test]
+fn the_near_callback_for_a_moving_subject_serves_a_subject_at_rest_too() {
+    let code = documented_code();
+    let (head, rest) = code[0].split_once("static void near_callback").unwrap();
+    let (_, main) = rest.split_once("int main").unwrap();
+    let program = format!("{head}{}\nint main{main}", code[1]);
+    let height = documented_height("documented_motion", &program);
+    // As above: without motion the callback gives plain contacts.
+    assert!((height - 0.3).abs() < 0.002, "{height}");
 }

@@ -14,7 +14,7 @@ mod studio;
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use ode_visual_hull::Result;
-use ode_visual_hull::hull::HullData;
+use ode_visual_hull::hull::{HullData, Motion};
 use ode_visual_hull::ode::set_random_seed;
 use ode_visual_hull_film::{FilmOptions, Simulation, Story, run_film, view_of};
 use options::Options;
@@ -37,7 +37,7 @@ fn run(options: &Options) -> Result<()> {
     set_random_seed(options.seed);
     let data = Arc::new(HullData::new());
     let mut studio = Studio::new(options.seed, &data)?;
-    let mut simulation = Simulation::new(&data, studio.pixel_size(&data)?)?;
+    let mut simulation = Simulation::new(&data, studio.pixel_size(&data)?, Motion::Held)?;
     studio::stack(&mut simulation)?;
     let frames = options.frames.map_or(usize::MAX, |frames| frames as usize).min(studio.frames());
     let view = view_of(&studio, options.view.as_deref())?;

@@ -117,7 +117,7 @@ impl Frames for Studio {
     }
 
     /// The image without noise, which would only make the film larger.
-    fn picture(&mut self, view: usize) -> Result<RgbImage> {
+    fn picture(&mut self, view: usize, _: f64) -> Result<RgbImage> {
         Ok(self.images[view].clone())
     }
 

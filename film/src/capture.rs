@@ -23,14 +23,15 @@ pub trait Frames: Sync {
     /// Masks that cannot be read or made, or that `data` refuses.
     fn publish(&mut self, time: f64, data: &HullData) -> Result<()>;
 
-    /// The image of camera `view` at the time of the masks published last.
+    /// The image of camera `view` that was taken nearest to `time`, in seconds: that of the hull in the simulation, which
+    /// may lag behind the masks published last. Times never decrease.
     ///
     /// # Errors
     /// An image that cannot be read.
-    fn picture(&mut self, view: usize) -> Result<RgbImage>;
+    fn picture(&mut self, view: usize, time: f64) -> Result<RgbImage>;
 
-    /// Where `ray`, a viewing ray of camera `view`, first meets the subject at the time of the masks published last.
-    /// `hull` is the hull of these masks.
+    /// Where `ray`, a viewing ray of camera `view`, first meets the subject at the time of `hull`, the hull in the
+    /// simulation.
     fn hit(&self, ray: &Ray, view: usize, hull: &Hull) -> Option<Hit>;
 
     /// The height of the subject's top at the time of the masks published last, where it is known.

@@ -27,6 +27,8 @@ mod run;
 #[cfg(feature = "ode")]
 mod simulation;
 #[cfg(feature = "ode")]
+mod subject_speed;
+#[cfg(feature = "ode")]
 mod summary;
 mod window;
 

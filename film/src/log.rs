@@ -17,6 +17,9 @@ pub struct Entry {
     pub supports: Vec<Support>,
     /// Height of the real subject's top in metres, where it is known.
     pub real_top: Option<f64>,
+    /// Speed of the real subject's fastest part in m/s, where it is known: the 99th percentile over points of a grid just
+    /// inside the hull.
+    pub subject_speed: Option<f64>,
 }
 
 /// The entries of all frames.
@@ -40,13 +43,14 @@ impl Log {
         Self { subject: subject.into(), bodies, entries: Vec::new() }
     }
 
-    /// Adds the current states.
-    pub fn record(&mut self, simulation: &Simulation, real_top: Option<f64>) {
+    /// Adds the current states, and the subject's height and speed as in [`Entry`].
+    pub fn record(&mut self, simulation: &Simulation, real_top: Option<f64>, subject_speed: Option<f64>) {
         self.entries.push(Entry {
             time: simulation.time(),
             states: simulation.states(),
             supports: simulation.supports(),
             real_top,
+            subject_speed,
         });
     }
 

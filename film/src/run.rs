@@ -5,9 +5,10 @@ use crate::compositor::Compositor;
 use crate::film::Film;
 use crate::log::Log;
 use crate::simulation::{STEPS_PER_SECOND, Simulation};
+use crate::subject_speed::fastest_part;
 use crate::summary;
 use ode_visual_hull::camera::Ray;
-use ode_visual_hull::hull::HullData;
+use ode_visual_hull::hull::{HullData, Motion};
 use ode_visual_hull::{Error, Result};
 use std::path::Path;
 use std::time::Instant;
@@ -65,6 +66,7 @@ pub fn run_film(
     })?;
 
     let mut text = summary::table(&log, simulation, still_until, capture.subject());
+    text += &summary::speeds(&log, simulation);
     text += &summary::summary(frames, capture.cameras().len(), started.elapsed());
     for (path, what) in written {
         text += &format!("{what:<12} {}\n", path.display());
@@ -90,11 +92,11 @@ fn play(
             capture.publish((frame * STEPS_PER_FRAME + step) as f64 / STEPS_PER_SECOND, data)?;
             simulation.advance(1.0 / STEPS_PER_SECOND)?;
         }
-        log.record(simulation, capture.real_top());
+        log.record(simulation, capture.real_top(), subject_speed(capture, data, simulation.time())?);
 
         if let Some((view, compositor)) = &compositor {
-            let picture = capture.picture(*view)?;
-            let hull = data.latest().map(|(_, hull)| hull);
+            let hull = simulation.hull();
+            let picture = capture.picture(*view, hull.as_ref().map_or(0.0, |hull| hull.time()))?;
             let real = |ray: &Ray| hull.as_ref().and_then(|hull| capture.hit(ray, *view, hull));
             film.push(compositor.draw(&picture, &simulation.drawn(), &real));
         }
@@ -102,4 +104,13 @@ fn play(
     }
 
     Ok(())
+}
+
+/// The speed of the fastest part of the subject at `time`, in m/s; `None` while it stands still. It does not depend on the
+/// simulation's own hull, which has no velocities where it is held.
+fn subject_speed(capture: &impl Story, data: &HullData, time: f64) -> Result<Option<f64>> {
+    if time <= capture.still_until() {
+        return Ok(None);
+    }
+    Ok(fastest_part(&*data.in_motion(Motion::Interpolated, time)?))
 }

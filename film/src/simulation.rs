@@ -3,13 +3,19 @@
 use crate::body_shape::check_drawable;
 use crate::compositor::Drawn;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, vector};
-use ode_visual_hull::hull::HullData;
+use ode_visual_hull::hull::{Hull, HullData, Motion};
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, World};
 use ode_visual_hull::{Error, Result};
 use std::sync::Arc;
 
 /// Steps of the simulation a second.
 pub const STEPS_PER_SECOND: f64 = 240.0;
+
+/// Acceleration of falling bodies, in m/s2.
+const GRAVITY: f64 = 9.81;
+
+/// A body slower than this, in m/s, is at rest.
+pub(crate) const AT_REST: f64 = 0.02;
 
 /// Density of the bodies in kg/m3, about that of a parcel.
 const DENSITY: f64 = 120.0;
@@ -39,6 +45,11 @@ pub struct SimulatedBody {
     pub first_contact: Option<f64>,
     /// Largest speed since then, in m/s.
     pub fastest_after_contact: f64,
+    /// Largest speed since then without what it gained by falling, in m/s: the speed that it would have at the greatest
+    /// height since it was last at rest.
+    pub fastest_without_fall: f64,
+    /// That height, in metres.
+    highest: f64,
 }
 
 /// What a body touched in the last step.
@@ -72,6 +83,19 @@ pub enum Support {
     Nothing,
 }
 
+impl SimulatedBody {
+    /// Records the speed in m/s and the height in metres after a step.
+    fn record_speed(&mut self, speed: f64, height: f64) {
+        self.highest = if speed < AT_REST { height } else { self.highest.max(height) };
+        if self.first_contact.is_some() {
+            let by_falling = 2.0 * GRAVITY * (self.highest - height);
+            let without_fall = (speed * speed - by_falling).max(0.0).sqrt();
+            self.fastest_without_fall = self.fastest_without_fall.max(without_fall);
+            self.fastest_after_contact = self.fastest_after_contact.max(speed);
+        }
+    }
+}
+
 /// A world with its bodies.
 #[derive(Debug)]
 pub struct Simulation {
@@ -83,15 +107,15 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// A world with the hull of `data` and a floor at z = 0; `pixel_size` is the size of a pixel
-    /// at the subject, in metres.
+    /// A world with the hull of `data`, shown in `motion` at the world's time, and a floor at z = 0; `pixel_size` is the
+    /// size of a pixel at the subject, in metres. The world's time begins with 0, on the clock of the frames.
     ///
     /// # Errors
     /// ODE is missing.
-    pub fn new(data: &Arc<HullData>, pixel_size: f64) -> Result<Self> {
+    pub fn new(data: &Arc<HullData>, pixel_size: f64, motion: Motion) -> Result<Self> {
         let mut world = World::new(&Ode::init()?)?;
-        world.set_gravity(&vector![0.0, 0.0, -9.81])?;
-        world.set_erp(0.2)?;
+        world.set_gravity(&vector![0.0, 0.0, -GRAVITY])?;
+        world.set_erp(erp(motion))?;
         world.set_cfm(1e-5)?;
         world.set_quick_step_iterations(50)?;
 
@@ -102,6 +126,7 @@ impl Simulation {
         let floor = world.add_geom(root, &Shape::Plane { normal: Vector3::z(), offset: 0.0 })?;
         let hull = world.add_hull(root, data)?;
         world.hull_mut(hull).set_min_feature(MIN_FEATURE)?;
+        world.hull_mut(hull).set_motion(motion);
         Ok(Self { world, hull, floor, bodies: Vec::new(), time: 0.0 })
     }
 
@@ -126,6 +151,8 @@ impl Simulation {
             deepest: 0.0,
             first_contact: None,
             fastest_after_contact: 0.0,
+            fastest_without_fall: 0.0,
+            highest: pose.translation.z,
         });
 
         Ok(())
@@ -140,14 +167,12 @@ impl Simulation {
         let dt = duration / steps;
 
         for _ in 0..steps as u32 {
-            self.collide()?;
+            self.collide(dt)?;
             self.world.quick_step(dt)?;
             self.time += dt;
             for one in &mut self.bodies {
-                if one.first_contact.is_some() {
-                    let speed = self.world.body(one.body).linear_velocity().norm();
-                    one.fastest_after_contact = one.fastest_after_contact.max(speed);
-                }
+                let body = self.world.body(one.body);
+                one.record_speed(body.linear_velocity().norm(), body.position().z);
             }
         }
 
@@ -157,18 +182,22 @@ impl Simulation {
         }
     }
 
-    /// Collides: adds contacts for every pair with a body, and records what each body touches.
-    fn collide(&mut self) -> Result<()> {
+    /// Collides before a step of `dt` seconds: adds contacts for every pair with a body, and records what each body
+    /// touches.
+    fn collide(&mut self, dt: f64) -> Result<()> {
         let Self { world, hull, floor, bodies, time } = self;
         for one in bodies.iter_mut() {
             one.touched = Touched::default();
         }
 
+        // Contacts with the hull carry the speed of the real surface.
+        world.hull_mut(*hull).set_time(*time)?;
         let surface = Surface::with_friction(FRICTION);
         world.collide(|pair| {
             let contacts = pair.contacts(MAX_CONTACTS);
             for contact in contacts.iter() {
-                pair.attach(contact, &surface);
+                let motion = pair.surface_motion(contact, dt);
+                pair.attach(contact, &motion.map_or(surface, |motion| surface.with_motion(&motion)));
             }
             if contacts.is_empty() {
                 return;
@@ -202,6 +231,11 @@ impl Simulation {
     /// The bodies.
     pub fn bodies(&self) -> &[SimulatedBody] {
         &self.bodies
+    }
+
+    /// The hull that the bodies collided with last; `None` before the first step.
+    pub fn hull(&self) -> Option<Arc<Hull>> {
+        self.world.hull(self.hull).frame()
     }
 
     /// Simulated time, in seconds.
@@ -266,6 +300,13 @@ impl Simulation {
             count(Support::Floor)
         )
     }
+}
+
+/// The part of a contact's depth that a step corrects. A surface that jumps from frame to frame moves bodies by this
+/// correction alone. One that moves gives them its speed, and a correction would add to it: with 0.05 a pushed box
+/// leaves at the surface's speed or little more.
+fn erp(motion: Motion) -> f64 {
+    if motion == Motion::Held { 0.2 } else { 0.05 }
 }
 
 /// The angle in degrees between the vertical and the axis of the body that is nearest to it.

@@ -4,14 +4,16 @@ use crate::body_shape;
 use crate::film::Film;
 use crate::log::{Entry, Log};
 use crate::plot;
-use crate::simulation::{Simulation, State, Support, lean_deg};
+use crate::simulation::{AT_REST, Simulation, State, Support, lean_deg};
+use crate::subject_speed::quantile;
 use ode_visual_hull::Result;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// A body slower than this, in m/s, is at rest.
-const AT_REST: f64 = 0.02;
+/// The part of the frames in which the subject's fastest part is slower than its speed in the summary, so that no single
+/// frame decides.
+const SLOWER_FRAMES: f64 = 0.95;
 
 /// Duration before the subject moves over which stillness is measured, in seconds.
 const STILLNESS_SECONDS: f64 = 0.8;
@@ -79,6 +81,23 @@ fn place(support: Support, speed: f64, subject: &str) -> &str {
         Support::Subject => subject,
         Support::Floor => "floor",
     }
+}
+
+/// A line that compares the fastest body with the fastest part of the subject, whose speed is the 95th percentile of
+/// [`Entry::subject_speed`] over the frames in which it moves.
+pub(crate) fn speeds(log: &Log, simulation: &Simulation) -> String {
+    let moving = log.entries.iter().filter_map(|entry| entry.subject_speed).filter(|&speed| speed > 0.0);
+    let subject = &log.subject;
+    let Some(of_subject) = quantile(moving.collect(), SLOWER_FRAMES) else {
+        return format!("speed: the {subject} does not move\n");
+    };
+
+    let of_body = simulation.bodies().iter().map(|one| one.fastest_without_fall).fold(0.0, f64::max);
+    let ratio = of_body / of_subject;
+    format!(
+        "speed: fastest part of the {subject} {of_subject:.2} m/s; fastest body {of_body:.2} m/s without falling, \
+         {ratio:.2} of it\n"
+    )
 }
 
 /// A line on the number of frames and the time they took.

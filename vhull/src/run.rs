@@ -1,5 +1,6 @@
 //! `vhull run`: virtual bodies and a recorded subject in one simulation.
 
+mod movement;
 mod obstacle;
 mod placement;
 mod playback;
@@ -9,6 +10,7 @@ use crate::arguments::{VolumeOptions, numbers, parse_frames, parse_rate};
 use crate::frame_times::ASSUMED_RATE;
 use crate::{Outcome, progress};
 use clap::ValueEnum;
+use movement::Movement;
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::set_random_seed;
@@ -24,10 +26,11 @@ use std::sync::Arc;
 /// Drop virtual bodies on a recorded subject, or let it knock over a stack of boxes.
 ///
 /// The recording's masks collide with the bodies, at the pace at which they were recorded. The first frame is held
-/// until the bodies have come to rest. World z is up, the floor at z = 0. Writes a film (GIF, 30 frames a second) and
-/// three stills of it, the state of each body in each frame of the film (CSV) and a plot of their heights, and prints
-/// what became of the bodies. The film shows the recording's images or videos (these need ffmpeg), or its masks where
-/// there are none.
+/// until the bodies have come to rest. Between its frames the subject moves on and pushes bodies with its own speed
+/// (`--motion`). World z is up, the floor at z = 0. Writes a film (GIF, 30 frames a second) and three stills of it, the
+/// state of each body in each frame of the film (CSV) and a plot of their heights, and prints what became of the bodies,
+/// and how fast they were beside the subject. The film shows the recording's images or videos (these need ffmpeg), or its
+/// masks where there are none.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
@@ -56,6 +59,9 @@ pub struct Options {
     #[command(flatten)]
     volume: VolumeOptions,
 
+    /// How the subject moves between its recorded frames, where they are at most 0.5 s apart.
+    #[arg(long, value_enum, value_name = "MOTION", default_value_t = Movement::Interpolated, help_heading = "Film")]
+    motion: Movement,
     /// Recorded frames to play, from A up to but not B; either may be left out [default: all].
     #[arg(long, value_name = "A..B", value_parser = parse_frames, help_heading = "Film")]
     frames: Option<Range<u32>>,
@@ -112,7 +118,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let data = Arc::new(HullData::new());
     let mut playback = Playback::open(options, &data)?;
     let view = view_of(&playback, options.view.as_deref())?;
-    let mut simulation = Simulation::new(&data, playback.pixel_size())?;
+    let mut simulation = Simulation::new(&data, playback.pixel_size(), options.motion.motion())?;
     let placed = match options.stack {
         Some(count) => stack(options, count.into(), &mut playback, &data, &mut simulation)?,
         None => drop(options, &playback, &data, &mut simulation)?,
@@ -135,7 +141,8 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let text = run_film(&film, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
     bar.finish_and_clear();
     let (count, seconds) = playback.pace();
-    let text = format!("{placed}\n{count} recorded frames play in {seconds:.2} s\n{}", text?);
+    let hull = options.motion.description(playback.period());
+    let text = format!("{placed}\n{count} recorded frames play in {seconds:.2} s\nhull: {hull}\n{}", text?);
 
     // The reader may have closed the pipe.
     let _ = std::io::stdout().write_all(text.as_bytes());

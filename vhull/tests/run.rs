@@ -314,3 +314,28 @@ fn the_error_for_a_folder_that_cannot_be_created_says_so() {
     assert_eq!(code, Some(1));
     assert!(text.contains("expected to make this folder"), "{text}");
 }
+
+#[test]
+fn dbg() {
+    let recording = record("dbg", rolling, 30);
+    for m in ["held", "interpolated", "predicted"] {
+        for n in ["1", "3"] {
+            let text = success(
+                &recording,
+                &[
+                    "--stack",
+                    n,
+                    "--hold",
+                    "0.5",
+                    "--no-gif",
+                    "--bounds",
+                    "-1.2,1.4,-1,1,0,1.5",
+                    "--motion",
+                    m,
+                ],
+            );
+            println!("{m} {text}");
+        }
+    }
+    panic!();
+}

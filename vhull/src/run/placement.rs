@@ -4,7 +4,7 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use ode_visual_hull::Result;
 use ode_visual_hull::camera::Ray;
-use ode_visual_hull::hull::{Hull, HullData};
+use ode_visual_hull::hull::{Hull, HullData, Motion};
 use ode_visual_hull::shape::Shape;
 use ode_visual_hull_film::{Simulation, Support};
 use std::sync::Arc;
@@ -74,7 +74,7 @@ fn is_apart(pose: &Isometry3<f64>, others: &[Isometry3<f64>], side: f64) -> bool
 
 /// Whether a box dropped from `pose` comes to rest on the subject near by.
 fn is_steady(data: &Arc<HullData>, pose: &Isometry3<f64>, side: f64, pixel_size: f64) -> Result<bool> {
-    let mut trial = Simulation::new(data, pixel_size)?;
+    let mut trial = Simulation::new(data, pixel_size, Motion::Held)?;
     trial.add(&Shape::cube(side), pose, [0; 3])?;
     trial.advance(TRIAL_SECONDS)?;
     let state = trial.states()[0];

@@ -1,12 +1,12 @@
 //! A recording as a capture: its first frame is held for a while, then it plays at its own pace.
 
 use super::Options;
-use super::timeline::Timeline;
+use super::timeline::{Publication, Timeline};
 use crate::arguments::{open_recording, shown_frames};
 use crate::background_images::{BackgroundImages, FrameTime};
 use crate::frame_times::FrameTimes;
 use crate::recorded_hulls::{RecordedHulls, evenly_spaced};
-use image::RgbImage;
+use image::{GrayImage, RgbImage};
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::hull::{Aabb, Hull, HullData};
@@ -36,8 +36,9 @@ pub struct Playback {
     sampled_hulls: Vec<Arc<Hull>>,
     /// The part of the world that the film shows.
     shown: Aabb,
-    /// Index in `frames` of the frame whose masks are published.
-    published: Option<usize>,
+    /// What is published, and its masks.
+    published: Option<Publication>,
+    masks: Vec<GrayImage>,
     /// The view that is drawn and its images, opened with the first picture.
     background: Option<(usize, BackgroundImages)>,
 }
@@ -68,6 +69,7 @@ impl Playback {
             shown: shown.reduce(|a, b| a.union(&b)).unwrap_or(*sampled_hulls[0].aabb()).grown(MARGIN),
             sampled_hulls,
             published: None,
+            masks: Vec::new(),
             background: None,
         };
         playback.publish(0.0, data)?;
@@ -78,6 +80,11 @@ impl Playback {
     /// Number of recorded frames that are played, and their duration in seconds.
     pub fn pace(&self) -> (usize, f64) {
         (self.frames.len(), self.timeline.duration())
+    }
+
+    /// The time between recorded frames on average, in seconds.
+    pub fn period(&self) -> f64 {
+        self.timeline.period()
     }
 
     /// Whether the recording states no times, so that a rate is assumed.
@@ -138,18 +145,21 @@ impl Frames for Playback {
     }
 
     fn publish(&mut self, time: f64, data: &HullData) -> Result<()> {
-        let position = self.timeline.at(time);
-        if self.published != Some(position) {
-            let (frame, _) = self.frames[position];
-            publish_masks(data, &self.recording.masks(frame)?, self.timeline.start(position))?;
-            self.published = Some(position);
+        let due = self.timeline.at(time);
+        if self.published == Some(due) {
+            return Ok(());
         }
+        if self.published.is_none_or(|published| published.frame != due.frame) {
+            self.masks = self.recording.masks(self.frames[due.frame].0)?;
+        }
+        publish_masks(data, &self.masks, due.time)?;
+        self.published = Some(due);
         Ok(())
     }
 
     /// The nearest recorded image, else the mask.
-    fn picture(&mut self, view: usize) -> Result<RgbImage> {
-        let moment = self.frames[self.published.unwrap_or(0)];
+    fn picture(&mut self, view: usize, time: f64) -> Result<RgbImage> {
+        let moment = self.frames[self.timeline.nearest(time)];
         let Self { recording, frame_times, .. } = self;
         let without_film = |e| Error::argument(format!("{e}; fix it, or run without a film: --no-gif"));
         let mut images = match self.background.take() {

@@ -4,6 +4,7 @@
 //! `make bench`, or `cargo run --release -p ode-visual-hull-bench -- --help`. It fails where a bound is missed.
 
 mod frames;
+mod motion;
 mod page;
 mod peers;
 mod plot;
@@ -28,11 +29,12 @@ use std::process::ExitCode;
 type RunGroup = fn(&mut Session);
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, RunGroup); 9] = [
+const GROUPS: [(&str, RunGroup); 10] = [
     ("points", points::run_group),
     ("segmentation", segmentation::run_group),
     ("prepare", prepare::run_group),
     ("real_cameras", real_cameras::run_group),
+    ("motion", motion::run_group),
     ("frames", frames::run_group),
     ("peers", peers::run_group),
     ("simulation", simulation::run_group),

@@ -4,7 +4,7 @@ use crate::scene::{Bodies, Scene};
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3};
 use ode_visual_hull::contact::{self, BodyContacts, BodyResponse, Settings};
-use ode_visual_hull::hull::{Aabb, Hull, HullData, Inside, Points, Unseen, Workspace};
+use ode_visual_hull::hull::{Aabb, Hull, HullData, Inside, Motion, Points, Unseen, Workspace};
 use ode_visual_hull::sample::Samples;
 use ode_visual_hull::silhouette::PackedMask;
 use std::cell::Cell;
@@ -52,6 +52,11 @@ impl Rig {
             self.data.set_packed(view, mask).expect("a mask of the camera's size");
         }
         self.update()
+    }
+
+    /// The hull at a part of the time from the last frame to the next, for a simulation's own time.
+    pub fn at(&self, motion: Motion, part: f64) -> Frame {
+        Frame(self.data.in_motion(motion, self.time.get() + part * FRAME).expect("a frame"))
     }
 
     fn update(&self) -> Frame {

@@ -91,9 +91,13 @@ impl Scene {
         Self { cameras, masks, bounds: bounds() }
     }
 
-    /// The person of [`Subject::person_at`] at `time` seconds, by pinhole cameras.
-    pub fn person_at(time: f64, cameras: usize, size: (u32, u32)) -> Self {
-        Self::of(&Subject::person_at(time), pinholes(cameras, size))
+    /// The person of [`Subject::person_at`] at `time` seconds.
+    pub fn person_at(time: f64, cameras: usize, size: (u32, u32), optics: Optics) -> Self {
+        let mut cameras = pinholes(cameras, size);
+        if optics == Optics::Lenses {
+            cameras = cameras.iter().map(with_lens).collect();
+        }
+        Self::of(&Subject::person_at(time), cameras)
     }
 
     /// This scene for a program without a lens model: pinhole cameras in place of the distorted ones, with undistorted

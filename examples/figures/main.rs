@@ -10,11 +10,14 @@ mod capi;
 mod geometry;
 mod grip;
 mod lines;
+mod motion;
+mod push;
 mod segmentation;
 mod sleepers;
 mod stack;
 mod studio;
 mod trajectories;
+mod velocity;
 
 use ode_visual_hull_testing::figure::Figure;
 use ode_visual_hull_testing::figure_table;
@@ -24,7 +27,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 10] = [
+const GROUPS: [(&str, Measure); 13] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),
@@ -35,6 +38,9 @@ const GROUPS: [(&str, Measure); 10] = [
     ("grip", grip::run_group),
     ("capi", capi::run_group),
     ("segmentation", segmentation::run_group),
+    ("motion", motion::run_group),
+    ("push", push::run_group),
+    ("velocity", velocity::run_group),
 ];
 
 fn main() -> ExitCode {

@@ -9,6 +9,7 @@
 //! | [`quality`] | the hull from pixels, compared with the analytic hull of its cameras |
 //! | [`captures`] | real recordings, where they are present |
 //! | [`degenerate_lines`] | lines on which something is zero but for rounding, held against inside tests |
+//! | [`edge_noise`] | masks whose outlines are displaced at random |
 //! | [`figure`], [`figure_table`] | measured numbers, their bounds, and the file that they are written to |
 //!
 //! Unit tests of the library use the package of [`random`] alone, because this package links a second build of the
@@ -16,6 +17,7 @@
 
 pub mod captures;
 pub mod degenerate_lines;
+pub mod edge_noise;
 pub mod figure;
 pub mod figure_table;
 pub mod quality;

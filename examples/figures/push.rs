@@ -1,0 +1,264 @@
+//! Boxes that a moving board pushes, and boxes on a tray that is carried along.
+
+use crate::studio::*;
+use image::GrayImage;
+use nalgebra::{Vector3, vector};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::hull::{MaskFilter, Motion};
+use ode_visual_hull::ode::{GeomId, Shape, Surface, World};
+use ode_visual_hull::synthetic::{Subject, coverage, layout};
+use ode_visual_hull_testing::edge_noise::displace_edge;
+use ode_visual_hull_testing::figure::{
+    Bound::{AtLeast, AtMost, Between},
+    Figure,
+};
+
+/// Seconds of a step: 240 Hz.
+const STEP: f64 = 1.0 / 240.0;
+
+/// The side lengths of the board, which moves along x. It is as large as a box's side.
+const BOARD: Vector3<f64> = Vector3::new(0.04, 0.3, 0.3);
+
+/// Side length of the pushed box, in metres.
+const SIDE: f64 = 0.3;
+
+/// The near side of the box at the start.
+const FIRST_TOUCH: f64 = -0.1;
+
+/// The place of the board's centre at which the push ends.
+const END: f64 = 0.25;
+
+/// How a push is filmed and simulated.
+#[derive(Debug, Clone, Copy)]
+struct Push {
+    speed: f64,
+    rate: f64,
+    noise: f64,
+    motion: Motion,
+    erp: f64,
+    /// The weight of a new mask against the filtered last one.
+    new_weight: f64,
+    seed: u64,
+}
+
+/// What a push gave.
+#[derive(Debug, Clone, Copy)]
+struct Outcome {
+    /// The box's speed at the end over the board's.
+    ratio: f64,
+    /// How far the board was in the box at most, by where the hull shows it, in metres.
+    sink: f64,
+    /// How many frames late the box began to move.
+    latency: f64,
+}
+
+pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    for (name, noise, most, deepest) in [("", 0.0, 1.06, 10.0), ("_noisy", 1.0, 1.10, 15.0)] {
+        progress(&format!("pushes with {noise} px of noise"));
+        let found = all_pushes(noise, Motion::Interpolated, 0.05, 1.0);
+        figures.push(Figure::bounded(
+            &format!("push_speed_ratio_min{name}"),
+            least(&found, |push| push.ratio),
+            AtLeast(0.99),
+        ));
+        figures.push(Figure::bounded(
+            &format!("push_speed_ratio_max{name}"),
+            most_of(&found, |push| push.ratio),
+            AtMost(most),
+        ));
+        let sink = 1e3 * most_of(&found, |push| push.sink);
+        figures.push(Figure::bounded(&format!("push_sink_mm_max{name}"), sink, AtMost(deepest)));
+
+        let found = all_pushes(noise, Motion::Interpolated, 0.2, 1.0);
+        let name = |what: &str| format!("push_speed_ratio_{what}_erp_0_2{name}");
+        figures.push(Figure::reported(&name("min"), least(&found, |push| push.ratio)));
+        figures.push(Figure::reported(&name("max"), most_of(&found, |push| push.ratio)));
+    }
+
+    for (name, new_weight) in [("0_5", 0.5), ("0_3", 0.3)] {
+        let found = all_pushes(1.0, Motion::Interpolated, 0.05, new_weight);
+        let name = |what: &str| format!("push_speed_ratio_{what}_noisy_filter_{name}");
+        figures.push(Figure::reported(&name("min"), least(&found, |push| push.ratio)));
+        figures.push(Figure::reported(&name("max"), most_of(&found, |push| push.ratio)));
+    }
+
+    progress("pushes by a predicted and by a held hull");
+    let predicted = all_pushes(0.0, Motion::Predicted, 0.05, 1.0);
+    figures.push(Figure::bounded(
+        "predicted_push_ratio_min",
+        least(&predicted, |push| push.ratio),
+        AtLeast(0.95),
+    ));
+    figures.push(Figure::bounded(
+        "predicted_push_ratio_max",
+        most_of(&predicted, |push| push.ratio),
+        AtMost(1.15),
+    ));
+    figures.push(Figure::bounded(
+        "predicted_latency_frames",
+        most_of(&predicted, |push| push.latency),
+        Between(-1.0, 0.25),
+    ));
+    progress("a box on a tray");
+    figures.push(Figure::bounded("carry_over_tray", carry(Motion::Interpolated), AtLeast(0.85)));
+    figures.push(Figure::reported("carry_over_tray_held", carry(Motion::Held)));
+
+    let held = all_pushes(0.0, Motion::Held, 0.05, 1.0);
+    figures.push(Figure::reported("held_push_ratio_min", least(&held, |push| push.ratio)));
+    figures.push(Figure::reported("held_push_ratio_max", most_of(&held, |push| push.ratio)));
+    figures
+}
+
+fn least(pushes: &[Outcome], value: impl Fn(&Outcome) -> f64) -> f64 {
+    pushes.iter().map(value).fold(f64::INFINITY, f64::min)
+}
+
+fn most_of(pushes: &[Outcome], value: impl Fn(&Outcome) -> f64) -> f64 {
+    pushes.iter().map(value).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Pushes at three speeds, filmed at two rates.
+fn all_pushes(noise: f64, motion: Motion, erp: f64, new_weight: f64) -> Vec<Outcome> {
+    let seeds = if noise > 0.0 { 0..3 } else { 0..1 };
+    let mut found = Vec::new();
+    for seed in seeds {
+        for speed in [0.5, 1.0, 2.0] {
+            for rate in [10.0, 30.0] {
+                let push = Push { speed, rate, noise, motion, erp, new_weight, seed };
+                found.push(push.run());
+                if std::env::var("VERBOSE").is_ok() {
+                    eprintln!("{push:?} {:?}", found.last().unwrap());
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Eight cameras on a level ring, two of which look along the board.
+fn cameras() -> Vec<Camera> {
+    layout::ring(8, 5.0, 0.0, ORIGIN, (640, 480), 0.5).expect("a ring")
+}
+
+impl Push {
+    /// The first time at which the board touches the box.
+    fn touch(&self) -> f64 {
+        // Four frames, so that its motion is known.
+        4.0 / self.rate
+    }
+
+    /// The place of the board's centre at a time.
+    fn board(&self, time: f64) -> f64 {
+        FIRST_TOUCH - 0.5 * BOARD.x + self.speed * (time - self.touch())
+    }
+
+    fn masks(&self, cameras: &[Camera], frame: usize) -> Vec<GrayImage> {
+        let time = frame as f64 / self.rate;
+        let subject = Subject::new(vec![cuboid(BOARD, at(self.board(time), 0.0, 0.0))]);
+        let clean = masks(cameras, &subject, coverage);
+        if self.noise == 0.0 {
+            return clean;
+        }
+        let noisy = |(view, mask): (usize, &GrayImage)| {
+            displace_edge(mask, self.noise, self.seed << 32 | (frame << 8 | view) as u64)
+        };
+        clean.iter().enumerate().map(noisy).collect()
+    }
+
+    fn run(&self) -> Outcome {
+        let cameras = cameras();
+        let data = data(&cameras);
+        // Half a pixel for masks with noise.
+        let filter = MaskFilter { new_weight: self.new_weight, ..MaskFilter::default() };
+        data.set_mask_filter(filter).expect("a weight from 0 to 1");
+        let mut world = world(self.seed, if self.noise > 0.0 { 0.002 } else { 0.001 });
+        world.set_erp(self.erp).expect("in range");
+        let root = world.root_space();
+        let hull = world.add_hull(root, &data).expect("room for the class");
+        world.hull_mut(hull).set_motion(self.motion);
+        let floor = Shape::Plane { normal: Vector3::z(), offset: -0.5 * SIDE };
+        world.add_geom(root, &floor).expect("a unit normal");
+        let pose = at(FIRST_TOUCH + 0.5 * SIDE, 0.0, 0.0);
+        let (body, _) = add_body(&mut world, &Shape::cube(SIDE), &pose);
+
+        let latency = if self.motion == Motion::Interpolated { 1.0 / self.rate } else { 0.0 };
+        let end = self.touch() + (END + 0.5 * BOARD.x - FIRST_TOUCH) / self.speed + latency;
+        let (mut frame, mut sink, mut began) = (0, 0.0_f64, None);
+        for step in 0.. {
+            let time = step as f64 * STEP;
+            if time > end {
+                break;
+            }
+            while frame as f64 / self.rate <= time + 1e-9 {
+                publish(&data, &self.masks(&cameras, frame), frame as f64 / self.rate);
+                frame += 1;
+            }
+            world.hull_mut(hull).set_time(time).expect("times that grow");
+            let front = self.board(time - latency) + 0.5 * BOARD.x;
+            sink = sink.max(front - (world.body(body).position().x - 0.5 * SIDE));
+            collide(&mut world, hull);
+            world.quick_step(STEP).expect("finite states");
+            if began.is_none() && world.body(body).linear_velocity().x > 0.1 * self.speed {
+                began = Some(time);
+            }
+        }
+        let ratio = world.body(body).linear_velocity().x / self.speed;
+        let latency = (began.unwrap_or(end) - self.touch()) * self.rate;
+        Outcome { ratio, sink, latency }
+    }
+}
+
+/// Attaches contacts that move as the board does; the floor has no friction.
+fn collide(world: &mut World, hull: GeomId) {
+    let found = world.collide(|pair| {
+        let is_board = pair.geoms().contains(&hull);
+        let surface = Surface::with_friction(if is_board { 0.5 } else { 0.0 });
+        for contact in pair.contacts(8).iter() {
+            match pair.surface_motion(contact, STEP) {
+                Some(motion) => pair.attach(contact, &surface.with_motion(&motion)),
+                None => pair.attach(contact, &surface),
+            }
+        }
+    });
+    found.expect("valid contacts");
+}
+
+/// How far a box is carried by a tray, over how far the tray moves: 0.7 m along x, filmed at 30 Hz.
+fn carry(motion: Motion) -> f64 {
+    const WAY: f64 = 0.7;
+    const SECONDS: f64 = 1.4;
+    const RATE: f64 = 30.0;
+    // A tray at rest, that starts and stops smoothly.
+    let tray = |time: f64| {
+        let part = ((time - 0.3) / SECONDS).clamp(0.0, 1.0);
+        WAY * (part * part * (3.0 - 2.0 * part) - 0.5)
+    };
+    let sides = vector![0.5, 0.5, 0.06];
+    let cameras = layout::ring(8, 5.0, 0.5 * sides.z, ORIGIN, (640, 480), 0.5).expect("a ring");
+    let data = data(&cameras);
+
+    let mut world = world(0, 0.001);
+    world.set_erp(if motion == Motion::Held { 0.2 } else { 0.05 }).expect("in range");
+    let root = world.root_space();
+    let hull = world.add_hull(root, &data).expect("room for the class");
+    world.hull_mut(hull).set_motion(motion);
+    let (body, _) = add_body(&mut world, &Shape::cube(0.15), &at(tray(0.0), 0.0, 0.5 * sides.z + 0.076));
+
+    let mut frame = 0;
+    for step in 0..(2.2 / STEP) as usize {
+        let time = step as f64 * STEP;
+        while f64::from(frame) / RATE <= time + 1e-9 {
+            let place = tray(f64::from(frame) / RATE);
+            let subject = Subject::new(vec![cuboid(sides, at(place, 0.0, 0.0))]);
+            publish(&data, &masks(&cameras, &subject, coverage), f64::from(frame) / RATE);
+            frame += 1;
+        }
+        world.hull_mut(hull).set_time(time).expect("times that grow");
+        world.default_collide(&Surface::with_friction(0.5), 8).expect("a valid surface");
+        world.quick_step(STEP).expect("finite states");
+    }
+    // A box that fell off was not carried.
+    let position = world.body(body).position();
+    if position.z < 0.0 { 0.0 } else { (position.x - tray(0.0)) / WAY }
+}

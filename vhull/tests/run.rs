@@ -215,13 +215,17 @@ fn the_subject_moves_by_the_times_of_the_recording_whatever_the_frame_rate_of_th
     let lines = (0..30).map(|frame| format!("{frame},{:.6}\n", 3.0 + f64::from(frame) / 60.0));
     std::fs::write(recording.join("frames.csv"), format!("frame,time\n{}", lines.collect::<String>()))
         .unwrap();
-    assert_eq!(play(&[]).0, at_60);
+    // Times in the file are rounded to a microsecond, which moves an interpolated hull by less than a micrometre; contacts
+    // may amplify that.
+    let is_close =
+        |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-3);
+    assert!(is_close(&play(&[]).0, &at_60));
     assert_eq!(play(&["--rate", "30"]).0, heights, "--rate takes precedence over frames.csv");
 
     // The frame rate of videos.
     std::fs::remove_file(recording.join("frames.csv")).unwrap();
     film(&recording, "blue", 60, 2);
-    assert_eq!(play(&[]).0, at_60);
+    assert!(is_close(&play(&[]).0, &at_60));
 }
 
 #[test]
@@ -313,29 +317,4 @@ fn the_error_for_a_folder_that_cannot_be_created_says_so() {
     let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--no-gif"]);
     assert_eq!(code, Some(1));
     assert!(text.contains("expected to make this folder"), "{text}");
-}
-
-#[test]
-fn dbg() {
-    let recording = record("dbg", rolling, 30);
-    for m in ["held", "interpolated", "predicted"] {
-        for n in ["1", "3"] {
-            let text = success(
-                &recording,
-                &[
-                    "--stack",
-                    n,
-                    "--hold",
-                    "0.5",
-                    "--no-gif",
-                    "--bounds",
-                    "-1.2,1.4,-1,1,0,1.5",
-                    "--motion",
-                    m,
-                ],
-            );
-            println!("{m} {text}");
-        }
-    }
-    panic!();
 }

@@ -6,6 +6,7 @@
 
 mod agreement;
 mod at_rest;
+mod camera_loss;
 mod capi;
 mod geometry;
 mod grip;
@@ -27,7 +28,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 13] = [
+const GROUPS: [(&str, Measure); 14] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),
@@ -41,6 +42,7 @@ const GROUPS: [(&str, Measure); 13] = [
     ("motion", motion::run_group),
     ("push", push::run_group),
     ("velocity", velocity::run_group),
+    ("camera_loss", camera_loss::run_group),
 ];
 
 fn main() -> ExitCode {

@@ -148,6 +148,12 @@ impl BodyContacts {
         self.points.iter().filter(move |point| point.manifold == manifold)
     }
 
+    /// The depth of the deepest contact in metres; 0 without contacts.
+    #[cfg(feature = "ode")]
+    pub(crate) fn deepest(&self) -> f64 {
+        self.points.iter().map(|point| point.depth).fold(0.0, f64::max)
+    }
+
     /// Removes all contacts, and keeps the memory.
     fn reset(&mut self) {
         self.manifolds.clear();

@@ -55,6 +55,12 @@ pub(crate) const MAX_CONTACTS: usize = 8;
 #[cfg(feature = "ode")]
 pub(crate) const MIN_FEATURE: f64 = 0.03;
 
+/// Growth of the depth at a body when views are lost, in pixels of the nearest view, above which their last masks count
+/// on for the body. Far above, bodies are pushed visibly when the hull grows; at 0, the real motion that the other views
+/// see is held back at bodies over which the hull has hardly grown.
+#[cfg(feature = "ode")]
+pub(crate) const GROWTH_PX: f64 = 0.5;
+
 /// Change of the depth at a sleeping body, in pixels of the nearest view, above which the body is woken. A flickering
 /// edge pixel moves the surface by less, and a larger change would be visible. At 0 noise keeps every body awake.
 #[cfg(feature = "ode")]

@@ -142,6 +142,14 @@ impl Hull {
         self
     }
 
+    /// This hull, but with other views in the places of some, each with its index.
+    #[cfg(feature = "ode")]
+    pub(crate) fn with_views(&self, others: &[(usize, View)]) -> Self {
+        let mut views = self.views.clone();
+        others.iter().for_each(|(k, view)| views[*k] = view.clone());
+        Self::new(views, self.bounds, self.unseen, self.time).with_culls(self.culls)
+    }
+
     /// All views, including the disabled ones.
     pub fn views(&self) -> &[View] {
         &self.views

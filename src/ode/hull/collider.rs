@@ -54,14 +54,16 @@ pub(super) unsafe fn collide_body(
 
     let (hull_from_other, mut found) = (query.stamp.hull_from_other, take_scratch(&SCRATCH));
     if flags & CONTACTS_UNIMPORTANT != 0 {
-        contact::collide_any(&mut found, &context.hull, &query.samples, &hull_from_other, &context.settings);
+        let hull = context.hull_for(query.other);
+        contact::collide_any(&mut found, hull, &query.samples, &hull_from_other, &context.settings);
     } else {
         // SAFETY: the caller vouches for the geoms, and ODE for those in the spaces that it collides.
         unsafe {
-            let samples = query.samples.clone();
-            prefetch::contacts_for(&geom.prefetch, &context, other, query, &mut found);
-            let collided = CollidedBody { geom: other, samples: &samples, hull_from_body: hull_from_other };
-            wake::record_contacts(&context, &collided, &found);
+            prefetch::contacts_for(&geom.prefetch, &context, other, &query, &mut found);
+            let kept_loss = context.keep_lost_views(&query, &mut found);
+            let collided =
+                CollidedBody { geom: other, samples: &query.samples, hull_from_body: hull_from_other };
+            wake::record_contacts(&context, &collided, &found, kept_loss);
         }
     }
 

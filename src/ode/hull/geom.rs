@@ -1,6 +1,7 @@
 //! The data behind a hull geom: the data object that it is bound to, the frame in force, and its settings.
 
 use super::last_contacts::LastContacts;
+use super::lost_views::LostViews;
 use super::prefetch::ContactPrefetch;
 use super::query::CollideContext;
 use crate::contact::Settings;
@@ -59,6 +60,7 @@ struct State {
     time: Option<f64>,
     /// What the hull in force was warped for: the latest frame's number, and the time.
     warped_for: Option<(u64, f64)>,
+    lost_views: LostViews,
     settings: Settings,
     /// In metres.
     min_feature: f64,
@@ -77,6 +79,7 @@ impl HullGeom {
             motion: Motion::Held,
             time: None,
             warped_for: None,
+            lost_views: LostViews::default(),
             settings: Settings::default(),
             min_feature: MIN_FEATURE,
             error: None,
@@ -102,6 +105,7 @@ impl HullGeom {
     pub(super) fn set_data(&self, data: Arc<HullData>) {
         let mut state = self.lock();
         (state.data, state.time, state.warped_for) = (data, None, None);
+        state.lost_views.begin_anew();
     }
 
     /// Which hull the geom shows at the simulation's time.
@@ -204,7 +208,9 @@ impl HullGeom {
         };
 
         if is_new {
-            state.hull = hull;
+            let last = std::mem::replace(&mut state.hull, hull);
+            let State { lost_views, hull, .. } = &mut *state;
+            lost_views.compare(last.as_deref(), hull.as_deref());
             state.frame_count += 1;
         }
         is_new
@@ -289,6 +295,7 @@ impl HullGeom {
             frame: state.frame_count,
             settings: state.settings,
             min_feature: state.min_feature,
+            loss: state.lost_views.in_force(),
             hull_from_world: world_from_hull.inverse(),
             geom: self,
         })

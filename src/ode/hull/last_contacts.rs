@@ -50,6 +50,8 @@ pub(super) struct ContactState {
     pub(super) touch: Option<Touch>,
     /// The escape direction that was chosen, in the hull's frame.
     pub(super) escape: Option<Vector3<f64>>,
+    /// The number of the loss of views before which the body was there, while the hull has grown over it.
+    pub(super) kept_loss: Option<u64>,
     /// A box around the body, in the world's frame.
     pub(super) body: Aabb,
 }
@@ -73,6 +75,11 @@ impl LastContacts {
     /// How the geom at address `other` touched the hull when it was last awake.
     pub(super) fn touch(&self, other: usize) -> Option<Touch> {
         lock(&self.table).by_geom.get(&other)?.state.touch
+    }
+
+    /// The [`ContactState::kept_loss`] of the geom at address `other`.
+    pub(super) fn kept_loss(&self, other: usize) -> Option<u64> {
+        lock(&self.table).by_geom.get(&other)?.state.kept_loss
     }
 
     /// Records that the geom at address `other` was collided. `is_woken` tells that its body was asleep until now.
@@ -154,7 +161,7 @@ mod tests {
 
     fn state(is_asleep: bool, depth: Option<f64>) -> ContactState {
         let touch = depth.map(|depth| Touch { depth, direction: Vector3::z() });
-        ContactState { has_body: true, is_asleep, touch, escape: None, body: AT_ORIGIN }
+        ContactState { has_body: true, is_asleep, touch, escape: None, kept_loss: None, body: AT_ORIGIN }
     }
 
     fn depth(contacts: &LastContacts, geom: usize) -> Option<f64> {

@@ -3,7 +3,7 @@
 //! ```text
 //!   ODE's collide ─► class ─► collider ─► prefetch ─► contact::collide_many
 //!                                │            └► query ─► body_samples
-//!                                └► geom: the frame in force, settings, last_contacts
+//!                                └► geom: the frame in force, settings, last_contacts, lost_views
 //!
 //!   programs in Rust: view ─► raw ◄─ open_class: programs that own ODE themselves
 //! ```
@@ -14,6 +14,7 @@ mod class;
 mod collider;
 mod geom;
 mod last_contacts;
+mod lost_views;
 mod open_class;
 mod prefetch;
 mod query;

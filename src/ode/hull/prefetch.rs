@@ -62,23 +62,23 @@ pub(super) unsafe fn contacts_for(
     prefetch: &Mutex<Option<Box<ContactPrefetch>>>,
     context: &CollideContext,
     other: dGeomID,
-    query: ContactQuery,
+    query: &ContactQuery,
     contacts: &mut BodyContacts,
 ) {
     // Taken out, so that no lock is held while ODE is called: another thread that comes meanwhile collides its body alone.
     let Some(mut cached) = lock(prefetch).take() else {
-        return collide_single(&context.hull, &query, contacts);
+        return collide_single(&context.hull, query, contacts);
     };
 
-    if !cached.take_cached(&query, contacts) {
+    if !cached.take_cached(query, contacts) {
         // SAFETY: the caller vouches for the geom.
         let space = unsafe { dGeomGetSpace(other) };
-        if cached.should_batch(&query, space) {
+        if cached.should_batch(query, space) {
             // SAFETY: the caller vouches for the space.
-            unsafe { cached.collide_space(space, context, &query) };
-            cached.take_cached(&query, contacts);
+            unsafe { cached.collide_space(space, context, query) };
+            cached.take_cached(query, contacts);
         } else {
-            collide_single(&context.hull, &query, contacts);
+            collide_single(&context.hull, query, contacts);
         }
     }
     *lock(prefetch) = Some(cached);

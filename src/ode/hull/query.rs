@@ -2,6 +2,7 @@
 
 use super::body_samples::{self, BodySamples};
 use super::geom::HullGeom;
+use super::lost_views::Loss;
 use crate::Result;
 use crate::contact::{SampledBody, Settings};
 use crate::hull::Hull;
@@ -20,6 +21,8 @@ pub(super) struct CollideContext<'g> {
     pub(super) settings: Settings,
     /// The diameter in metres of the thinnest real feature that must not pass between a body's samples.
     pub(super) min_feature: f64,
+    /// The views that the frame lacks; `None` where it lacks none.
+    pub(super) loss: Option<Arc<Loss>>,
     pub(super) hull_from_world: Isometry3<f64>,
     pub(super) geom: &'g HullGeom,
 }

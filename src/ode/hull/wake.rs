@@ -17,11 +17,17 @@ pub(super) struct CollidedBody<'a> {
     pub(super) hull_from_body: Isometry3<f64>,
 }
 
-/// Records the contacts of `other` with the hull, and wakes it where it sleeps and the hull at it has changed.
+/// Records the contacts of `other` with the hull, and wakes it where it sleeps and the hull at it has changed. `kept_loss`
+/// is the number of the loss before which it was there.
 ///
 /// # Safety
 /// The geom of `other` is living.
-pub(super) unsafe fn record_contacts(context: &CollideContext, other: &CollidedBody, found: &BodyContacts) {
+pub(super) unsafe fn record_contacts(
+    context: &CollideContext,
+    other: &CollidedBody,
+    found: &BodyContacts,
+    kept_loss: Option<u64>,
+) {
     // The body is the one that ODE names now, not one remembered.
     // SAFETY: the caller vouches for the geom, and ODE for its body.
     let (body, is_asleep) = unsafe {
@@ -36,8 +42,14 @@ pub(super) unsafe fn record_contacts(context: &CollideContext, other: &CollidedB
     let (centre, radius) = other.samples.bounding_sphere();
     let centre = context.hull_from_world.inverse() * (other.hull_from_body * centre);
     let around_body = Aabb { min: centre, max: centre }.grown(radius);
-    let state =
-        ContactState { has_body: !body.is_null(), is_asleep, touch, escape: found.escape, body: around_body };
+    let state = ContactState {
+        has_body: !body.is_null(),
+        is_asleep,
+        touch,
+        escape: found.escape,
+        kept_loss,
+        body: around_body,
+    };
     context.geom.last_contacts.record(other.geom as usize, state, is_woken);
 
     if is_woken {
@@ -66,7 +78,13 @@ impl CollideContext<'_> {
         let mut deeper = other.hull_from_body;
         deeper.translation.vector -= distance * before.direction;
         let mut found = BodyContacts::default();
-        contact::collide_any(&mut found, &self.hull, other.samples, &deeper, &self.settings);
+        contact::collide_any(
+            &mut found,
+            self.hull_for(other.geom as usize),
+            other.samples,
+            &deeper,
+            &self.settings,
+        );
         !found.points.is_empty()
     }
 }

@@ -248,7 +248,8 @@ int dGeomVisualHullDataSetViewEnabled(dVisualHullDataID d, int view, int enabled
  * @brief Sets how old a view's latest mask may be. A view whose mask is older at the time of an update is late: it
  * abstains in that frame as a disabled view does, until an update has a newer mask of it.
  *
- * If every view is late, or disabled, the hull is empty.
+ * If every view is late, or disabled, the hull is empty. Where some are, the hull is larger, and bodies over which it
+ * grows then are not pushed out: for them the last masks of these views stay valid.
  *
  * @param d the data object
  * @param seconds the largest age, finite and not negative; 0, the default, for any age

@@ -55,9 +55,9 @@ pub(crate) const MAX_CONTACTS: usize = 8;
 #[cfg(feature = "ode")]
 pub(crate) const MIN_FEATURE: f64 = 0.03;
 
-/// Growth of the depth at a body when views are lost, in pixels of the nearest view, above which their last masks count
-/// on for the body. Far above, bodies are pushed visibly when the hull grows; at 0, the real motion that the other views
-/// see is held back at bodies over which the hull has hardly grown.
+/// Growth of the depth at a body when views are lost, in pixels of the nearest view, above which their last masks
+/// stay valid for the body. With a large value bodies are pushed visibly when the hull grows; at 0 the last masks also
+/// hide real motion from bodies over which the hull has hardly grown.
 #[cfg(feature = "ode")]
 pub(crate) const GROWTH_PX: f64 = 0.5;
 

@@ -161,7 +161,8 @@ impl HullData {
     /// default, for any age. A view whose mask is older than that at the time of a frame is late: it abstains in that
     /// frame as a disabled view does, and takes part again in the first frame that has a newer mask of it.
     ///
-    /// A frame in which every view is late, or disabled, is no error: its hull is empty.
+    /// A frame in which every view is late, or disabled, is no error: its hull is empty. Where some are, the hull is
+    /// larger; a hull geom of ODE does not push out the bodies over which it grows then.
     ///
     /// # Errors
     /// An age that is not finite or not positive.

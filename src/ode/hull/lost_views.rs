@@ -1,16 +1,17 @@
 //! Bodies that the hull has grown over, because views were lost.
 //!
 //! ```text
-//!    all views                 one is lost
-//!      .----.                  .----------     the box is deep inside, and would be thrown out at the speed that its depth
-//!      |hull|[box]             |    [box]      demands; but the real surface is where it was, and the box stays
-//!      '----'                  '----------
+//!     all views                one is lost
+//!     .------.                 .-------------
+//!     | hull |[box]            | hull  [box]     the box is deep inside, although nothing real has moved
+//!     '------'                 '-------------
 //! ```
 //!
-//! Where a view is lost, because it is disabled or late, the hull grows by what that view alone has shown to be empty. The
-//! other views cannot tell whether something real has come there since. So for the bodies that are there the last mask of
-//! the lost view counts on: they collide with the hull of all views, until the view is back or the grown hull has left
-//! them. All other bodies, and those that come later, collide with the grown hull.
+//! Where a view is lost, because it is disabled or late, the hull grows by what that view alone has shown to be empty. A
+//! body there would be thrown out at the speed that its depth demands. But the other views cannot tell whether anything
+//! real is there. So the last mask of a lost view stays valid for the bodies that were there when the hull grew: they
+//! collide with the hull of all views, until these are back, or until the grown hull has left the body. All other
+//! bodies, and those that come later, collide with the grown hull.
 
 use super::query::{CollideContext, ContactQuery};
 use crate::contact::tuning::GROWTH_PX;
@@ -94,8 +95,8 @@ impl CollideContext<'_> {
         self.hull_with_lost_views().filter(|_| keeps).unwrap_or(&self.hull)
     }
 
-    /// Replaces the contacts `found` with the frame in force by those with the hull of all views, where the body of
-    /// `query` was there when the hull grew over it. Returns the number of the loss then.
+    /// Replaces the contacts `found`, those with the frame in force, by those with the hull of all views, where the body
+    /// of `query` was there when the hull grew over it. Returns the number of the loss then.
     pub(super) fn keep_lost_views(&self, query: &ContactQuery, found: &mut BodyContacts) -> Option<u64> {
         let loss = self.loss.as_ref().filter(|_| !found.points.is_empty())?;
         let keeps = self.geom.last_contacts.kept_loss(query.other) == Some(loss.number);

@@ -314,3 +314,29 @@ pub fn lean_deg(rotation: &UnitQuaternion<f64>) -> f64 {
     let up = rotation.inverse_transform_vector(&Vector3::z());
     up.amax().clamp(-1.0, 1.0).acos().to_degrees()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The largest speed without falling of a body that has these speeds, in m/s, at these heights, in metres.
+    fn without_fall(states: &[(f64, f64)]) -> f64 {
+        let mut simulation = Simulation::new(&Arc::new(HullData::new()), 0.001, Motion::Held).unwrap();
+        simulation.add(&Shape::cube(0.1), &Isometry3::translation(0.0, 0.0, 1.0), [0; 3]).unwrap();
+        let one = &mut simulation.bodies[0];
+        one.first_contact = Some(0.0);
+        states.iter().for_each(|&(speed, height)| one.record_speed(speed, height));
+        one.fastest_without_fall
+    }
+
+    #[test]
+    fn falling_adds_nothing_to_a_bodys_speed_without_falling() {
+        let fallen = |height: f64| ((2.0 * GRAVITY * (1.0 - height)).sqrt(), height);
+        assert!(without_fall(&[(0.0, 1.0), fallen(0.6), fallen(0.1)]) < 1e-6);
+
+        // A body that was thrown at 2 m/s keeps that speed while it rises, falls and lies on the floor.
+        let thrown = |height: f64| ((4.0 + 2.0 * GRAVITY * (1.0 - height)).sqrt(), height);
+        let found = without_fall(&[(0.0, 1.0), thrown(1.0), thrown(1.1), thrown(0.1), (0.0, 0.05)]);
+        assert!((found - 2.0).abs() < 1e-9, "{found}");
+    }
+}

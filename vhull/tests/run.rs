@@ -1,6 +1,6 @@
 //! `vhull run` on the command line, with small recordings of known subjects.
 
-use image::{GrayImage, RgbImage};
+use image::{GrayImage, Rgb, RgbImage};
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
@@ -129,6 +129,75 @@ fn a_moving_subject_knocks_a_stack_over_and_equal_seeds_give_equal_states() {
 
     success(&recording, &arguments);
     assert_eq!(first, states(&recording));
+}
+
+#[test]
+fn the_summary_names_the_hull_that_collides_and_compares_speeds_in_each_motion() {
+    let recording = record("motions", rolling, 30);
+    let arguments = ["--stack", "3", "--hold", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
+    let text = success(&recording, &arguments);
+    assert!(
+        text.contains("hull: interpolated between frames, one frame late (33 ms)"),
+        "the default: {text}"
+    );
+
+    for (motion, carried) in
+        [("held", "contacts carry no speed"), ("predicted", "contacts carry the surface's speed")]
+    {
+        let text = success(&recording, &[&arguments[..], &["--motion", motion]].concat());
+        let line = text.lines().find(|line| line.starts_with("hull: ")).unwrap();
+        assert!(line.contains(motion) && line.contains(carried), "{line}");
+        // A pixel covers 9 mm here, and noise of a quarter of it over a tenth of a second is 0.02 m/s; the fit damps.
+        let (subject, body) = speeds(&text);
+        assert!((subject - 1.2).abs() < 0.12, "the ball rolls at 1.2 m/s: {subject}");
+        assert!(body > 0.3, "{body}");
+    }
+}
+
+/// The subject's speed and the fastest body's in the summary, in m/s.
+fn speeds(text: &str) -> (f64, f64) {
+    let line = text.lines().find(|line| line.starts_with("speed: ")).unwrap();
+    let mut numbers = line.split_whitespace().filter_map(|word| word.parse().ok());
+    (numbers.next().unwrap(), numbers.next().unwrap())
+}
+
+#[test]
+fn a_hull_in_motion_pushes_a_box_no_faster_than_the_subject_moves() {
+    let recording = record("push", rolling, 30);
+    let arguments = ["--stack", "1", "--hold", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
+    for motion in ["interpolated", "predicted"] {
+        let (_, body) = speeds(&success(&recording, &[&arguments[..], &["--motion", motion]].concat()));
+        // The ball rolls at 1.2 m/s. With an ERP of 0.05 a pushed box leaves at 1.02 to 1.06 of the surface's speed.
+        assert!(body < 1.06 * 1.2 + 0.1, "{motion}: {body}");
+    }
+}
+
+#[test]
+fn the_summary_says_that_a_subject_stands_still() {
+    let recording = record("motionless", table, 6);
+    let text = success(&recording, &["--count", "1", "--hold", "0.2", "--no-gif"]);
+    assert!(text.contains("speed: the subject does not move"), "{text}");
+}
+
+#[test]
+fn the_film_shows_the_image_that_is_nearest_to_the_time_of_the_hull() {
+    let recording = record("image_times", table, 5);
+    let mut images = Recording::open(&recording).unwrap();
+    let size = rig().cameras()[0].size();
+    for frame in 0..5_u8 {
+        let image = RgbImage::from_pixel(size.0, size.1, Rgb([40 * frame; 3]));
+        images.write_images(frame.into(), &vec![image; rig().len()]).unwrap();
+    }
+
+    // The last still is film frame 24. Its last step begins at (24 * 8 + 7) / 240 = 0.829 s, when frame 3 has been
+    // current since 0.8 s. The interpolated hull is 0.1 s older, and nearest to frame 2 of 0.7 s.
+    let arguments = ["--count", "1", "--rate", "10", "--hold", "0.5", "--linger", "0.1", "--motion"];
+    for (motion, frame) in [("held", 3), ("interpolated", 2)] {
+        success(&recording, &[&arguments[..], &[motion]].concat());
+        let stills = image::open(recording.join("out/run.png")).unwrap().into_rgb8();
+        let [red, ..] = stills.get_pixel(stills.width() - 4, 3).0;
+        assert!(red.abs_diff(40 * frame) < 4, "{motion}: {red}");
+    }
 }
 
 #[test]
@@ -291,6 +360,7 @@ fn an_invalid_command_line_exits_with_code_2_and_names_what_was_expected() {
         (&["--drop", "cats"], "spheres"),
         (&["--count", "0"], "--count"),
         (&["--unseen", "maybe"], "abstain"),
+        (&["--motion", "frozen"], "held, interpolated, predicted"),
     ] {
         let (code, text) = failure(&recording, arguments);
         assert_eq!(code, Some(2), "{arguments:?}: {text}");

@@ -40,7 +40,8 @@ struct Equation {
 impl Hull {
     /// The velocity of the real surface near `p`, in m/s in the hull's frame, fitted to the motion of the silhouettes'
     /// edges within 0.13 m of it. `None` where no edge with a known motion is near. Only hulls in
-    /// [`Motion`](super::Motion) know how their silhouettes move.
+    /// [`Motion`](super::Motion) know how their silhouettes move, and only until they stand still because the next frame is
+    /// late, by half the time between frames.
     ///
     /// It is the mean over the last tenth of a second, or over the last two frames where they are farther apart. Speeds
     /// below 0.1 m/s are zero, and none exceeds 20 m/s.

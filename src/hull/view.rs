@@ -92,9 +92,9 @@ impl View {
     }
 
     /// This view with the motions of its masks, whose silhouette lies `back` parts of the latest motion before the latest
-    /// mask.
-    pub(super) fn with_motion(mut self, chain: Arc<MotionChain>, back: f64) -> Self {
-        self.motion = Some((chain, back));
+    /// mask; `None` where it stands still or its motion is not known.
+    pub(super) fn with_motion(mut self, motion: Option<(Arc<MotionChain>, f64)>) -> Self {
+        self.motion = motion;
         self
     }
 

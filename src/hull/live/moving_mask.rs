@@ -11,7 +11,8 @@ use std::sync::Arc;
 pub(super) struct MovingMask {
     pub(super) calibration: Arc<ViewCalibration>,
     pub(super) motion: Arc<MaskMotion>,
-    pub(super) chain: Arc<MotionChain>,
+    /// `None` where the silhouette stands still, since the next mask is late.
+    pub(super) chain: Option<Arc<MotionChain>>,
     pub(super) s: f64,
     pub(super) time: f64,
     pub(super) border: Border,

@@ -18,6 +18,10 @@ const MAX_RECYCLED: usize = 3;
 /// The longest time between two masks, in seconds, over which a motion is believed.
 const MAX_PERIOD: f64 = 0.5;
 
+/// How long a motion is believed before its first and after its last mask, in times between the two. Less would lose it
+/// where frames come a little late; later the silhouette stands still, and so do the bodies that it carries.
+const BELIEVED_BEYOND: f64 = 0.5;
+
 /// A view's camera, its latest silhouettes, and recycled memory.
 #[derive(Debug)]
 pub(super) struct ViewState {
@@ -220,7 +224,9 @@ impl ViewState {
             return None;
         }
 
-        let s = ((time - from) / period).clamp(0.0, if is_ahead { 2.0 } else { 1.0 });
+        let (asked, most) = ((time - from) / period, if is_ahead { 2.0 } else { 1.0 });
+        let s = asked.clamp(0.0, most);
+        let is_moving = (-BELIEVED_BEYOND..=most + BELIEVED_BEYOND).contains(&asked);
         let border = later.silhouette.border();
         let scratch = &mut self.motion_scratch;
         let distances = |mask: &mut TimedMask| {
@@ -234,7 +240,7 @@ impl ViewState {
         Some(MovingMask {
             calibration: self.calibration.clone(),
             motion,
-            chain: self.masks.chain(later_index)?,
+            chain: if is_moving { self.masks.chain(later_index) } else { None },
             s,
             time: from + s * period,
             border,
@@ -257,7 +263,9 @@ impl ViewState {
         match mask {
             Some(MovingMask { silhouette, chain, s, time, memory, .. }) => {
                 self.warp_scratch = memory;
-                Ok(self.view(Some((silhouette, time)), bounds, oldest)?.with_motion(chain, 1.0 - s))
+                Ok(self
+                    .view(Some((silhouette, time)), bounds, oldest)?
+                    .with_motion(chain.map(|chain| (chain, 1.0 - s))))
             }
             None => self.view_at(bounds, time, oldest),
         }

@@ -29,9 +29,10 @@ impl HullData {
         // One frame of latency lets every time lie between two frames.
         state.motion_asked = Some(state.published);
         let is_ahead = motion == Motion::Predicted;
-        let shown = if is_ahead { time } else { (time - state.period).min(latest.time()) };
+        let asked = if is_ahead { time } else { time - state.period };
+        let shown = if is_ahead { time } else { asked.min(latest.time()) };
         let oldest = state.oldest_mask(shown.min(latest.time()));
-        let masks = state.views.iter_mut().map(|view| view.moving_mask(shown, is_ahead, oldest));
+        let masks = state.views.iter_mut().map(|view| view.moving_mask(asked, is_ahead, oldest));
         let mut masks: Vec<_> = masks.collect();
         drop(state);
 

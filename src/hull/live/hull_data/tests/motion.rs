@@ -140,6 +140,24 @@ fn equal_times_and_long_gaps_between_frames_give_no_motion_and_no_velocity() {
 }
 
 #[test]
+fn a_hull_whose_next_frames_are_late_stands_still_and_has_no_velocity() {
+    let (data, points) = (data(), points());
+    (0..4).for_each(|frame| drop(publish(&data, frame)));
+    // The last view has a new mask in every third frame only, and so a longer period.
+    data.set_view_enabled(data.view_count() - 1, false).unwrap();
+    let has_velocity = |motion: Motion, frames: f64| {
+        let hull = data.in_motion(motion, frames * PERIOD).unwrap();
+        points.iter().any(|p| hull.velocity(p).is_some())
+    };
+    // Both hulls stand still from the time of frame 4 on, which does not come. The motion is believed for half a period
+    // more.
+    for motion in [Motion::Interpolated, Motion::Predicted] {
+        assert!(has_velocity(motion, 3.5) && has_velocity(motion, 4.4), "{motion:?}");
+        assert!(!has_velocity(motion, 4.6), "{motion:?}");
+    }
+}
+
+#[test]
 fn no_velocity_exceeds_its_bound_or_is_nan_whatever_the_times() {
     let (data, mut random) = (data(), Random(23));
     let mut time = 0.0;

@@ -41,7 +41,7 @@ test: setup ## formatting, lints, documentation and all tests
 
 figures: setup ## measures every quality figure: tables, and target/figures.json
 	cargo run --release --example figures
-	cargo run --release --package ode-visual-hull-bench -- --only segmentation
+	cargo run --release --package ode-visual-hull-bench -- --only segmentation --only motion
 
 bench: setup ## the library beside the paper's algorithm and rebuilt meshes: docs/performance.md, and target/figures.json
 	cargo run --release --package ode-visual-hull-bench

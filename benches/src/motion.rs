@@ -16,6 +16,9 @@ const VIEWS: usize = 7;
 /// Times of the person's walk, in seconds, that are shown in turn, so that each mask is new.
 const MOMENTS: [f64; 4] = [0.2, 0.2 + 1.0 / 30.0, 0.2 + 2.0 / 30.0, 0.2 + 3.0 / 30.0];
 
+/// Frames before the first that is timed.
+const WARM_UP: usize = 60;
+
 /// Steps of the simulation in a frame: 240 a second.
 const STEPS: usize = 8;
 
@@ -31,9 +34,7 @@ pub fn run_group(session: &mut Session) {
 /// Measures how much longer it takes to set masks where motion is asked for.
 fn flow(session: &mut Session, name: &str, scenes: &[Scene]) {
     let (held, moving, at) = (Rig::new(&scenes[0]), Rig::new(&scenes[0]), Cell::new(0));
-    moving.publish(&scenes[0].masks);
-    moving.publish(&scenes[1].masks);
-    moving.at(Motion::Interpolated, 0.0);
+    warm_up(&moving, scenes);
 
     let next = || {
         at.set((at.get() + 1) % scenes.len());
@@ -52,12 +53,21 @@ fn flow(session: &mut Session, name: &str, scenes: &[Scene]) {
     session.figure(&format!("flow_ms_{name}"), per_view, bound, StartTime::Masks, what);
 }
 
+/// Shows frames until all memory is that of past ones.
+fn warm_up(rig: &Rig, scenes: &[Scene]) {
+    for scene in scenes.iter().cycle().take(WARM_UP) {
+        rig.publish(&scene.masks);
+        rig.at(Motion::Interpolated, 0.0);
+    }
+}
+
 /// Compares contacts at a fresh time in each step with contacts in a new held frame in each step.
 fn own_time(session: &mut Session, name: &str, scenes: &[Scene], boxes: &Boxes) {
     let (held, moving, at) = (Rig::new(&scenes[0]), Rig::new(&scenes[0]), Cell::new(0));
     let mut contacts = [Vec::new(), Vec::new()];
     let [of_held, of_moving] = &mut contacts;
     let (step, time) = (Cell::new(0), Cell::new(0));
+    warm_up(&moving, scenes);
 
     // A new frame comes after some steps, and its flow is not part of a step.
     let prepare = || {

@@ -44,6 +44,13 @@ fn round_u32(x: f32) -> u32 {
     (x + WHOLE_F32).to_bits() & 0x007f_ffff
 }
 
+/// The whole number nearest to `x`, for `|x| < 2^22`.
+#[inline(always)]
+pub(crate) fn round_i32(x: f32) -> i32 {
+    // Half the range is added, so that numbers below zero have no borrow from the exponent.
+    (x + 1.5 * WHOLE_F32).to_bits() as i32 - (1.5 * WHOLE_F32).to_bits() as i32
+}
+
 /// The whole number below `x`, for `0 <= x < 2^51`.
 #[inline(always)]
 pub(crate) fn floor(x: f64) -> f64 {

@@ -42,7 +42,7 @@ pub(crate) use lookup::{Bits, Distances};
 pub use mask::load_mask;
 pub(crate) use mask_ring::{MaskRing, TimedMask};
 pub use mask_view::MaskView;
-pub(crate) use motion::{EdgeDistances, EdgeShift, MaskMotion, MotionChain, MotionScratch, WarpedMask};
+pub(crate) use motion::{EdgeDistances, EdgeShift, MaskMotion, MotionChain, WarpedMask};
 pub use packed_mask::PackedMask;
 pub use signed_distance::SignedDistance;
 pub(crate) use tables::{TableSlices, Tables};

@@ -1,9 +1,7 @@
 //! A silhouette that is warped to a time between two masks of its view or after them.
 
 use super::preparation::ViewCalibration;
-use crate::silhouette::{
-    Border, EdgeDistances, MaskMotion, MotionChain, MotionScratch, Silhouette, WarpedMask,
-};
+use crate::silhouette::{Border, EdgeDistances, MaskMotion, MotionChain, Silhouette, WarpedMask};
 use std::sync::Arc;
 
 /// A silhouette that is being warped to a time, without holding a lock.
@@ -17,7 +15,6 @@ pub(super) struct MovingMask {
     pub(super) time: f64,
     pub(super) border: Border,
     pub(super) silhouette: Arc<Silhouette>,
-    pub(super) memory: WarpedMask,
 }
 
 impl MovingMask {
@@ -26,14 +23,17 @@ impl MovingMask {
         if Arc::get_mut(&mut self.silhouette).is_none() {
             self.silhouette = Arc::new(Silhouette::blank(self.border));
         }
+        let Some(silhouette) = Arc::get_mut(&mut self.silhouette) else {
+            unreachable!("a new silhouette has one owner");
+        };
         let ViewCalibration { pinhole, visible, .. } = &*self.calibration;
-        let mask = self.motion.warp(self.s, pinhole.size(), &mut self.memory);
-        if let Some(visible) = visible {
-            mask.hide(visible.subject(), self.border == Border::Unknown);
-        }
-        if let Some(silhouette) = Arc::get_mut(&mut self.silhouette) {
+        WarpedMask::with_scratch(|memory| {
+            let mask = self.motion.warp(self.s, pinhole.size(), memory);
+            if let Some(visible) = visible {
+                mask.hide(visible.subject(), self.border == Border::Unknown);
+            }
             silhouette.refill_packed(mask, self.border);
-        }
+        });
     }
 }
 
@@ -55,13 +55,12 @@ pub(super) fn motion_between(
     earlier: Arc<EdgeDistances>,
     later: Arc<EdgeDistances>,
     mut memory: Arc<MaskMotion>,
-    scratch: &mut MotionScratch,
 ) -> Arc<MaskMotion> {
     match Arc::get_mut(&mut memory) {
-        Some(motion) => motion.fill(earlier, later, scratch),
+        Some(motion) => motion.fill(earlier, later),
         None => {
             let mut motion = MaskMotion::default();
-            motion.fill(earlier, later, scratch);
+            motion.fill(earlier, later);
             memory = Arc::new(motion);
         }
     }

@@ -4,8 +4,8 @@ use super::mask_filter::MaskFilter;
 use super::moving_mask::{distances_of, motion_between};
 use crate::camera::Camera;
 use crate::silhouette::{
-    Border, EdgeDistances, IncomingMask, MaskMotion, MaskScratch, MotionScratch, PackedMask, Silhouette,
-    Undistortion, WarpedMask,
+    Border, EdgeDistances, IncomingMask, MaskMotion, MaskScratch, PackedMask, Silhouette, Undistortion,
+    WarpedMask,
 };
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -29,7 +29,6 @@ pub(super) struct Preparation {
     pub(super) calibration: Arc<ViewCalibration>,
     pub(super) silhouette: Arc<Silhouette>,
     pub(super) scratch: MaskScratch,
-    pub(super) motion_scratch: MotionScratch,
     /// The distances of the mask before this one, if its motion is wanted.
     pub(super) predecessor: Option<Arc<EdgeDistances>>,
     pub(super) distances: Option<Arc<EdgeDistances>>,
@@ -39,7 +38,6 @@ pub(super) struct Preparation {
     pub(super) filter: MaskFilter,
     /// Whether too much time has passed since the mask before this one to relate the two.
     pub(super) is_after_gap: bool,
-    pub(super) warp_scratch: WarpedMask,
 }
 impl Preparation {
     /// Forgets the motion, where the mask was prepared again.
@@ -51,10 +49,8 @@ impl Preparation {
     pub(super) fn find_motion(&mut self) {
         let Some((distances, motion)) = self.spare.take() else { return };
         let distances = distances_of(&self.silhouette, distances);
-        self.motion = self
-            .predecessor
-            .clone()
-            .map(|earlier| motion_between(earlier, distances.clone(), motion, &mut self.motion_scratch));
+        self.motion =
+            self.predecessor.clone().map(|earlier| motion_between(earlier, distances.clone(), motion));
         self.distances = Some(distances);
         self.average();
     }
@@ -70,11 +66,13 @@ impl Preparation {
 
         let ViewCalibration { pinhole, visible, .. } = &*self.calibration;
         let border = silhouette.border();
-        let mask = motion.average(self.filter.new_weight, pinhole.size(), &mut self.warp_scratch);
-        if let Some(visible) = visible {
-            mask.hide(visible.subject(), border == Border::Unknown);
-        }
-        silhouette.refill_packed(mask, border);
+        WarpedMask::with_scratch(|memory| {
+            let mask = motion.average(self.filter.new_weight, pinhole.size(), memory);
+            if let Some(visible) = visible {
+                mask.hide(visible.subject(), border == Border::Unknown);
+            }
+            silhouette.refill_packed(mask, border);
+        });
 
         // Motion and later averages refer to the averaged mask.
         let distances = distances_of(silhouette, Arc::default());

@@ -6,8 +6,7 @@ use super::preparation::{Preparation, ViewCalibration, unseen_value};
 use crate::camera::Camera;
 use crate::hull::{Aabb, View};
 use crate::silhouette::{
-    Border, EdgeDistances, MaskMotion, MaskRing, MaskScratch, MotionScratch, SUBJECT, Silhouette, Tables,
-    TimedMask, WarpedMask,
+    Border, EdgeDistances, MaskMotion, MaskRing, MaskScratch, SUBJECT, Silhouette, Tables, TimedMask,
 };
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -35,8 +34,6 @@ pub(super) struct ViewState {
     /// Tables of past silhouettes, whose memory is reused for the next masks. They take nine tenths of the memory.
     recycled_tables: Vec<Tables>,
     scratch: MaskScratch,
-    motion_scratch: MotionScratch,
-    warp_scratch: WarpedMask,
     /// Motions of past masks, whose memory is reused once no frame holds them.
     retired_motions: Vec<Arc<MaskMotion>>,
 }
@@ -52,8 +49,6 @@ impl ViewState {
             recycled_silhouettes: Vec::new(),
             recycled_tables: Vec::new(),
             scratch: MaskScratch::default(),
-            motion_scratch: MotionScratch::default(),
-            warp_scratch: WarpedMask::default(),
             retired_motions: Vec::new(),
         })
     }
@@ -82,21 +77,19 @@ impl ViewState {
             calibration: self.calibration.clone(),
             silhouette,
             scratch: std::mem::take(&mut self.scratch),
-            motion_scratch: std::mem::take(&mut self.motion_scratch),
             predecessor: predecessor.and_then(|mask| mask.distances.clone()),
             distances: None,
             motion: None,
             spare,
             filter,
             is_after_gap: gap.is_some_and(|gap| gap > MAX_PERIOD),
-            warp_scratch: std::mem::take(&mut self.warp_scratch),
         }
     }
 
     /// Memory for a mask's distances and its motion.
     fn take_spare_motion(&mut self) -> (Arc<EdgeDistances>, Arc<MaskMotion>) {
         let unshared = self.retired_motions.iter_mut().position(|motion| Arc::get_mut(motion).is_some());
-        let mut motion = unshared.map(|k| self.retired_motions.swap_remove(k)).unwrap_or_default();
+        let mut motion = unshared.map(|k| self.retired_motions.remove(k)).unwrap_or_default();
         let distances = Arc::get_mut(&mut motion).map(MaskMotion::take_earlier).unwrap_or_default();
         (distances, motion)
     }
@@ -126,18 +119,8 @@ impl ViewState {
     /// # Errors
     /// As [`Self::check_time`].
     pub(super) fn commit(&mut self, preparation: Preparation, time: Option<f64>) -> Result<()> {
-        let Preparation {
-            silhouette,
-            scratch,
-            motion_scratch,
-            warp_scratch,
-            distances,
-            motion,
-            predecessor,
-            ..
-        } = preparation;
-        self.warp_scratch = warp_scratch;
-        (self.scratch, self.motion_scratch) = (scratch, motion_scratch);
+        let Preparation { silhouette, scratch, distances, motion, predecessor, .. } = preparation;
+        self.scratch = scratch;
 
         // Another thread may have committed a later mask meanwhile.
         if let Err(e) = self.check_time(time) {
@@ -228,13 +211,12 @@ impl ViewState {
         let s = asked.clamp(0.0, most);
         let is_moving = (-BELIEVED_BEYOND..=most + BELIEVED_BEYOND).contains(&asked);
         let border = later.silhouette.border();
-        let scratch = &mut self.motion_scratch;
         let distances = |mask: &mut TimedMask| {
             mask.distances.get_or_insert_with(|| distances_of(&mask.silhouette, Arc::default())).clone()
         };
         if later.motion.is_none() {
             let (first, second) = (distances(earlier), distances(later));
-            later.motion = Some(motion_between(first, second, Arc::default(), scratch));
+            later.motion = Some(motion_between(first, second, Arc::default()));
         }
         let motion = later.motion.clone()?;
         Some(MovingMask {
@@ -245,7 +227,6 @@ impl ViewState {
             time: from + s * period,
             border,
             silhouette: self.take_silhouette(),
-            memory: std::mem::take(&mut self.warp_scratch),
         })
     }
 
@@ -261,12 +242,9 @@ impl ViewState {
         oldest: f64,
     ) -> Result<View> {
         match mask {
-            Some(MovingMask { silhouette, chain, s, time, memory, .. }) => {
-                self.warp_scratch = memory;
-                Ok(self
-                    .view(Some((silhouette, time)), bounds, oldest)?
-                    .with_motion(chain.map(|chain| (chain, 1.0 - s))))
-            }
+            Some(MovingMask { silhouette, chain, s, time, .. }) => Ok(self
+                .view(Some((silhouette, time)), bounds, oldest)?
+                .with_motion(chain.map(|chain| (chain, 1.0 - s)))),
             None => self.view_at(bounds, time, oldest),
         }
     }

@@ -7,7 +7,7 @@
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
-use crate::math::lanes::select;
+use crate::math::lanes::{round_i32, select};
 use crate::math::vectorised;
 use crate::silhouette::{HALF_COVERAGE, Rect, SUBJECT, Silhouette};
 
@@ -50,12 +50,11 @@ pub(super) struct DistanceImage {
     pub(super) pairs: Vec<u32>,
     /// Mean distances of the cells, row-major, in pixels.
     pub(super) cells: Vec<f32>,
-    scratch: Scratch,
 }
 
 /// Intermediate results.
 #[derive(Debug, Default)]
-struct Scratch {
+pub(super) struct DistanceScratch {
     mask: Vec<u8>,
     /// The distances in units of one [`UNIT`]th of a pixel, and one more.
     values: Vec<i16>,
@@ -67,11 +66,11 @@ struct Scratch {
 
 impl DistanceImage {
     /// Computes the distances of `silhouette`, in the memory of the last ones.
-    pub(super) fn fill(&mut self, silhouette: &Silhouette) {
+    pub(super) fn fill(&mut self, silhouette: &Silhouette, scratch: &mut DistanceScratch) {
         self.rect = whole_cells(&silhouette.rect().grown(REACH));
         self.rect.x1 = self.rect.x0 + self.rect.width().next_multiple_of(BLOCK) as i32;
         let (width, height) = (self.rect.width(), self.rect.height());
-        let Scratch { mask, values, along_columns, squares } = &mut self.scratch;
+        let DistanceScratch { mask, values, along_columns, squares } = scratch;
 
         mask.resize(width * height, 0);
         for (y, row) in (self.rect.y0..).zip(mask.chunks_exact_mut(width.max(1))) {
@@ -201,8 +200,8 @@ vectorised! {
 struct SquaresRow {
     /// With [`PAD`] columns before and after the row, which are far.
     squares: Vec<u16>,
-    /// The least of each block, with [`PAD_BLOCKS`] before and after the row.
-    nearest: Vec<u16>,
+    /// Whether a pixel of each block is near, with [`PAD_BLOCKS`] before and after the row.
+    is_near: Vec<bool>,
 }
 
 impl SquaresRow {
@@ -213,21 +212,21 @@ impl SquaresRow {
         self.squares.resize(distances.len() + 2 * PAD, 0);
         self.squares[..PAD].fill(FAR_SQUARED);
         self.squares[PAD + distances.len()..].fill(FAR_SQUARED);
-        self.nearest.clear();
-        self.nearest.resize(PAD_BLOCKS, FAR_SQUARED);
+        self.is_near.clear();
+        self.is_near.resize(PAD_BLOCKS, false);
         for (squares, distances) in self.squares[PAD..].as_chunks_mut::<BLOCK>().0.iter_mut().zip(blocks) {
             for k in 0..BLOCK {
                 squares[k] = u16::from(distances[k]) * u16::from(distances[k]);
             }
-            self.nearest.push(FAR_SQUARED - largest_of(squares, |square| FAR_SQUARED - square));
+            self.is_near.push(distances != &[FAR; BLOCK]);
         }
-        self.nearest.resize(blocks.len() + 2 * PAD_BLOCKS, FAR_SQUARED);
+        self.is_near.resize(blocks.len() + 2 * PAD_BLOCKS, false);
     }
 
     /// Whether all pixels of a block are far.
     #[inline(always)]
     fn is_far(&self, block: usize) -> bool {
-        self.nearest[block..=block + 2 * PAD_BLOCKS].iter().all(|&nearest| nearest == FAR_SQUARED)
+        self.is_near[block..=block + 2 * PAD_BLOCKS].iter().all(|is_near| !is_near)
     }
 
     /// The least squared distances of a block's pixels, up to [`FAR_SQUARED`].
@@ -239,7 +238,7 @@ impl SquaresRow {
         };
         least.copy_from_slice(&window[PAD..][..BLOCK]);
         for first in (1..=REACH as usize).step_by(STRIDE) {
-            if (first * first) as u16 >= largest_of(&least, |square| square) {
+            if (first * first) as u16 >= largest_of(&least) {
                 break;
             }
             for distance in first..first + STRIDE {
@@ -254,13 +253,10 @@ impl SquaresRow {
     }
 }
 
-/// The largest value of a function of the lanes.
+/// The largest of the lanes.
 #[inline(always)]
-fn largest_of(lanes: &[u16; BLOCK], value: impl Fn(u16) -> u16) -> u16 {
-    let mut largest = [0; BLOCK];
-    for k in 0..BLOCK {
-        largest[k] = value(lanes[k]);
-    }
+fn largest_of(lanes: &[u16; BLOCK]) -> u16 {
+    let mut largest = *lanes;
     let mut half = BLOCK / 2;
     while half > 0 {
         for k in 0..half {
@@ -280,16 +276,18 @@ fn write_values(
     values: &mut [i16; BLOCK],
 ) {
     for k in 0..BLOCK {
-        let is_subject = mask[k] >= SUBJECT;
-        let square = select(is_subject, inside[k], outside[k]);
-        let distance = f32::from(square).sqrt() - 0.5;
+        let byte = i32::from(mask[k]);
+        let is_subject = byte >= i32::from(SUBJECT);
+        // One of the two is zero.
+        let square = i32::from(inside[k].max(outside[k]));
+        let distance = (square as f32).sqrt() - 0.5;
         let distance = select(distance < REACH as f32, distance, REACH as f32);
         let signed = select(is_subject, -distance, distance);
 
         // Next to the edge, coverage tells how far away it is. No distance is rounded to zero, which has no sign.
-        let covered = (HALF_COVERAGE as f32 - f32::from(mask[k])) / 255.0;
-        let value = (select(square == 1, covered, signed) * UNIT) as i16;
-        values[k] = select(is_subject, value.min(-1), value.max(1));
+        let covered = (HALF_COVERAGE as f32 - byte as f32) * (1.0 / 255.0);
+        let value = round_i32(select(square == 1, covered, signed) * UNIT);
+        values[k] = select(is_subject, value.min(-1), value.max(1)) as i16;
     }
 }
 

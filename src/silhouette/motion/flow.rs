@@ -18,6 +18,7 @@
 use super::distance_image::{CELL, DistanceImage, REACH, whole_cells};
 use super::level::Level;
 use super::patch::{PATCH, PatchSearch};
+use crate::math::lanes::select;
 use crate::math::vectorised;
 use crate::silhouette::Rect;
 
@@ -26,6 +27,9 @@ const LEVELS: usize = 4;
 
 /// Cells from one patch to the next: patches overlap by half.
 const STRIDE: usize = PATCH / 2;
+
+/// Cells that are computed at once.
+const LANES: usize = 8;
 
 /// A five-tap Gaussian whose standard deviation is one cell.
 const GAUSSIAN: [f32; 3] = [0.402_62, 0.244_2, 0.054_49];
@@ -150,25 +154,67 @@ impl Flow {
 
     /// Shortens the motions for warping ahead where they are not trusted.
     fn shorten_ahead(&mut self, earlier: &DistanceImage) {
-        let columns = (self.rect.width() / CELL as usize).max(1);
-        let [right_ahead, down_ahead] = &mut self.ahead;
-        right_ahead.clear();
-        down_ahead.clear();
-        for (k, (&right, &down)) in self.right.iter().zip(&self.down).enumerate() {
-            let place = |first: i32, k: usize| (first + CELL * k as i32) as f32 + 0.5 * CELL as f32;
-            let (u, v) = (place(self.rect.x0, k % columns), place(self.rect.y0, k / columns));
-            let factor = if right == 0.0 && down == 0.0 {
-                1.0
-            } else {
-                let [before] = earlier.sample_cells(&[u + right], &[v + down]);
-                let [trusted, lost] = TRUSTED;
-                let difference = (before - self.distances[1][k]).abs();
-                let trust = ((lost - difference) / (lost - trusted)).clamp(0.0, 1.0);
-                trust * (MAX_AHEAD / right.hypot(down)).min(1.0)
-            };
-            right_ahead.push(factor * right);
-            down_ahead.push(factor * down);
+        for (ahead, motions) in self.ahead.iter_mut().zip([&self.right, &self.down]) {
+            ahead.clone_from(motions);
         }
+        if !self.rect.is_empty() {
+            shorten(&self.rect, earlier, &self.distances[1], &mut self.ahead);
+        }
+    }
+}
+
+vectorised! {
+    /// Shortens the motions of cells where the distances at the cell, `later`, and where the motion leads differ.
+    fn shorten(rect: &Rect, earlier: &DistanceImage, later: &[f32], motions: &mut [Vec<f32>; 2]) {
+        let columns = rect.width() / CELL as usize;
+        let [right, down] = motions;
+        let rows = right.chunks_exact_mut(columns).zip(down.chunks_exact_mut(columns)).zip(later.chunks_exact(columns));
+        for (y, ((right, down), later)) in rows.enumerate() {
+            let (right, right_rest) = right.as_chunks_mut::<LANES>();
+            let (down, down_rest) = down.as_chunks_mut::<LANES>();
+            let (later, later_rest) = later.as_chunks::<LANES>();
+            let at = |x: usize| [centre(rect.x0, x), centre(rect.y0, y)];
+            for (x, ((right, down), later)) in right.iter_mut().zip(down).zip(later).enumerate() {
+                shorten_lanes(at(LANES * x), earlier, later, right, down);
+            }
+            let rest = right_rest.iter_mut().zip(down_rest).zip(later_rest);
+            for (x, ((right, down), later)) in (columns - columns % LANES..).zip(rest) {
+                shorten_lanes(at(x), earlier, &[*later], std::array::from_mut(right), std::array::from_mut(down));
+            }
+        }
+    }
+}
+
+/// The centre of a cell along an axis, in pixels, where the first cell begins at `first`.
+#[inline(always)]
+fn centre(first: i32, cell: usize) -> f32 {
+    (first + CELL * cell as i32) as f32 + 0.5 * CELL as f32
+}
+
+/// Shortens the motions of `N` cells beside each other; `at` is the centre of the first.
+#[inline(always)]
+fn shorten_lanes<const N: usize>(
+    at: [f32; 2],
+    earlier: &DistanceImage,
+    later: &[f32; N],
+    right: &mut [f32; N],
+    down: &mut [f32; N],
+) {
+    let (mut u, mut v) = ([0.0; N], [0.0; N]);
+    for k in 0..N {
+        u[k] = at[0] + CELL as f32 * k as f32 + right[k];
+        v[k] = at[1] + down[k];
+    }
+    let before = earlier.sample_cells(&u, &v);
+
+    let [trusted, lost] = TRUSTED;
+    for k in 0..N {
+        let trust = (lost - (before[k] - later[k]).abs()) * (1.0 / (lost - trusted));
+        let trust = select(trust > 0.0, select(trust < 1.0, trust, 1.0), 0.0);
+        let length = (right[k] * right[k] + down[k] * down[k]).sqrt();
+        let factor = trust * select(length > MAX_AHEAD, MAX_AHEAD / length, 1.0);
+        right[k] *= factor;
+        down[k] *= factor;
     }
 }
 

@@ -18,10 +18,12 @@ mod shift;
 mod warp;
 
 use super::{PackedMask, Silhouette};
-use distance_image::DistanceImage;
+use crate::recycle::{keep_scratch, take_scratch};
+use distance_image::{DistanceImage, DistanceScratch};
 use flow::{Flow, FlowScratch, MAX_AHEAD};
 use mix::{Mix, Term};
 pub(crate) use shift::{EdgeShift, MotionChain};
+use std::cell::Cell;
 use std::sync::Arc;
 use warp::{WarpScratch, warp};
 
@@ -37,35 +39,35 @@ pub(crate) struct MaskMotion {
     flow: Flow,
 }
 
-/// Memory for computing motions.
-#[derive(Debug, Default)]
-pub(crate) struct MotionScratch {
-    flow: FlowScratch,
-}
-
-/// Memory for warping silhouettes.
+/// A warped silhouette, and memory for warping others.
 #[derive(Debug, Default)]
 pub(crate) struct WarpedMask {
     mask: PackedMask,
     scratch: WarpScratch,
 }
 
+// Memory of a thread, not of a view: it stays in the processor's caches from one view to the next.
+thread_local! {
+    static DISTANCES: Cell<Option<Box<DistanceScratch>>> = const { Cell::new(None) };
+    static FLOW: Cell<Option<Box<FlowScratch>>> = const { Cell::new(None) };
+    static WARPED: Cell<Option<Box<WarpedMask>>> = const { Cell::new(None) };
+}
+
 impl EdgeDistances {
     /// Computes the distances of a silhouette, in the memory of the last ones.
     pub(crate) fn fill(&mut self, silhouette: &Silhouette) {
-        self.0.fill(silhouette);
+        let mut scratch = take_scratch(&DISTANCES);
+        self.0.fill(silhouette, &mut scratch);
+        keep_scratch(&DISTANCES, scratch);
     }
 }
 
 impl MaskMotion {
     /// Computes the motion between two masks, in the memory of the last one.
-    pub(crate) fn fill(
-        &mut self,
-        earlier: Arc<EdgeDistances>,
-        later: Arc<EdgeDistances>,
-        scratch: &mut MotionScratch,
-    ) {
-        self.flow.fill(&earlier.0, &later.0, &mut scratch.flow);
+    pub(crate) fn fill(&mut self, earlier: Arc<EdgeDistances>, later: Arc<EdgeDistances>) {
+        let mut scratch = take_scratch(&FLOW);
+        self.flow.fill(&earlier.0, &later.0, &mut scratch);
+        keep_scratch(&FLOW, scratch);
         (self.earlier, self.later) = (earlier, later);
     }
 
@@ -124,6 +126,16 @@ impl MaskMotion {
     pub(crate) fn replace_later(&mut self, later: Arc<EdgeDistances>) {
         self.flow.replace_later(&later.0);
         self.later = later;
+    }
+}
+
+impl WarpedMask {
+    /// Runs `work` on memory that belongs to the thread.
+    pub(crate) fn with_scratch<R>(work: impl FnOnce(&mut Self) -> R) -> R {
+        let mut memory = take_scratch(&WARPED);
+        let result = work(&mut memory);
+        keep_scratch(&WARPED, memory);
+        result
     }
 }
 

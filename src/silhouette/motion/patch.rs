@@ -21,6 +21,9 @@ const LONGEST: f32 = PATCH as f32;
 /// A patch whose sum of squared differences, in square pixels, is below this fits.
 const FITS: f32 = 0.01;
 
+/// Motions that differ by less than this along both axes are not compared, in cells.
+const NEAR: f32 = 0.25;
+
 /// A neighbour's motion replaces a patch's own if it fits better by this factor.
 const BETTER: f32 = 0.8;
 
@@ -29,9 +32,6 @@ const DAMPING: f32 = 0.02;
 
 /// The sum of the squared gradient below which a patch has no edge near it.
 const FLAT: f32 = 0.5;
-
-/// The rows of a patch.
-type Rows = [[f32; PATCH]; PATCH];
 
 /// Finds the flow of a level, and keeps memory for the next one.
 #[derive(Debug, Default)]
@@ -79,8 +79,8 @@ vectorised! {
         // First from the upper left to the lower right, then back, so that a good motion spreads in all directions.
         for k in 0..patches.len() {
             let (i, j) = (k % columns, k / columns);
-            let target = Target::new(level, place(i, stride), place(j, stride));
-            let mut patch = target.start(level, i * stride, j * stride);
+            let target = Target { level, x: place(i, stride), y: place(j, stride) };
+            let mut patch = target.start(i * stride, j * stride);
             if patch.error > FITS && !patch.is_flat {
                 target.try_motion(&mut patch, [0.0; 2]);
                 if i > 0 {
@@ -100,7 +100,8 @@ vectorised! {
             if patch.error <= FITS || patch.is_flat {
                 continue;
             }
-            let (before, target) = (patch.error, Target::new(level, place(i, stride), place(j, stride)));
+            let target = Target { level, x: place(i, stride), y: place(j, stride) };
+            let before = patch.error;
             if i + 1 < columns {
                 target.try_motion(&mut patch, patches[k + 1].motion);
             }
@@ -118,83 +119,110 @@ vectorised! {
 /// A patch of the later image, and the earlier image in which it is searched.
 struct Target<'a> {
     level: &'a Level,
+    /// The place of the patch's first cell in the padded images.
     x: usize,
     y: usize,
-    later: Rows,
+}
+
+/// How well a motion fits, and the gradient of the error by the motion.
+#[derive(Debug, Clone, Copy)]
+struct Fit {
+    error: f32,
+    gradient: [f32; 2],
 }
 
 impl<'a> Target<'a> {
-    #[inline(always)]
-    fn new(level: &'a Level, x: usize, y: usize) -> Self {
-        let later = rows(&level.later, level.stride(), x, y);
-        Self { level, x, y, later }
-    }
-
     /// The patch with the motion that the level begins with at cell `(i, j)`.
     #[inline(always)]
-    fn start(&self, level: &Level, i: usize, j: usize) -> Patch {
-        let [right, down] = self.gradient();
+    fn start(&self, i: usize, j: usize) -> Patch {
         let (mut xx, mut xy, mut yy) = ([0.0; PATCH], [0.0; PATCH], [0.0; PATCH]);
         for y in 0..PATCH {
+            let [right, down] = self.gradient_row(y);
             for x in 0..PATCH {
-                xx[x] += right[y][x] * right[y][x];
-                xy[x] += right[y][x] * down[y][x];
-                yy[x] += down[y][x] * down[y][x];
+                xx[x] += right[x] * right[x];
+                xy[x] += right[x] * down[x];
+                yy[x] += down[x] * down[x];
             }
         }
-        let [xx, xy, yy] = [xx, xy, yy].map(|lanes| lanes.iter().sum::<f32>());
+        let (xx, xy, yy) = (sum(xx), sum(xy), sum(yy));
         let trace = xx + yy;
         let (a, c) = (xx + DAMPING * trace, yy + DAMPING * trace);
         let determinant = a * c - xy * xy;
-        let is_flat = trace < FLAT;
-        let inverse = if is_flat { [0.0; 3] } else { [c, -xy, a].map(|element| element / determinant) };
 
+        let level = self.level;
         let cell = j.min(level.height - 1) * level.width + i.min(level.width - 1);
         let motion = [level.flow[0][cell], level.flow[1][cell]];
-        Patch { motion, error: self.differences(motion).1, is_flat, inverse }
-    }
-
-    #[inline(always)]
-    fn gradient(&self) -> [Rows; 2] {
-        let stride = self.level.stride();
-        [0, 1].map(|axis| rows(&self.level.gradient[axis], stride, self.x, self.y))
-    }
-
-    /// The earlier image, where `motion` leads, minus the later one, and the sum of its squares.
-    #[inline(always)]
-    fn differences(&self, motion: [f32; 2]) -> (Rows, f32) {
-        let (stride, height) = (self.level.stride(), self.level.height + 2 * PAD);
-        let clamp = |x: f32, end: usize| x.max(0.0).min((end - PATCH - 2) as f32);
-        let x = clamp(self.x as f32 + motion[0], stride);
-        let y = clamp(self.y as f32 + motion[1], height);
-        let (i, j) = (x as usize, y as usize);
-        let (fx, fy) = (x - i as f32, y - j as f32);
-
-        // Along a row, then between two rows.
-        let along = |j: usize| {
-            let row: &[f32; PATCH + 1] = self.level.earlier[j * stride + i..].first_chunk().unwrap();
-            std::array::from_fn::<f32, PATCH, _>(|k| row[k] + (row[k + 1] - row[k]) * fx)
-        };
-        let (mut rows, mut sums, mut above) = ([[0.0; PATCH]; PATCH], [0.0; PATCH], along(j));
-        for y in 0..PATCH {
-            let below = along(j + y + 1);
-            for x in 0..PATCH {
-                let difference = above[x] + (below[x] - above[x]) * fy - self.later[y][x];
-                rows[y][x] = difference;
-                sums[x] += difference * difference;
-            }
-            above = below;
+        if trace < FLAT {
+            return Patch { motion, error: 0.0, is_flat: true, inverse: [0.0; 3] };
         }
-        (rows, sums.iter().sum())
+        let inverse = [c, -xy, a].map(|element| element / determinant);
+        Patch { motion, error: self.error(motion), is_flat: false, inverse }
     }
 
-    /// Takes `motion` if it fits clearly better.
+    /// A row of the later image's gradient, right and down.
+    #[inline(always)]
+    fn gradient_row(&self, y: usize) -> [&'a [f32; PATCH]; 2] {
+        let first = (self.y + y) * self.level.stride() + self.x;
+        let [right, down] = &self.level.gradient;
+        [row(right, first), row(down, first)]
+    }
+
+    /// The earlier image, where `motion` leads, minus the later one.
+    #[inline(always)]
+    fn differences(&self, motion: [f32; 2]) -> Differences<'a> {
+        let (stride, height) = (self.level.stride(), self.level.height + 2 * PAD);
+        let x = clamp_place(self.x as f32 + motion[0], stride);
+        let y = clamp_place(self.y as f32 + motion[1], height);
+        let (i, j) = (x as usize, y as usize);
+        let (earlier, later) = (j * stride + i, self.y * stride + self.x);
+        let mut differences = Differences {
+            level: self.level,
+            earlier,
+            later,
+            fx: x - i as f32,
+            fy: y - j as f32,
+            above: [0.0; PATCH],
+        };
+        differences.above = differences.along_row();
+        differences
+    }
+
+    /// The sum of squared differences.
+    #[inline(always)]
+    fn error(&self, motion: [f32; 2]) -> f32 {
+        let (mut rows, mut sums) = (self.differences(motion), [0.0; PATCH]);
+        for _ in 0..PATCH {
+            let row = rows.next_row();
+            for x in 0..PATCH {
+                sums[x] += row[x] * row[x];
+            }
+        }
+        sum(sums)
+    }
+
+    #[inline(always)]
+    fn fit(&self, motion: [f32; 2]) -> Fit {
+        let (mut error, mut gx, mut gy) = ([0.0; PATCH], [0.0; PATCH], [0.0; PATCH]);
+        let mut rows = self.differences(motion);
+        for y in 0..PATCH {
+            let (row, [right, down]) = (rows.next_row(), self.gradient_row(y));
+            for x in 0..PATCH {
+                error[x] += row[x] * row[x];
+                gx[x] += right[x] * row[x];
+                gy[x] += down[x] * row[x];
+            }
+        }
+        Fit { error: sum(error), gradient: [sum(gx), sum(gy)] }
+    }
+
+    /// Takes `motion` if it fits clearly better. A descent finds what is near by itself.
     #[inline(always)]
     fn try_motion(&self, patch: &mut Patch, motion: [f32; 2]) {
-        if motion == patch.motion {
+        let away = |k: usize| (motion[k] - patch.motion[k]).abs();
+        if away(0).max(away(1)) < NEAR {
             return;
         }
-        let (_, error) = self.differences(motion);
+        let error = self.error(motion);
         if error < BETTER * patch.error {
             (patch.motion, patch.error) = (motion, error);
         }
@@ -203,40 +231,85 @@ impl<'a> Target<'a> {
     /// Moves a patch by Gauss-Newton steps as long as it fits better.
     #[inline(always)]
     fn descend(&self, patch: &mut Patch) {
-        let ([right, down], start) = (self.gradient(), patch.motion);
-        let (mut differences, _) = self.differences(start);
+        let start = patch.motion;
+        let mut fit = self.fit(start);
         for _ in 0..MAX_STEPS {
-            let (mut gx, mut gy) = ([0.0; PATCH], [0.0; PATCH]);
-            for y in 0..PATCH {
-                for x in 0..PATCH {
-                    gx[x] += right[y][x] * differences[y][x];
-                    gy[x] += down[y][x] * differences[y][x];
-                }
-            }
-            let [gx, gy] = [gx, gy].map(|lanes| lanes.iter().sum::<f32>());
-            let [a, b, c] = patch.inverse;
+            let ([a, b, c], [gx, gy]) = (patch.inverse, fit.gradient);
             let step = [a * gx + b * gy, b * gx + c * gy];
             let motion = [patch.motion[0] - step[0], patch.motion[1] - step[1]];
             if (motion[0] - start[0]).abs() > LONGEST || (motion[1] - start[1]).abs() > LONGEST {
                 break;
             }
 
-            let (next, error) = self.differences(motion);
-            if error >= patch.error {
+            fit = self.fit(motion);
+            if fit.error >= patch.error {
                 break;
             }
-            (patch.motion, patch.error, differences) = (motion, error, next);
-            if step[0].abs().max(step[1].abs()) < SHORT_STEP || error < FITS {
+            (patch.motion, patch.error) = (motion, fit.error);
+            if step[0].abs().max(step[1].abs()) < SHORT_STEP || fit.error < FITS {
                 break;
             }
         }
     }
 }
 
-/// The cells of a patch in a padded image.
+/// Rows of a patch, one after the other: the earlier image, where a motion leads, minus the later one.
+struct Differences<'a> {
+    level: &'a Level,
+    /// The places in the padded images of the next row.
+    earlier: usize,
+    later: usize,
+    /// The parts of a cell by which the motion leads farther.
+    fx: f32,
+    fy: f32,
+    /// The earlier image above the next row.
+    above: [f32; PATCH],
+}
+
+impl Differences<'_> {
+    #[inline(always)]
+    fn next_row(&mut self) -> [f32; PATCH] {
+        self.earlier += self.level.stride();
+        let below = self.along_row();
+        let later = row(&self.level.later, self.later);
+        let mut differences = [0.0; PATCH];
+        for x in 0..PATCH {
+            differences[x] = self.above[x] + (below[x] - self.above[x]) * self.fy - later[x];
+        }
+        self.later += self.level.stride();
+        self.above = below;
+        differences
+    }
+
+    /// The earlier image between the cells of a row.
+    #[inline(always)]
+    fn along_row(&self) -> [f32; PATCH] {
+        let image = &self.level.earlier;
+        let (left, right) = (row(image, self.earlier), row(image, self.earlier + 1));
+        let mut along = [0.0; PATCH];
+        for x in 0..PATCH {
+            along[x] = left[x] + (right[x] - left[x]) * self.fx;
+        }
+        along
+    }
+}
+
+/// The place `x`, but not so close to the end of a padded image that a patch would leave it.
 #[inline(always)]
-fn rows(image: &[f32], stride: usize, x: usize, y: usize) -> Rows {
-    std::array::from_fn(|k| *image[(y + k) * stride + x..].first_chunk().unwrap())
+fn clamp_place(x: f32, end: usize) -> f32 {
+    x.max(0.0).min((end - PATCH - 2) as f32)
+}
+
+/// The cells of a patch's row in an image.
+#[inline(always)]
+fn row(image: &[f32], first: usize) -> &[f32; PATCH] {
+    image[first..].first_chunk().unwrap()
+}
+
+/// The sum of the lanes.
+#[inline(always)]
+fn sum(lanes: [f32; PATCH]) -> f32 {
+    lanes.iter().sum()
 }
 
 vectorised! {
@@ -256,10 +329,13 @@ vectorised! {
         }
         for (k, patch) in patches.iter().enumerate() {
             let (x, y) = (place(k % columns, stride), place(k / columns, stride));
-            let (differences, _) = Target::new(level, x, y).differences(patch.motion);
-            for (row, differences) in differences.iter().enumerate() {
+            let mut rows = Target { level, x, y }.differences(patch.motion);
+            for row in 0..PATCH {
+                let (mut weights, differences) = ([0.0; PATCH], rows.next_row());
+                for x in 0..PATCH {
+                    weights[x] = 1.0 / differences[x].abs().max(1.0);
+                }
                 let at = (y + row) * padded + x;
-                let weights = differences.map(|difference| 1.0 / difference.abs().max(1.0));
                 for (sum, factor) in sums.iter_mut().zip([1.0, patch.motion[0], patch.motion[1]]) {
                     let lanes: &mut [f32; PATCH] = sum[at..].first_chunk_mut().unwrap();
                     for x in 0..PATCH {

@@ -52,7 +52,7 @@ fn distances(mask: &GrayImage) -> Arc<EdgeDistances> {
 
 fn motion(earlier: &GrayImage, later: &GrayImage) -> MaskMotion {
     let mut motion = MaskMotion::default();
-    motion.fill(distances(earlier), distances(later), &mut MotionScratch::default());
+    motion.fill(distances(earlier), distances(later));
     motion
 }
 
@@ -225,10 +225,9 @@ fn an_empty_mask_moves_nowhere() {
 fn reused_memory_gives_equal_masks() {
     let mut random = Random(11);
     let (mut reused, mut memory) = (MaskMotion::default(), WarpedMask::default());
-    let mut scratch = MotionScratch::default();
     for k in 0..20 {
         let [earlier, later] = [(); 2].map(|()| random_mask(&mut random, k % 2 == 0));
-        reused.fill(distances(&earlier), distances(&later), &mut scratch);
+        reused.fill(distances(&earlier), distances(&later));
         let found = reused.warp(0.4, SIZE, &mut memory).to_mask();
         assert_eq!(found, warped(&motion(&earlier, &later), 0.4));
     }

@@ -11,7 +11,7 @@
 use super::distance_image::{CELL, whole_cells};
 use super::flow::FlowView;
 use super::mix::{Mix, Term};
-use crate::math::lanes::select;
+use crate::math::lanes::{round_i32, select};
 use crate::math::vectorised;
 use crate::silhouette::bit_image::{BitImage, WORD};
 use crate::silhouette::{PackedMask, Rect};
@@ -309,14 +309,13 @@ fn warp_pixels<const N: usize>(
 
     let mut bytes = [[0; SIDE]; SIDE];
     for k in 0..PIXELS {
-        // Rounded to the nearest, which is not negative.
         let mut of_pixel = [0.0; N];
         for n in 0..N {
             of_pixel[n] = distances[n][k];
         }
-        let byte = 128.0 - 255.0 * mix.distance(terms, of_pixel);
+        let byte = 127.5 - 255.0 * mix.distance(terms, of_pixel);
         let byte = select(byte > 0.0, byte, 0.0);
-        bytes[k / SIDE][k % SIDE] = select(byte < 255.0, byte, 255.0) as u8;
+        bytes[k / SIDE][k % SIDE] = round_i32(select(byte < 255.0, byte, 255.0)) as u8;
     }
     bytes
 }

@@ -351,8 +351,8 @@ int dGeomVisualHullPointResponse(dGeomID g, dReal x, dReal y, dReal z, dVector3 
  *
  * @param g the hull
  * @param v receives the velocity in metres per second, in the world's frame; 0 where it is not known
- * @return 1 where it is known; 0 where it is not: far from the surface, without two frames, and always for
- * dVisualHullMotionHeld; -1 on failure, which a point that is not finite is too.
+ * @return 1 where it is known; 0 where it is not: far from the surface, without two frames, where the hull stands still
+ * because the next frame is late, and always for dVisualHullMotionHeld; -1 on failure, which a point that is not finite is too.
  */
 int dGeomVisualHullPointVelocity(dGeomID g, dReal x, dReal y, dReal z, dVector3 v);
 

@@ -97,6 +97,6 @@ fn bitten_in(camera: &Camera, view: usize, mask: &GrayImage) -> GrayImage {
 fn with_high_principal_point(camera: &Camera, pixels: f64) -> Camera {
     let mut intrinsics = *camera.intrinsics();
     intrinsics[(1, 2)] -= pixels;
-    Camera::new(camera.name(), camera.size(), intrinsics, camera.lens().clone(), *camera.cam_from_world())
+    Camera::new(camera.name(), camera.size(), intrinsics, *camera.lens(), *camera.cam_from_world())
         .expect("a camera much like this one")
 }

@@ -394,6 +394,10 @@ void dGeomVisualHullSetMinFeature(dGeomID g, dReal diameter);
  * Coulomb's limit along it. If the mode has dContactFDir1, contact->fdir1 stays, projected onto the tangent plane and
  * of unit length; if it is zero, not finite or along the normal, it is replaced. Other values of the surface stay.
  *
+ * A body takes on the speed of a surface that moves towards it over the first 8 mm of depth, as from soft skin: motionN
+ * is in proportion to the depth there. Twice that is subtracted from contact->geom.depth, down to 0, since the motion
+ * makes up for it. Below 0.4 m/s both are less, in proportion to the speed. So call it once for a contact.
+ *
  * It may be called for all contacts, also those without a hull. A body's geom inside a dGeomTransform counts as at rest
  * for the friction direction, and a hull inside one has no motion.
  *

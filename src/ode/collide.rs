@@ -17,7 +17,7 @@ use ode_sys::{
 use super::arena::{BodyId, GeomId};
 use super::body::Body;
 use super::geom::Geom;
-use super::hull::{SurfaceMotion, surface_motion};
+use super::hull::{SurfaceMotion, Touching, surface_motion};
 use super::pair_search::{near_callback, search_pairs};
 use super::surface::Surface;
 use super::world::World;
@@ -229,9 +229,10 @@ impl<'c> Pair<'c> {
         dt: f64,
         friction_direction: Option<Vector3<f64>>,
     ) -> Option<SurfaceMotion> {
-        let ContactGeom { position, normal, .. } = contact;
+        let &ContactGeom { position, normal, depth, .. } = contact;
+        let touching = Touching { position, normal, depth };
         // SAFETY: both geoms are alive, since ODE has just passed them, and so are their bodies.
-        unsafe { surface_motion(self.raw, position, normal, dt, friction_direction) }
+        unsafe { surface_motion(self.raw, &touching, dt, friction_direction) }
     }
 
     /// Attaches a contact joint between the pair's bodies, which lasts until the next [`collide`](World::collide). A
@@ -289,6 +290,7 @@ pub(super) unsafe fn create_contact(
 ) -> Result<dJointID> {
     check::point("position of the contact", &contact.position)?;
     check::not_negative("depth of the contact", contact.depth)?;
+    let soft_depth = check::not_negative("soft depth", surface.soft_depth)?;
     let length = contact.normal.norm();
     if length.is_nan() || (length - 1.0).abs() > 1e-3 {
         return Err(Error::argument(format!(
@@ -299,7 +301,7 @@ pub(super) unsafe fn create_contact(
     let geom = dContactGeom {
         pos: convert::ode_vector(&contact.position.coords),
         normal: convert::ode_vector(&contact.normal),
-        depth: contact.depth,
+        depth: (contact.depth - soft_depth).max(0.0),
         ..Default::default()
     };
     let contact = dContact {

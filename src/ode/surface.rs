@@ -46,6 +46,8 @@ pub struct Surface {
     pub bounce_velocity: f64,
     /// The part of the depth that each step corrects, 0 to 1, instead of the world's ERP.
     pub soft_erp: Option<f64>,
+    /// The first part of the depth that no step corrects, in metres.
+    pub soft_depth: f64,
     /// The constraint force mixing of the normal force, instead of the world's CFM.
     pub soft_cfm: Option<f64>,
     /// Rolling and spinning friction, as the largest torque divided by the normal force, in metres.
@@ -78,6 +80,7 @@ impl Default for Surface {
             bounce: None,
             bounce_velocity: 0.0,
             soft_erp: None,
+            soft_depth: 0.0,
             soft_cfm: None,
             rolling: None,
             slip: None,
@@ -93,7 +96,7 @@ impl Surface {
     }
 
     /// This surface, moving as the real one: with the friction direction and the velocities of `motion`, to which its
-    /// own velocities are added.
+    /// own velocities are added, and its soft depth if that is larger.
     pub fn with_motion(self, motion: &SurfaceMotion) -> Self {
         let [first, second] = self.surface_velocity.unwrap_or_default();
         let [along_first, along_second] = motion.surface_velocity;
@@ -101,6 +104,7 @@ impl Surface {
             friction_direction: Some(motion.friction_direction),
             surface_velocity: Some([first + along_first, second + along_second]),
             normal_velocity: Some(self.normal_velocity.unwrap_or(0.0) + motion.normal_velocity),
+            soft_depth: self.soft_depth.max(motion.soft_depth),
             ..self
         }
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::hull::{HullData, Motion};
-use ode_visual_hull::ode::{BodyId, GeomId, Ode, SpaceKind, Surface, SurfaceMotion, World};
+use ode_visual_hull::ode::{BodyId, ContactGeom, GeomId, Ode, SpaceKind, Surface, SurfaceMotion, World};
 use ode_visual_hull::synthetic::{Subject, layout};
 use ode_visual_hull_testing::scene::{at, cuboid, data_with, show};
 use ode_visual_hull_testing::world::{add_body, cube};
@@ -46,7 +46,7 @@ struct Case {
     is_hull_first: bool,
 }
 
-/// A hull of the moving cube and a virtual cube 5 mm deep in its front.
+/// A hull of the moving cube and a virtual cube that is some depth in its front.
 struct Scene {
     world: World,
     hull: GeomId,
@@ -55,11 +55,11 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(case: Case) -> Self {
+    fn new(case: Case, depth: f64) -> Self {
         let mut world = World::with_space(&Ode::init().unwrap(), SpaceKind::Simple).unwrap();
         world.set_cfm(0.0).unwrap();
         let root = world.root_space();
-        let other_pose = at(0.5 * (SIDE + OTHER) - 0.005, 0.0, 0.0);
+        let other_pose = at(0.5 * (SIDE + OTHER) - depth, 0.0, 0.0);
         let add_other = |world: &mut World| {
             if case.other_has_body {
                 return Some(add_body(world, &cube(OTHER), &other_pose).0);
@@ -111,10 +111,17 @@ fn for_each_case(mut check: impl FnMut(Case)) {
     }
 }
 
-/// Attaches one contact that sticks and has no error correction, and steps once. Returns how the surface moves, and the
-/// velocity at which the two bodies part at the contact.
-fn step_with_one_contact(case: Case) -> (SurfaceMotion, Vector3<f64>) {
-    let mut scene = Scene::new(case);
+/// A contact, and what a step made of it.
+struct Stepped {
+    contact: ContactGeom,
+    motion: SurfaceMotion,
+    /// The velocity at which the two bodies part at the contact.
+    parting: Vector3<f64>,
+}
+
+/// Attaches one contact of some depth that sticks and has no error correction, and steps once.
+fn step_with_one_contact(case: Case, depth: f64) -> Stepped {
+    let mut scene = Scene::new(case, depth);
     let hull = scene.hull;
     let sticky =
         Surface { soft_erp: Some(0.0), soft_cfm: Some(0.0), ..Surface::with_friction(f64::INFINITY) };
@@ -125,26 +132,39 @@ fn step_with_one_contact(case: Case) -> (SurfaceMotion, Vector3<f64>) {
         let contact = pair.contacts(1)[0];
         let motion = pair.surface_motion(&contact, DT).unwrap();
         pair.attach(&contact, &sticky.with_motion(&motion));
-        found = Some((motion, contact.position));
+        found = Some((motion, contact));
     });
     collided.unwrap();
-    let (motion, position) = found.unwrap();
+    let (motion, contact) = found.unwrap();
 
     // The bodies' arms before the step, at which ODE's equations hold.
-    let [hull_arm, other_arm] = [scene.hull_body, scene.other_body]
-        .map(|body| body.map_or_else(Vector3::zeros, |body| position - scene.world.body(body).position()));
+    let [hull_arm, other_arm] = [scene.hull_body, scene.other_body].map(|body| {
+        body.map_or_else(Vector3::zeros, |body| contact.position - scene.world.body(body).position())
+    });
     scene.world.step(DT).unwrap();
     let parting = scene.velocity(scene.other_body, &other_arm) - scene.velocity(scene.hull_body, &hull_arm);
-    (motion, parting)
+    Stepped { contact, motion, parting }
 }
 
 #[test]
 fn a_body_in_contact_gets_the_velocity_of_the_surface_in_both_orders_of_the_geoms() {
     for_each_case(|case| {
-        let (motion, parting) = step_with_one_contact(case);
+        // Deeper than where a body takes on a part of the speed.
+        let Stepped { motion, parting, .. } = step_with_one_contact(case, 0.01);
         // ODE solves the contact's three equations exactly, up to rounding.
         assert!((parting - motion.velocity).norm() < 1e-9, "{case:?}: {parting} of {motion:?}");
         // The mean error of a velocity from masks without noise is below a tenth.
         assert!((motion.velocity - VELOCITY).norm() < 0.1 * VELOCITY.norm(), "{case:?}: {motion:?}");
+    });
+}
+
+#[test]
+fn a_body_takes_on_the_speed_of_an_approaching_surface_in_proportion_to_its_depth_at_first() {
+    for_each_case(|case| {
+        let Stepped { contact, motion, .. } = step_with_one_contact(case, 0.005);
+        let speed = (contact.normal.dot(&motion.velocity)).abs();
+        assert!(contact.depth < 0.008 && motion.soft_depth == 0.016, "{case:?}: {motion:?}");
+        let expected = contact.depth / 0.008 * speed;
+        assert!((motion.normal_velocity - expected).abs() < 1e-12, "{case:?}: {motion:?}");
     });
 }

@@ -29,5 +29,5 @@ pub(crate) use open_class::{close_class, number as open_class_number, open as op
 pub(crate) use raw::{RawHull, apply_latest_frame_everywhere, create_in as create_hull_in};
 pub use surface_motion::SurfaceMotion;
 pub(crate) use surface_motion::set_contact_motion;
-pub(super) use surface_motion::surface_motion;
+pub(super) use surface_motion::{Touching, surface_motion};
 pub use view::{HullMut, HullView};

@@ -12,6 +12,14 @@ use ode_sys::{
 /// Slips slower than this have no direction, in m/s.
 const NO_SLIP: f64 = 1e-6;
 
+/// The largest soft depth of a surface that moves towards a body, in metres. With less, the ridges of noisy masks hit the
+/// body one after the other, and it leaves faster than the surface, and turning: at a pixel of noise a pushed box leaves
+/// at up to 1.24 of the surface's speed without a soft depth, and at up to 1.11 with it. With more, it sinks in visibly.
+const SOFT_DEPTH: f64 = 0.016;
+
+/// The time in seconds in which a slow surface moves by its soft depth, so that a surface at rest has none.
+const SOFT_SECONDS: f64 = 0.04;
+
 /// The least sine of the angle between a normal and a direction that has a part perpendicular to it.
 const LEAST_SINE: f64 = 1e-6;
 
@@ -25,8 +33,20 @@ pub struct SurfaceMotion {
     pub friction_direction: Vector3<f64>,
     /// The velocity of the surface in the first and second tangential direction, m/s (ODE's `motion1` and `motion2`).
     pub surface_velocity: [f64; 2],
-    /// The velocity of the surface along the contact's direction out of the hull, m/s (ODE's `motionN`).
+    /// The velocity along the contact's direction out of the hull that the body takes on, m/s (ODE's `motionN`): that of
+    /// the surface; in the first half of [`soft_depth`](Self::soft_depth), in proportion to the depth, a part of that.
     pub normal_velocity: f64,
+    /// The part of the contact's depth, in metres, that is not corrected, since the motion of the surface makes up for it:
+    /// up to 16 mm where the surface moves out of the hull, and none where it does not.
+    pub soft_depth: f64,
+}
+
+/// Where two geoms touch, in the world's frame.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::ode) struct Touching {
+    pub(in crate::ode) position: Point3<f64>,
+    pub(in crate::ode) normal: Vector3<f64>,
+    pub(in crate::ode) depth: f64,
 }
 
 /// The motion of the surface at a contact of two geoms, in the world's frame, for a joint between the first geom's body
@@ -40,11 +60,11 @@ pub struct SurfaceMotion {
 /// Both geoms are living, and so are their bodies.
 pub(in crate::ode) unsafe fn surface_motion(
     geoms: [dGeomID; 2],
-    position: &Point3<f64>,
-    normal: &Vector3<f64>,
+    touching: &Touching,
     stepsize: f64,
     friction_direction: Option<Vector3<f64>>,
 ) -> Option<SurfaceMotion> {
+    let Touching { position, normal, depth } = touching;
     let hulls = geoms.map(class::find_current);
     let is_first = hulls[0].is_some();
     let hull = hulls.into_iter().flatten().next()?;
@@ -75,11 +95,15 @@ pub(in crate::ode) unsafe fn surface_motion(
     let is_hull_first_body = !hull_body.is_null() && (is_first || body.is_null());
     let (sign, into_first) = if is_hull_first_body { (-1.0, -out_of_hull) } else { (1.0, out_of_hull) };
     let second = into_first.cross(&first);
+    let outwards = of_surface.dot(&out_of_hull);
+    let soft_depth = (SOFT_SECONDS * outwards).clamp(0.0, SOFT_DEPTH);
+    let part = if *depth < 0.5 * soft_depth { depth / (0.5 * soft_depth) } else { 1.0 };
     Some(SurfaceMotion {
         velocity: of_surface,
         friction_direction: first,
         surface_velocity: [first, second].map(|direction| sign * of_surface.dot(&direction)),
-        normal_velocity: of_surface.dot(&out_of_hull),
+        normal_velocity: part * outwards,
+        soft_depth,
     })
 }
 
@@ -90,17 +114,18 @@ pub(in crate::ode) unsafe fn surface_motion(
 /// The contact's geoms are living, and so are their bodies.
 pub(crate) unsafe fn set_contact_motion(contact: &mut dContact, stepsize: f64) -> bool {
     let (position, normal) = (convert::point(&contact.geom.pos), convert::vector(&contact.geom.normal));
+    let touching = Touching { position, normal, depth: contact.geom.depth };
     let has_direction = contact.surface.mode & dContactFDir1 as i32 != 0;
     let chosen = has_direction.then(|| tangent(&convert::vector(&contact.fdir1), &normal)).flatten();
     // SAFETY: the caller vouches for the geoms.
-    let motion =
-        unsafe { surface_motion([contact.geom.g1, contact.geom.g2], &position, &normal, stepsize, chosen) };
+    let motion = unsafe { surface_motion([contact.geom.g1, contact.geom.g2], &touching, stepsize, chosen) };
     let Some(motion) = motion else { return false };
 
     contact.fdir1 = convert::ode_vector(&motion.friction_direction);
     contact.surface.mode |= (dContactFDir1 | dContactMotion1 | dContactMotion2 | dContactMotionN) as i32;
     [contact.surface.motion1, contact.surface.motion2] = motion.surface_velocity;
     contact.surface.motionN = motion.normal_velocity;
+    contact.geom.depth = (contact.geom.depth - motion.soft_depth).max(0.0);
     true
 }
 

@@ -167,7 +167,7 @@ fn a_hull_in_motion_pushes_a_box_no_faster_than_the_subject_moves() {
     let arguments = ["--stack", "1", "--hold", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
     for motion in ["interpolated", "predicted"] {
         let (_, body) = speeds(&success(&recording, &[&arguments[..], &["--motion", motion]].concat()));
-        // The ball rolls at 1.2 m/s. With an ERP of 0.05 a pushed box leaves at 1.02 to 1.06 of the surface's speed.
+        // The ball rolls at 1.2 m/s. The figures bound a pushed box's speed by 1.06 of the surface's.
         assert!(body < 1.06 * 1.2 + 0.1, "{motion}: {body}");
     }
 }

@@ -127,9 +127,6 @@ fn all_pushes(noise: f64, motion: Motion, erp: f64, new_weight: f64) -> Vec<Outc
             for rate in [10.0, 30.0] {
                 let push = Push { speed, rate, noise, motion, erp, new_weight, seed };
                 found.push(push.run());
-                if std::env::var("VERBOSE").is_ok() {
-                    eprintln!("{push:?} {:?}", found.last().unwrap());
-                }
             }
         }
     }
@@ -169,9 +166,9 @@ impl Push {
     fn run(&self) -> Outcome {
         let cameras = cameras();
         let data = data(&cameras);
-        // Half a pixel for masks with noise.
         let filter = MaskFilter { new_weight: self.new_weight, ..MaskFilter::default() };
         data.set_mask_filter(filter).expect("a weight from 0 to 1");
+        // The surface layer: about half a pixel for masks with noise.
         let mut world = world(self.seed, if self.noise > 0.0 { 0.002 } else { 0.001 });
         world.set_erp(self.erp).expect("in range");
         let root = world.root_space();

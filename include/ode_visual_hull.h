@@ -258,6 +258,34 @@ int dGeomVisualHullDataSetViewEnabled(dVisualHullDataID d, int view, int enabled
 int dGeomVisualHullDataSetMaxAge(dVisualHullDataID d, dReal seconds);
 
 /**
+ * @brief Sets the corrections of masks, for those that are set from now on. Both are off by default.
+ *
+ * A weight below 1 averages the signed distances from the edges of a mask and of the ones before it, along the optical
+ * flow, so that parts that move do not lag; what the flow cannot follow, such as a part that appears, lags by
+ * (1 - w) / w masks on average.
+ *
+ * @param d the data object
+ * @param smallestHole holes of fewer pixels than this are filled; 0 for none, 2000 suits images of 640x480
+ * @param newWeight the weight of a new mask against the average so far, above 0 and at most 1; 1 for no average
+ * @return Nonzero on success; 0 for an invalid value, and then the last ones stay.
+ */
+int dGeomVisualHullDataSetMaskFilter(dVisualHullDataID d, int smallestHole, dReal newWeight);
+
+/**
+ * @brief Sets the depth from which on all other views overrule one, from the next update on: against masks from which a
+ * part of the subject is missing now and then.
+ *
+ * Where one view sees a point as background, or much nearer to it than the others do, and the point lies deeper by this
+ * depth in each of at least three other views, the one view abstains. With few cameras the hull grows where one of them
+ * alone cuts it off.
+ *
+ * @param d the data object
+ * @param depth in metres, finite and not negative; 0, the default, for never, 0.02 suits seven cameras or more
+ * @return Nonzero on success; 0 for an invalid depth, and then the last one stays.
+ */
+int dGeomVisualHullDataSetOverruleDepth(dVisualHullDataID d, dReal depth);
+
+/**
  * @brief Publishes the latest masks of all views as the frame of the given time, in seconds. Bound geoms collide with
  * this frame from now on.
  *

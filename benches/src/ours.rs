@@ -100,6 +100,11 @@ impl Frame {
         &self.0
     }
 
+    /// The frame, in which one view is overruled where all others are deeper by this many metres.
+    pub fn overruling(&self, depth: f64) -> Self {
+        Self(Arc::new(Hull::clone(&self.0).with_overrule_depth(Some(depth))))
+    }
+
     /// A box around the hull.
     pub fn aabb(&self) -> &Aabb {
         self.0.aabb()

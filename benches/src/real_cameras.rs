@@ -19,6 +19,7 @@ pub fn run_group(session: &mut Session) {
         coverage_contacts(session, name, &Scene::segmented(SubjectKind::Person, 7, size), &boxes);
         lens_prepare(session, name, &pinhole, &lens);
     }
+    overruled_contacts(session, &Scene::new(SubjectKind::Person, 7, VGA), &boxes);
     body_response(session, &Scene::new(SubjectKind::Person, 7, VGA), &boxes);
 }
 
@@ -107,6 +108,18 @@ fn coverage_contacts(session: &mut Session, name: &str, coverage: &Scene, boxes:
     let milliseconds = 1e3 * times.seconds("coverage");
 
     session.reported(&format!("coverage_contacts_{name}_ms"), milliseconds, StartTime::Frame, what);
+}
+
+/// Compares contacts in a hull in which one view may be overruled with contacts in a hull in which none is.
+fn overruled_contacts(session: &mut Session, scene: &Scene, boxes: &Boxes) {
+    let plain = Rig::new(scene).publish(&scene.masks);
+    let overruling = plain.overruling(0.02);
+    let bench = with_contacts(PairedBench::new(), "plain", plain, boxes);
+    let times = session.run(with_contacts(bench, "overruling", overruling, boxes));
+
+    let what = "default contacts, one view overruled where all others are 2 cm deeper, over contacts of all views";
+    let ratio = times.ratio("overruling", "plain");
+    session.reported("overruled_contacts_over_plain_vga", ratio, StartTime::Frame, what);
 }
 
 /// Compares preparing masks of views with lenses with preparing masks of pinhole views.

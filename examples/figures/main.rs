@@ -11,6 +11,7 @@ mod capi;
 mod geometry;
 mod grip;
 mod lines;
+mod mask_filter;
 mod motion;
 mod push;
 mod segmentation;
@@ -28,7 +29,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 14] = [
+const GROUPS: [(&str, Measure); 15] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),
@@ -43,6 +44,7 @@ const GROUPS: [(&str, Measure); 14] = [
     ("push", push::run_group),
     ("velocity", velocity::run_group),
     ("camera_loss", camera_loss::run_group),
+    ("mask_filter", mask_filter::run_group),
 ];
 
 fn main() -> ExitCode {

@@ -1,6 +1,9 @@
 //! Panics in callbacks and in exported functions.
 
+use super::data_functions::*;
+use super::geom_functions::*;
 use super::*;
+use crate::Result;
 use crate::ode::injected_panic;
 use ode_sys::{
     dCloseODE, dCollide, dContactGeom, dCreateSphere, dGeomDestroy, dGeomGetAABB, dGeomSetPosition, dInitODE2,

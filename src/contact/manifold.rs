@@ -177,7 +177,8 @@ impl Manifolds {
         for sample in support.iter() {
             let point = hull_from_body * sample.point;
             if hull.inside_by(&point, self.edge) {
-                self.push(ExitRay { point, direction: *direction, view: view.unwrap_or(0) }, None, None);
+                let (direction, view, overrules) = (*direction, view.unwrap_or(0), hull.overrules_at(&point));
+                self.push(ExitRay { point, direction, view, overrules }, None, None);
             }
         }
         self.finish_manifold(view, true, 0);

@@ -209,12 +209,15 @@ struct PenetratingSample {
     direction: Vector3<f64>,
     /// Distance to the exit along the exit direction, in metres; zero until it is computed.
     depth: f64,
+    /// Whether a view is overruled at the sample.
+    overrules: bool,
 }
 
 impl PenetratingSample {
     /// The ray from the sample along its own exit direction.
     fn ray(&self) -> ExitRay {
-        ExitRay { point: self.point, direction: self.direction, view: self.view }
+        let Self { point, direction, view, overrules, .. } = *self;
+        ExitRay { point, direction, view, overrules }
     }
 }
 

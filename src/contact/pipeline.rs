@@ -95,7 +95,8 @@ impl ContactPipeline {
         // Candidates are ordered by body, so the samples of one body are adjacent.
         self.penetrating.clear();
         self.bodies.clear();
-        for (&candidate, &ExitRay { point, direction, view }) in self.inside.iter().zip(&self.rays) {
+        for (&candidate, &ExitRay { point, direction, view, overrules }) in self.inside.iter().zip(&self.rays)
+        {
             let (body, index) = self.candidates[candidate];
             let end = self.penetrating.len();
             if self.bodies.last().is_none_or(|last| last.index != body) {
@@ -111,7 +112,15 @@ impl ContactPipeline {
 
             let SampledBody { samples, hull_from_body, .. } = &bodies[body];
             let normal = hull_from_body * samples.points()[index].normal;
-            self.penetrating.push(PenetratingSample { index, point, normal, view, direction, depth: 0.0 });
+            self.penetrating.push(PenetratingSample {
+                index,
+                point,
+                normal,
+                view,
+                direction,
+                depth: 0.0,
+                overrules,
+            });
             if let Some(body) = self.bodies.last_mut() {
                 body.penetrating.end += 1;
             }
@@ -185,7 +194,7 @@ fn write_contacts(
     for &point_index in points {
         let pending = of_body.partition_point(|manifold| manifold.points.end <= point_index);
         let PendingManifold { view, shares_direction, .. } = of_body[pending];
-        let ExitRay { point, direction, view: own_view } = *manifolds.ray(point_index);
+        let ExitRay { point, direction, view: own_view, .. } = *manifolds.ray(point_index);
 
         // A point with a direction of its own always begins a new manifold.
         let known = written.iter().position(|&other| shares_direction && other == pending);

@@ -16,6 +16,7 @@ mod cull;
 mod live;
 mod many;
 mod motion;
+mod overrule;
 mod query;
 pub mod reference;
 mod velocity;
@@ -32,6 +33,7 @@ pub use view::{EdgeModel, Verdict, View};
 
 use crate::silhouette::{Border, Silhouette};
 use nalgebra::Point3;
+use query::ViewSamples;
 use std::sync::Arc;
 
 /// The policy for views that do not see a point.
@@ -112,6 +114,7 @@ pub struct Hull {
     views: Vec<View>,
     bounds: Aabb,
     unseen: Unseen,
+    overrule_depth: Option<f64>,
     culls: Culls,
     time: f64,
     aabb: Aabb,
@@ -121,8 +124,19 @@ pub struct Hull {
 impl Hull {
     /// The hull of `views` inside the work volume `bounds`, as seen at `time` seconds.
     pub fn new(views: Vec<View>, bounds: Aabb, unseen: Unseen, time: f64) -> Self {
-        let (aabb, empty_reason) = bounding_box(&views, &bounds, unseen);
-        Self { views, bounds, unseen, culls: Culls::DEFAULT, time, aabb, empty_reason }
+        let (aabb, empty_reason) = bounding_box(&views, None, &bounds, unseen);
+        let (overrule_depth, culls) = (None, Culls::DEFAULT);
+        Self { views, bounds, unseen, overrule_depth, culls, time, aabb, empty_reason }
+    }
+
+    /// This hull, but with views overruled where all others are deeper by this many metres: see
+    /// [`HullData::set_overrule_depth`].
+    pub fn with_overrule_depth(mut self, depth: Option<f64>) -> Self {
+        self.overrule_depth = depth;
+        if depth.is_some() {
+            (self.aabb, self.empty_reason) = box_without_any_one(&self.views, &self.bounds, self.unseen);
+        }
+        self
     }
 
     /// Removes the views of a dropped frame and returns their silhouettes. The list of views keeps its capacity.
@@ -147,7 +161,9 @@ impl Hull {
     pub(crate) fn with_views(&self, others: &[(usize, View)]) -> Self {
         let mut views = self.views.clone();
         others.iter().for_each(|(k, view)| views[*k] = view.clone());
-        Self::new(views, self.bounds, self.unseen, self.time).with_culls(self.culls)
+        Self::new(views, self.bounds, self.unseen, self.time)
+            .with_overrule_depth(self.overrule_depth)
+            .with_culls(self.culls)
     }
 
     /// All views, including the disabled ones.
@@ -163,6 +179,12 @@ impl Hull {
     /// The policy for views that do not see a point.
     pub fn unseen(&self) -> Unseen {
         self.unseen
+    }
+
+    /// By how many metres all other views, at least three, have to be deeper at a point than one that is overruled there;
+    /// `None` where none is. See [`HullData::set_overrule_depth`].
+    pub fn overrule_depth(&self) -> Option<f64> {
+        self.overrule_depth
     }
 
     /// The time of the frame, in seconds.
@@ -196,6 +218,10 @@ impl Hull {
     pub fn inside_by(&self, p: &Point3<f64>, edge: EdgeModel) -> bool {
         if !self.in_boxes(p) {
             return false;
+        }
+
+        if self.overrule_depth.is_some() {
+            return ViewSamples::with(|samples| samples.project_if_inside(self, p, edge));
         }
 
         // One view that sees background decides alone.
@@ -243,14 +269,29 @@ impl Hull {
     }
 }
 
-/// The intersection of the views' frustum boxes inside `bounds`, and why it is empty if it is.
-fn bounding_box(views: &[View], bounds: &Aabb, unseen: Unseen) -> (Aabb, Option<EmptyReason>) {
+/// The box around the intersections of all enabled views but one, and why it is empty if it is.
+fn box_without_any_one(views: &[View], bounds: &Aabb, unseen: Unseen) -> (Aabb, Option<EmptyReason>) {
+    let of_all = bounding_box(views, None, bounds, unseen);
+    let without = (0..views.len()).map(|view| bounding_box(views, Some(view), bounds, unseen).0);
+    let aabb = without.fold(of_all.0, |all, without| all.union(&without));
+    (aabb, if aabb.is_empty() { of_all.1 } else { None })
+}
+
+/// The intersection of the views' frustum boxes inside `bounds`, but for one that is left out, and why it is empty if it
+/// is.
+fn bounding_box(
+    views: &[View],
+    left_out: Option<usize>,
+    bounds: &Aabb,
+    unseen: Unseen,
+) -> (Aabb, Option<EmptyReason>) {
     if !views.iter().any(View::is_enabled) {
         return (Aabb::EMPTY, Some(EmptyReason::NoViews));
     }
 
     let mut aabb = *bounds;
-    for (index, view) in views.iter().enumerate().filter(|(_, view)| view.is_enabled()) {
+    let counts = |index: usize, view: &View| view.is_enabled() && left_out != Some(index);
+    for (index, view) in views.iter().enumerate().filter(|(index, view)| counts(*index, view)) {
         // Outside its field of view, a view that abstains does not bound the hull.
         if unseen != Unseen::Outside && !view.sees_all_of(bounds) {
             continue;

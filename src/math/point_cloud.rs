@@ -89,6 +89,12 @@ impl Points {
         (self.count - block * LANES).min(LANES)
     }
 
+    /// The point at `place` of the blocks, as rounded there.
+    pub(crate) fn at(&self, place: usize) -> Point3<f64> {
+        let (block, k) = (&self.blocks[place / LANES], place % LANES);
+        self.centre + Vector3::new(block.x[k], block.y[k], block.z[k]).cast::<f64>()
+    }
+
     /// The index, in the list that was passed to `new`, of the point at `place` of the blocks.
     #[inline(always)]
     pub(crate) fn original_index(&self, place: usize) -> usize {

@@ -10,6 +10,7 @@
 //! | [`captures`] | real recordings, where they are present |
 //! | [`degenerate_lines`] | lines on which something is zero but for rounding, held against inside tests |
 //! | [`edge_noise`] | masks whose outlines are displaced at random |
+//! | [`mask_errors`] | masks with gross errors: speckle, parts that are missing |
 //! | [`figure`], [`figure_table`] | measured numbers, their bounds, and the file that they are written to |
 //!
 //! Unit tests of the library use the package of [`random`] alone, because this package links a second build of the
@@ -20,6 +21,7 @@ pub mod degenerate_lines;
 pub mod edge_noise;
 pub mod figure;
 pub mod figure_table;
+pub mod mask_errors;
 pub mod quality;
 pub mod scene;
 #[cfg(feature = "ode")]

@@ -43,6 +43,8 @@ static void invalid_data_ids_are_refused(dVisualHullDataID stale) {
     CHECK_REFUSED(dGeomVisualHullDataLoadMask(d, 0, "mask.png"), 0, "data");
     CHECK_REFUSED(dGeomVisualHullDataSetViewEnabled(d, 0, 1), 0, "data");
     CHECK_REFUSED(dGeomVisualHullDataSetMaxAge(d, 1), 0, "data");
+    CHECK_REFUSED(dGeomVisualHullDataSetMaskFilter(d, 0, 1), 0, "data");
+    CHECK_REFUSED(dGeomVisualHullDataSetOverruleDepth(d, 0), 0, "data");
     CHECK_REFUSED(dGeomVisualHullDataUpdate(d, 0), 0, "data");
     CHECK_REFUSED(dCreateVisualHull(0, d), NULL, "data");
   }
@@ -181,6 +183,13 @@ static void invalid_masks_and_updates_are_refused(void) {
   CHECK_REFUSED(dGeomVisualHullDataSetMaxAge(d, -1), 0, "max_age");
   CHECK_REFUSED(dGeomVisualHullDataSetMaxAge(d, NAN), 0, "max_age");
   CHECK_REFUSED(dGeomVisualHullDataSetMaxAge(d, INFINITY), 0, "max_age");
+  CHECK_REFUSED(dGeomVisualHullDataSetMaskFilter(d, -1, 1), 0, "smallestHole");
+  CHECK_REFUSED(dGeomVisualHullDataSetMaskFilter(d, 0, 0), 0, "weight");
+  CHECK_REFUSED(dGeomVisualHullDataSetMaskFilter(d, 0, 1.01), 0, "weight");
+  CHECK_REFUSED(dGeomVisualHullDataSetMaskFilter(d, 0, NAN), 0, "weight");
+  CHECK_REFUSED(dGeomVisualHullDataSetOverruleDepth(d, -0.02), 0, "depth");
+  CHECK_REFUSED(dGeomVisualHullDataSetOverruleDepth(d, NAN), 0, "depth");
+  CHECK_REFUSED(dGeomVisualHullDataSetOverruleDepth(d, INFINITY), 0, "depth");
   CHECK_REFUSED(dGeomVisualHullDataSetUnseen(d, -1, 2), 0, "policy");
   CHECK_REFUSED(dGeomVisualHullDataSetUnseen(d, dVisualHullUnseenAbstain, 0), 0, "min_views");
   CHECK_REFUSED(dGeomVisualHullDataSetUnseen(d, dVisualHullUnseenAbstain, -3), 0, "minViews");

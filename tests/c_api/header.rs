@@ -51,8 +51,9 @@ fn the_header_declares_the_functions_that_the_shared_library_exports_and_no_othe
 
 #[test]
 fn the_source_has_the_functions_in_the_headers_order() {
-    let source = fs::read_to_string(root().join("src/capi.rs")).unwrap();
-    assert_eq!(names_after(&source, "extern \"C\" fn "), declared());
+    let files = ["capi.rs", "capi/data_functions.rs", "capi/geom_functions.rs"];
+    let sources = files.map(|file| fs::read_to_string(root().join("src").join(file)).unwrap());
+    assert_eq!(names_after(&sources.concat(), "extern \"C\" fn "), declared());
 }
 
 #[test]

@@ -2,12 +2,12 @@
 
 use super::{RATE, SETTLE, Stage};
 use crate::studio::*;
-use image::{GrayImage, Luma};
+use image::GrayImage;
 use nalgebra::point;
 use ode_visual_hull::camera::Camera;
-use ode_visual_hull::hull::Motion;
+use ode_visual_hull::hull::{HullData, MaskFilter, Motion};
 use ode_visual_hull_testing::figure::Figure;
-use ode_visual_hull_testing::random::Random;
+use ode_visual_hull_testing::mask_errors::{bitten, speckled};
 
 /// Frames with errors: three seconds.
 const FRAMES: usize = (3.0 * RATE) as usize;
@@ -18,6 +18,22 @@ const STANDS: f64 = 50.0;
 /// The camera with errors, where only one has some.
 const CAMERA: usize = 2;
 
+/// What is done against the errors.
+#[derive(Debug, Clone, Copy)]
+struct Correction {
+    smallest_hole_px: u32,
+    /// In metres.
+    overrule_depth: Option<f64>,
+}
+
+impl Correction {
+    fn apply(&self, data: &HullData) {
+        let filter = MaskFilter { smallest_hole_px: self.smallest_hole_px, ..MaskFilter::default() };
+        data.set_mask_filter(filter).expect("a filter");
+        data.set_overrule_depth(self.overrule_depth).expect("a depth");
+    }
+}
+
 /// Changes the mask of a view in a frame, counted from the first one with errors.
 type Spoil = fn(&Camera, usize, usize, &GrayImage) -> GrayImage;
 
@@ -27,21 +43,32 @@ pub(super) fn figures(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let mut shifted = cameras.clone();
     shifted[CAMERA] = with_high_principal_point(&cameras[CAMERA], 2.0);
 
-    let cases: [(&str, &[Camera], Spoil); 5] = [
-        ("clean", &cameras, clean),
-        ("speckle_5", &cameras, |_, view, frame, mask| speckled(mask, 0.05, (frame * 16 + view) as u64)),
-        ("bite_10", &cameras, |camera, view, _, mask| bitten_in(camera, view, mask)),
-        ("bite_10_flicker", &cameras, |camera, view, frame, mask| {
-            if frame.is_multiple_of(2) { bitten_in(camera, view, mask) } else { mask.clone() }
-        }),
-        ("calibration_2px", &shifted, clean),
+    let speckle: Spoil = |_, view, frame, mask| speckled(mask, 0.05, (frame * 16 + view) as u64);
+    let bite: Spoil = |camera, view, _, mask| bitten_in(camera, view, mask);
+    let flicker: Spoil = |camera, view, frame, mask| {
+        if frame.is_multiple_of(2) { bitten_in(camera, view, mask) } else { mask.clone() }
+    };
+    let uncorrected = Correction { smallest_hole_px: 0, overrule_depth: None };
+    let filled = Correction { smallest_hole_px: 2000, ..uncorrected };
+    let overruled = Correction { overrule_depth: Some(0.02), ..uncorrected };
+    let cases: [(&str, &[Camera], Spoil, Correction); 9] = [
+        ("clean", &cameras, clean, uncorrected),
+        ("clean_overruled", &cameras, clean, overruled),
+        ("speckle_5", &cameras, speckle, uncorrected),
+        ("speckle_5_filled", &cameras, speckle, filled),
+        ("bite_10", &cameras, bite, uncorrected),
+        ("bite_10_overruled", &cameras, bite, overruled),
+        ("bite_10_flicker", &cameras, flicker, uncorrected),
+        ("bite_10_flicker_overruled", &cameras, flicker, overruled),
+        ("calibration_2px", &shifted, clean, uncorrected),
     ];
 
     let mut figures = Vec::new();
-    for (name, calibrated, spoil) in cases {
+    for (name, calibrated, spoil, correction) in cases {
         for (motion, suffix) in [(Motion::Held, ""), (Motion::Interpolated, "_interpolated")] {
             progress(&format!("a stack and {name}, {motion:?}"));
             let mut stage = Stage::new(&cameras, calibrated, motion);
+            correction.apply(&stage.data);
             stage.add_stack();
             stage.play(SETTLE, |_, clean| Some(clean.clone()));
 
@@ -64,18 +91,6 @@ pub(super) fn figures(progress: &dyn Fn(&str)) -> Vec<Figure> {
     figures
 }
 
-/// A mask with a share of its pixels flipped.
-fn speckled(mask: &GrayImage, share: f64, seed: u64) -> GrayImage {
-    let mut random = Random(seed << 32);
-    let mut speckled = mask.clone();
-    for byte in speckled.iter_mut() {
-        if random.unit() < share {
-            *byte = 255 - *byte;
-        }
-    }
-    speckled
-}
-
 /// The mask, which in the view [`CAMERA`] lacks a disc of a tenth of the subject's area, about the middle of the
 /// table's top, where the stack stands.
 fn bitten_in(camera: &Camera, view: usize, mask: &GrayImage) -> GrayImage {
@@ -83,13 +98,8 @@ fn bitten_in(camera: &Camera, view: usize, mask: &GrayImage) -> GrayImage {
         return mask.clone();
     }
 
-    let area = mask.iter().map(|&byte| f64::from(byte) / 255.0).sum::<f64>();
-    let radius = (0.1 * area / std::f64::consts::PI).sqrt();
     let centre = camera.project(&point![0.0, 0.0, TOP]).expect("the camera looks at the table");
-    GrayImage::from_fn(mask.width(), mask.height(), |i, j| {
-        let distance = (f64::from(i) + 0.5 - centre.u).hypot(f64::from(j) + 0.5 - centre.v);
-        if distance < radius { Luma([0]) } else { *mask.get_pixel(i, j) }
-    })
+    bitten(mask, 0.1, &point![centre.u, centre.v])
 }
 
 /// The camera with a principal point that is some pixels too high in the image: it shows the table's top too low, and no

@@ -88,7 +88,7 @@ impl ExitFinder {
         for (chunk, base) in rays.chunks(LANES).zip((0..).step_by(LANES)) {
             let mut block = RayBlock::empty(chunk.len());
             for k in 0..LANES {
-                let ExitRay { point, direction, view } = chunk[k.min(chunk.len() - 1)];
+                let ExitRay { point, direction, view, .. } = chunk[k.min(chunk.len() - 1)];
                 let place = kernels.iter().position(|kernel| kernel.index == view).unwrap_or(0);
                 for axis in 0..3 {
                     (block.point[axis][k], block.direction[axis][k]) = (point[axis], direction[axis]);

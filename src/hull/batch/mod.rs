@@ -23,6 +23,7 @@ mod exits;
 mod image_lines;
 mod line_walk;
 mod nearest_edge;
+mod overruled;
 mod projection;
 mod rejection;
 
@@ -50,6 +51,8 @@ pub(crate) struct ExitRay {
     /// Index of the view that gave the direction, which is likely to give the exit too; once the exit has been
     /// computed, of the view that gave it.
     pub(crate) view: usize,
+    /// Whether a view is overruled at the point. The single queries trace such rays.
+    pub(crate) overrules: bool,
 }
 
 /// Memory that batches reuse. It holds no results.
@@ -104,9 +107,37 @@ impl Hull {
         if rays.is_empty() {
             return;
         }
+        if rays.iter().any(|ray| ray.overrules) {
+            return self.exits_with_overruled(rays, edge, t_max, scratch, exits);
+        }
         scratch.with_kernels(self, edge, |batch| {
             batch.exits.find(self, batch.kernels, rays, t_max, exits);
         });
+    }
+
+    /// [`Self::exits_within`] where views are overruled at some of the points.
+    fn exits_with_overruled(
+        &self,
+        rays: &mut [ExitRay],
+        edge: EdgeModel,
+        t_max: f64,
+        scratch: &mut Scratch,
+        exits: &mut Vec<f64>,
+    ) {
+        let (mut others, mut of_others) =
+            (rays.iter().filter(|ray| !ray.overrules).copied().collect::<Vec<_>>(), Vec::new());
+        self.exits_within(&mut others, edge, t_max, scratch, &mut of_others);
+
+        let mut others = others.into_iter().zip(of_others).peekable();
+        for ray in rays {
+            exits.push(match others.next_if(|_| !ray.overrules) {
+                Some((other, exit)) => {
+                    *ray = other;
+                    exit
+                }
+                None => self.exit_within(&ray.point, &ray.direction, edge, t_max),
+            });
+        }
     }
 
     /// Adds to `kept` the indices of the `rays` whose exits do not provably lie before their `t`, in metres. It may
@@ -131,6 +162,9 @@ impl Hull {
     /// Whether the exit of `ray` provably lies before `t` metres, because some view sees background there. The view
     /// that is likely to give the exit is tested first. This takes one look-up a view, where an exit takes a traversal.
     pub(crate) fn provably_exits_before(&self, ray: &ExitRay, edge: EdgeModel, t: f64) -> bool {
+        if ray.overrules {
+            return false;
+        }
         let end = ray.point + ray.direction * t;
         let others = self.views().iter().enumerate().filter(|(k, view)| *k != ray.view && view.is_enabled());
         provably_outside(&self.views()[ray.view], &end, edge)
@@ -168,8 +202,9 @@ vectorised! {
         block.place(points.len(), |k| points[k]);
         let inside = block.within(hull.bounds(), u32::MAX >> (LANES - points.len()));
         let inside = if hull.culls.frustum_box { block.within(hull.aabb(), inside) } else { inside };
-        let inside = block.project_if_inside(kernels, hull.unseen(), inside);
-        if inside == 0 { 0 } else { queries.add(kernels, block, inside, rays) }
+        let may_overrule = hull.overrule_depth().is_some();
+        let (inside, outside) = block.project_if_inside(kernels, hull.unseen(), may_overrule, inside);
+        if inside == 0 { 0 } else { queries.add(hull, kernels, block, (inside, outside), rays) }
     }
 }
 

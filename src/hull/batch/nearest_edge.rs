@@ -5,10 +5,11 @@
 
 use super::directions::{find_contact_directions, find_paper_directions};
 use super::edge_query::{EdgeQuery, OPEN_LIST};
+use super::overruled::overrule;
 use super::projection::{PointBlock, ViewKernel};
 use super::{ExitRay, Wide};
-use crate::hull::EdgeModel;
 use crate::hull::query::window_half_width;
+use crate::hull::{EdgeModel, Hull};
 use crate::math::lanes::{floor, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
 use crate::math::vectorised;
@@ -30,7 +31,7 @@ pub(super) struct EdgeQueries {
 }
 
 /// The decision of the window search for each point.
-struct Decision {
+pub(super) struct Decision {
     /// Index of the kernel of the view that decides.
     kernel: Wide,
     /// The iteration; infinite where no view has an edge.
@@ -39,19 +40,37 @@ struct Decision {
     growth: Wide,
 }
 
+impl Decision {
+    /// Replaces the decision for point k: index of the view's kernel and half-width of its window; `None` where no view
+    /// has an edge.
+    pub(super) fn replace(&mut self, k: usize, window: Option<(usize, i32)>) {
+        self.iteration[k] = f64::INFINITY;
+        if let Some((kernel, half)) = window {
+            // A window that grows by a pixel an iteration has this half-width after one iteration less.
+            (self.kernel[k], self.iteration[k], self.growth[k]) = (kernel as f64, f64::from(half - 1), 1.0);
+        }
+    }
+}
+
 impl EdgeQueries {
     /// Adds queries for the points of a block in the bit mask `inside` for which some view has an edge, and their rays
-    /// to `rays`; [`Self::find_directions`] computes the directions. Returns a bit mask of these points.
+    /// to `rays`; [`Self::find_directions`] computes the directions. Returns a bit mask of these points. One view sees
+    /// those in `outside` outside: they count only if it is overruled.
     #[inline(always)]
     pub(super) fn add(
         &mut self,
+        hull: &Hull,
         kernels: &[ViewKernel],
         block: &mut PointBlock,
-        inside: u32,
+        (inside, outside): (u32, u32),
         rays: &mut Vec<ExitRay>,
     ) -> u32 {
         self.queries.resize_with(self.queries.len().max(kernels.len()), Default::default);
-        let decision = select_view(kernels, block);
+        let mut decision = select_view(kernels, block);
+        let (inside, overrules) = match hull.overrule_depth() {
+            Some(depth) => overrule(hull, kernels, block, depth, (inside, outside), &mut decision),
+            None => (inside, 0),
+        };
         let mut has_edge = [0; LANES];
         for k in 0..LANES {
             has_edge[k] = u32::from(decision.iteration[k] < f64::INFINITY);
@@ -71,7 +90,9 @@ impl EdgeQueries {
             };
             self.queries[place][query.list(kernel)].push(query);
 
-            let ray = ExitRay { point: block.point(k), direction: Vector3::zeros(), view: kernel.index };
+            let overrules = overrules >> k & 1 == 1;
+            let ray =
+                ExitRay { point: block.point(k), direction: Vector3::zeros(), view: kernel.index, overrules };
             rays.push(ray);
         }
 

@@ -313,34 +313,44 @@ impl PointBlock {
         lane_mask(&within) & active
     }
 
-    /// Projects the points into the views until none of the `active` ones may be inside. Returns which of them are.
+    /// Projects the points into the views until none of the `active` ones may be inside. Returns which of them are, and
+    /// which one view sees outside: such points count as inside here if `may_overrule`.
     #[inline(always)]
-    pub(super) fn project_if_inside(&mut self, kernels: &[ViewKernel], unseen: Unseen, active: u32) -> u32 {
+    pub(super) fn project_if_inside(
+        &mut self,
+        kernels: &[ViewKernel],
+        unseen: Unseen,
+        may_overrule: bool,
+        active: u32,
+    ) -> (u32, u32) {
         self.samples.resize(kernels.len(), ProjectedBlock::default());
         let (mut inside, mut seen_by) = (active, [0; LANES]);
         let may_abstain = if unseen == Unseen::Outside { 0 } else { u32::MAX };
+        let (mut outside, may_miss) = (0, if may_overrule { u32::MAX } else { 0 });
 
         for (kernel, sample) in kernels.iter().zip(&mut self.samples) {
             let (visible, in_subject) = kernel.project(&self.point, inside, sample);
-            inside &= in_subject | (!visible & may_abstain);
+            let admitted = in_subject | (!visible & may_abstain);
+            inside &= admitted | (visible & !outside & may_miss);
+            outside |= !admitted;
             if inside == 0 {
-                return 0;
+                return (0, 0);
             }
             if may_abstain != 0 {
                 for k in 0..LANES {
-                    seen_by[k] += in_subject >> k & 1;
+                    seen_by[k] += visible >> k & 1;
                 }
             }
         }
         if may_abstain == 0 {
-            return if kernels.is_empty() { 0 } else { inside };
+            return (if kernels.is_empty() { 0 } else { inside }, outside);
         }
 
         let (mut enough, min_views) = ([0; LANES], unseen.min_views(kernels.len()) as u32);
         for k in 0..LANES {
             enough[k] = u32::from(seen_by[k] >= min_views);
         }
-        inside & lane_mask(&enough)
+        (inside & lane_mask(&enough), outside)
     }
 
     pub(super) fn point(&self, k: usize) -> Point3<f64> {

@@ -32,9 +32,16 @@ vectorised! {
             }
         }
 
+        // Where a view is overruled, background is no proof.
+        let mut overruled = [0; LANES];
+        for (overruled, ray) in overruled.iter_mut().zip(rays) {
+            *overruled = u32::from(ray.overrules);
+        }
+        let overruled = lane_mask(&overruled);
+
         let mut remaining = u32::MAX >> (LANES - rays.len());
         for place in (*first..kernels.len()).chain(0..*first) {
-            remaining &= !kernels[place].sees_background(&ends, remaining);
+            remaining &= !kernels[place].sees_background(&ends, remaining) | overruled;
             if remaining == 0 {
                 *first = place;
                 return;

@@ -23,6 +23,8 @@ pub(super) struct FoundPoints {
 pub(super) struct Filter<'a> {
     pub(super) dilation: MaskDilation,
     pub(super) unseen: Unseen,
+    /// Whether one view may be overruled, so that a point is found although that view sees it outside.
+    pub(super) may_overrule: bool,
     /// The work volume and the points' placement in it; `None` if no point has to be tested against it.
     pub(super) cut: Option<(&'a Volume, &'a BodyPlacement)>,
 }
@@ -39,14 +41,14 @@ struct ViewVerdict {
 vectorised! {
     /// Whether any point in the sphere around a body's points may be inside.
     pub(super) fn may_be_inside(views: &[BodyView], placement: &BodyPlacement, filter: &Filter) -> bool {
-        let mut may_be = true;
+        let mut rejecting = 0;
         for view in views {
             let tables = (&view.tables.occupancy.lookup(), &view.distances());
             let (middle, radius) = (placement.middle(), placement.radius);
             let (touches, _) = view.sphere(tables, middle, radius, filter.dilation.pixels());
-            may_be = may_be && (touches || filter.may_abstain_on(view, middle, radius));
+            rejecting += u32::from(!touches && !filter.may_abstain_on(view, middle, radius));
         }
-        may_be
+        rejecting <= u32::from(filter.may_overrule)
     }
 }
 
@@ -60,11 +62,13 @@ vectorised! {
         for (group, (spheres, blocks)) in points.blocks().enumerate() {
             // The blocks whose spheres may be inside.
             let mut active = u32::MAX >> (u32::BITS as usize - blocks.len());
+            let mut rejected = filter.rejected_at_first();
             fully_inside.clear();
             fully_inside.resize(views.len(), 0);
             for view in cyclic(first_for_spheres, views.len()) {
                 let (touched, inside) = classify_spheres(&views[view], spheres, filter);
-                active &= touched;
+                active &= touched | !rejected;
+                rejected |= !touched;
                 fully_inside[view] = inside;
                 if active.count_ones() <= FEW_BLOCKS {
                     first_for_spheres = view;
@@ -108,13 +112,15 @@ impl Filter<'_> {
     ) -> u32 {
         let may_abstain = self.unseen != Unseen::Outside;
         let (mut inside, mut seen_by) = (active, [0; LANES]);
+        let mut rejected = self.rejected_at_first();
 
         for view in cyclic(*first, views.len()) {
             let mut verdict = ViewVerdict { admitted: u32::MAX, seen_inside: u32::MAX };
             if !is_inside(view) {
                 verdict = self.verdict(&views[view], block);
             }
-            inside &= verdict.admitted;
+            inside &= verdict.admitted | !rejected;
+            rejected |= !verdict.admitted;
             if inside == 0 {
                 *first = view;
                 return 0;
@@ -122,7 +128,7 @@ impl Filter<'_> {
 
             if may_abstain {
                 for k in 0..LANES {
-                    seen_by[k] += verdict.seen_inside >> k & 1;
+                    seen_by[k] += (verdict.seen_inside | !verdict.admitted) >> k & 1;
                 }
             }
         }
@@ -135,6 +141,12 @@ impl Filter<'_> {
             enough[k] = u32::from(seen_by[k] >= min_views);
         }
         inside & lane_mask(&enough)
+    }
+
+    /// A bit mask of the points that no view may reject any more, before the first view.
+    #[inline(always)]
+    fn rejected_at_first(&self) -> u32 {
+        if self.may_overrule { 0 } else { u32::MAX }
     }
 
     /// Whether a view may abstain on some part of a sphere.

@@ -56,7 +56,8 @@ impl<'a> HullInBody<'a> {
         // Candidates are not cut off at the work volume: a point beyond it is rejected later, in double precision.
         let is_cut = dilation == MaskDilation::None && !self.volume.holds(&placement);
         let cut = is_cut.then_some((&self.volume, &placement));
-        let filter = Filter { dilation, unseen: self.hull.unseen(), cut };
+        let may_overrule = self.hull.overrule_depth().is_some();
+        let filter = Filter { dilation, unseen: self.hull.unseen(), may_overrule, cut };
 
         // The sphere around the body first, then its blocks and points.
         if filter::may_be_inside(&self.views, &placement, &filter) {

@@ -49,6 +49,12 @@ impl Scratch {
             found.places.clear();
             hull.find(points, world_from_points, MaskDilation::None, found)
         })?;
+
+        // Of the points that one view sees outside, those are inside where it is overruled.
+        if hull.overrule_depth().is_some() {
+            let is_inside = |place: usize| hull.inside(&(world_from_points * points.at(place)));
+            self.found.places.retain(|&place| is_inside(place as usize));
+        }
         Ok(&self.found.places)
     }
 

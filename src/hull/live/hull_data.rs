@@ -25,6 +25,7 @@ struct State {
     views: Vec<ViewState>,
     bounds: Option<Aabb>,
     unseen: Unseen,
+    overrule_depth: Option<f64>,
     filter: MaskFilter,
     /// In seconds; `None` for no limit.
     max_age: Option<f64>,
@@ -44,6 +45,7 @@ impl Default for State {
             views: Vec::new(),
             bounds: None,
             unseen: Unseen::Outside,
+            overrule_depth: None,
             filter: MaskFilter::default(),
             max_age: None,
             latest: None,
@@ -116,65 +118,6 @@ impl HullData {
     /// The work volume, if it was set.
     pub fn bounds(&self) -> Option<Aabb> {
         self.lock().bounds
-    }
-
-    /// Sets the policy for views that do not see a point, from the next [`update`](Self::update) on.
-    ///
-    /// # Errors
-    /// `min_views` of zero.
-    pub fn set_unseen(&self, unseen: Unseen) -> Result<()> {
-        if unseen == (Unseen::Abstain { min_views: 0 }) {
-            return Err(Error::argument(
-                "min_views: expected at least 1, found 0; one view alone bounds no depth",
-            ));
-        }
-
-        let mut state = self.lock();
-        if border_of(state.unseen) != border_of(unseen) {
-            state.views.iter_mut().for_each(|view| view.change_border(border_of(unseen)));
-        }
-        state.unseen = unseen;
-        Ok(())
-    }
-
-    /// Sets the corrections of masks, for those that are set from now on.
-    ///
-    /// # Errors
-    /// A weight of new masks that is not above 0 and at most 1.
-    pub fn set_mask_filter(&self, filter: MaskFilter) -> Result<()> {
-        filter.check()?;
-        self.lock().filter = filter;
-        Ok(())
-    }
-
-    /// Enables or disables a view, from the next [`update`](Self::update) on. A disabled view abstains under either
-    /// policy.
-    ///
-    /// # Errors
-    /// A view index out of range.
-    pub fn set_view_enabled(&self, view: usize, enabled: bool) -> Result<()> {
-        self.lock().view_mut(view)?.enabled = enabled;
-        Ok(())
-    }
-
-    /// Sets how old, in seconds, a view's latest mask may be, from the next [`update`](Self::update) on; `None`, the
-    /// default, for any age. A view whose mask is older than that at the time of a frame is late: it abstains in that
-    /// frame as a disabled view does, and takes part again in the first frame that has a newer mask of it.
-    ///
-    /// A frame in which every view is late, or disabled, is no error: its hull is empty. Where some are, the hull is
-    /// larger; a hull geom of ODE does not push out the bodies over which it grows then.
-    ///
-    /// # Errors
-    /// An age that is not finite or not positive.
-    pub fn set_max_age(&self, seconds: Option<f64>) -> Result<()> {
-        if let Some(found) = seconds.filter(|age| !(age.is_finite() && *age > 0.0)) {
-            return Err(Error::argument(format!(
-                "max_age: expected a positive, finite number of seconds, found {found}; pass several times the time \
-                 between two masks, or no age at all to use masks however old they are"
-            )));
-        }
-        self.lock().max_age = seconds;
-        Ok(())
     }
 
     /// Prepares `mask` (0 background .. 255 subject) as the next mask of a view.
@@ -334,7 +277,7 @@ impl State {
             views.push(view_at(k, view, &bounds)?);
         }
 
-        let frame = Hull::new(views, bounds, self.unseen, time);
+        let frame = Hull::new(views, bounds, self.unseen, time).with_overrule_depth(self.overrule_depth);
         match Arc::get_mut(&mut hull) {
             Some(recycled) => *recycled = frame,
             None => hull = Arc::new(frame),
@@ -382,6 +325,7 @@ fn no_such_view(view: usize, count: usize) -> Error {
 }
 
 mod in_motion;
+mod settings;
 
 #[cfg(test)]
 mod tests;

@@ -36,7 +36,9 @@ impl Hull {
     /// # }
     /// ```
     pub fn exit(&self, p: &Point3<f64>, direction: &Vector3<f64>, edge: EdgeModel) -> f64 {
-        IntervalMerge::new(self, p, direction, edge).map_or(0.0, |mut merge| merge.exit().t)
+        let overruled = self.overruled_at(p);
+        let merge = IntervalMerge::new(self, overruled.map(|overruled| overruled.view), p, direction, edge);
+        merge.map_or(0.0, |mut merge| merge.exit().t) * overruled.map_or(1.0, |overruled| overruled.share)
     }
 
     /// Metres from `p`, a point inside, along the unit `direction` to where the hull ends ([`Self::exit`]), at most

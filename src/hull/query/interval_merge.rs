@@ -32,16 +32,19 @@ pub(super) struct IntervalMerge<'a> {
 }
 
 impl<'a> IntervalMerge<'a> {
-    /// The traversal at the origin; `None` where the half-line misses the work volume.
+    /// The traversal at the origin, through all enabled views but for the one at `left_out`; `None` where the half-line
+    /// misses the work volume.
     pub(super) fn new(
         hull: &'a Hull,
+        left_out: Option<usize>,
         origin: &Point3<f64>,
         direction: &Vector3<f64>,
         edge: EdgeModel,
     ) -> Option<Self> {
         let (entry, bounds_exit, normal) = hull.bounds().span(origin, direction)?;
-        let traversals =
-            hull.enabled_views().map(|view| ViewTraversal::new(view, origin, direction, edge)).collect();
+        let counts = |index: usize, view: &View| view.is_enabled() && left_out != Some(index);
+        let views = hull.views().iter().enumerate().filter(|(index, view)| counts(*index, view));
+        let traversals = views.map(|(_, view)| ViewTraversal::new(view, origin, direction, edge)).collect();
         let (direction, origin) = (*direction, *origin);
         let bounds_entry = (entry, normal);
         Some(Self { hull, traversals, t: 0.0, latest: None, bounds_entry, bounds_exit, direction, origin })

@@ -13,8 +13,9 @@ mod view_traversal;
 mod window_search;
 
 pub(super) use line_walk::MaskTraversal;
+pub(super) use projection::ViewSamples;
 pub use ray_cast::RayHit;
 pub(super) use response::towards;
 pub use response::{ExitVector, Response};
 pub use window_search::NearestEdge;
-pub(super) use window_search::window_half_width;
+pub(super) use window_search::{deciding_window, window_half_width};

@@ -1,6 +1,7 @@
 //! The projections of one point into all views, from which both the inside test and the window search read.
 
 use crate::camera::{Pixel, floor_pixel};
+use crate::hull::overrule::Overruled;
 use crate::hull::{EdgeModel, Hull, Verdict, View};
 use crate::recycle::{keep_scratch, take_scratch};
 use crate::silhouette::HALF_COVERAGE;
@@ -9,23 +10,25 @@ use std::cell::Cell;
 
 /// The projection of a point into one view that sees it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ViewSample {
+pub(in crate::hull) struct ViewSample {
     /// Index of the view.
-    pub(super) index: usize,
+    pub(in crate::hull) index: usize,
     pub(super) at: Pixel,
-    pub(super) pixel: (i32, i32),
+    pub(in crate::hull) pixel: (i32, i32),
     /// Chebyshev distance of the pixel to the background, in pixels.
-    pub(super) distance: u16,
+    pub(in crate::hull) distance: u16,
     /// Metres that a pixel covers at the point: d_i of the window search.
-    pub(super) footprint: f64,
+    pub(in crate::hull) footprint: f64,
 }
 
 /// The projections of a point into the enabled views.
 #[derive(Debug, Default)]
-pub(super) struct ViewSamples {
-    pub(super) visible: Vec<ViewSample>,
+pub(in crate::hull) struct ViewSamples {
+    pub(in crate::hull) visible: Vec<ViewSample>,
     /// Number of enabled views that do not see the point.
     pub(super) unseen: usize,
+    /// The view that is overruled at the point.
+    pub(in crate::hull) overruled: Option<Overruled>,
 }
 
 thread_local! {
@@ -35,7 +38,7 @@ thread_local! {
 
 impl ViewSamples {
     /// Runs `query` with reused memory.
-    pub(super) fn with<R>(query: impl FnOnce(&mut Self) -> R) -> R {
+    pub(in crate::hull) fn with<R>(query: impl FnOnce(&mut Self) -> R) -> R {
         let mut samples = take_scratch(&SCRATCH);
         let result = query(&mut samples);
         keep_scratch(&SCRATCH, samples);
@@ -43,30 +46,48 @@ impl ViewSamples {
     }
 
     /// Projects `p` into all enabled views.
-    pub(super) fn project(&mut self, hull: &Hull, p: &Point3<f64>) {
+    pub(in crate::hull) fn project(&mut self, hull: &Hull, p: &Point3<f64>) {
         self.clear_samples();
         for (index, view) in hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
             self.add(index, view, p);
         }
+        self.overruled = hull.overruled_among(self);
     }
 
-    /// Projects `p` into the enabled views until one sees it outside. Returns whether `p` is inside; only then are the
-    /// samples complete.
-    pub(super) fn project_if_inside(&mut self, hull: &Hull, p: &Point3<f64>, edge: EdgeModel) -> bool {
+    /// Projects `p` into the enabled views until one sees it outside that cannot be overruled. Returns whether `p` is
+    /// inside; only then are the samples complete.
+    pub(in crate::hull) fn project_if_inside(
+        &mut self,
+        hull: &Hull,
+        p: &Point3<f64>,
+        edge: EdgeModel,
+    ) -> bool {
         self.clear_samples();
+        let mut outside = None;
         for (index, view) in hull.views().iter().enumerate().filter(|(_, view)| view.is_enabled()) {
             if let Some(sample) = self.add(index, view, p)
                 && sample.verdict(view, edge) == Verdict::Outside
             {
-                return false;
+                if outside.is_some() || hull.overrule_depth().is_none() {
+                    return false;
+                }
+                outside = Some(index);
             }
         }
-        hull.unseen().decides_inside(self.visible.len(), 0, self.visible.len() + self.unseen)
+        self.overruled = hull.overruled_among(self);
+        outside.is_none_or(|outside| self.overruled.is_some_and(|overruled| overruled.view == outside))
+            && hull.unseen().decides_inside(self.visible.len(), 0, self.visible.len() + self.unseen)
+    }
+
+    /// The samples of the views that count: all that see the point, but for one that is overruled.
+    pub(super) fn counting(&self) -> impl Iterator<Item = &ViewSample> {
+        let overruled = self.overruled.map(|overruled| overruled.view);
+        self.visible.iter().filter(move |sample| Some(sample.index) != overruled)
     }
 
     fn clear_samples(&mut self) {
         self.visible.clear();
-        self.unseen = 0;
+        (self.unseen, self.overruled) = (0, None);
     }
 
     fn add(&mut self, index: usize, view: &View, p: &Point3<f64>) -> Option<ViewSample> {

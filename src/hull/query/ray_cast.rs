@@ -22,9 +22,9 @@ pub struct RayHit {
 
 impl Hull {
     /// The first interval of `ray` inside the hull: its entry (`None` if the ray starts inside) and its exit. `None` if
-    /// the ray misses the hull.
+    /// the ray misses the hull. No view is overruled along a ray.
     pub fn ray_cast(&self, ray: &Ray) -> Option<(Option<RayHit>, RayHit)> {
-        let mut merge = IntervalMerge::new(self, &ray.origin, &ray.direction, EdgeModel::Coverage)?;
+        let mut merge = IntervalMerge::new(self, None, &ray.origin, &ray.direction, EdgeModel::Coverage)?;
         let (entry, exit) = loop {
             let (entry, exit) = (merge.entry()?, merge.exit());
             if exit.t - entry.t > ROUNDING * exit.t {

@@ -30,27 +30,32 @@ impl Hull {
 
     /// The result of [`Self::nearest_edge`] for a point whose projections are known.
     pub(super) fn nearest_edge_among(&self, samples: &ViewSamples) -> Option<NearestEdge<'_>> {
-        let d_max = samples.visible.iter().map(|sample| sample.footprint).fold(0.0, f64::max);
-
-        // The smallest iteration over the views, and its view.
-        let mut first: Option<(i64, &ViewSample)> = None;
-        for sample in &samples.visible {
-            let growth = d_max / sample.footprint;
-            if first.is_some_and(|(k, _)| !reaches(k - 1, growth, sample.distance)) {
-                continue;
-            }
-            if let Some(k) = first_iteration(sample.distance, growth) {
-                first = Some((k, sample));
-            }
-        }
-
-        let (k, decisive) = first?;
-        let half = window_half_width(k, d_max / decisive.footprint);
+        let (decisive, half) = deciding_window(samples)?;
         let (i, j) = decisive.pixel;
         let view = &self.views()[decisive.index];
         let b = view.silhouette().nearest_background(i, j, half)?;
         Some(NearestEdge { view, a: decisive.at, b })
     }
+}
+
+/// The view that decides the window search, and the half-width of its window in pixels.
+pub(in crate::hull) fn deciding_window(samples: &ViewSamples) -> Option<(&ViewSample, i32)> {
+    let d_max = samples.counting().map(|sample| sample.footprint).fold(0.0, f64::max);
+
+    // The smallest iteration over the views, and its view.
+    let mut first: Option<(i64, &ViewSample)> = None;
+    for sample in samples.counting() {
+        let growth = d_max / sample.footprint;
+        if first.is_some_and(|(k, _)| !reaches(k - 1, growth, sample.distance)) {
+            continue;
+        }
+        if let Some(k) = first_iteration(sample.distance, growth) {
+            first = Some((k, sample));
+        }
+    }
+
+    let (k, decisive) = first?;
+    Some((decisive, window_half_width(k, d_max / decisive.footprint)))
 }
 
 /// Half-width of the window at iteration `k`, in pixels, where `growth` is `d_max / d_i` of the view.

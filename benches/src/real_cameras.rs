@@ -117,7 +117,8 @@ fn overruled_contacts(session: &mut Session, scene: &Scene, boxes: &Boxes) {
     let bench = with_contacts(PairedBench::new(), "plain", plain, boxes);
     let times = session.run(with_contacts(bench, "overruling", overruling, boxes));
 
-    let what = "default contacts, one view overruled where all others are 2 cm deeper, over contacts of all views";
+    let what =
+        "default contacts, one view overruled where all others are 2 cm deeper, over contacts of all views";
     let ratio = times.ratio("overruling", "plain");
     session.reported("overruled_contacts_over_plain_vga", ratio, StartTime::Frame, what);
 }

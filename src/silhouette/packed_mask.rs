@@ -4,12 +4,15 @@
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
+mod coverage;
+
 use super::bit_image::{BitImage, WORD, pack};
 use super::{MaskView, Rect, SUBJECT};
 use crate::math::lanes::set_bits;
 use crate::math::vectorised;
+pub(super) use coverage::Coverage;
+use coverage::CoverageRow;
 use image::GrayImage;
-use std::ops::Range;
 
 /// A packed mask: one bit per pixel that tells whether it is subject, and the bytes that are neither 0 nor 255.
 ///
@@ -35,16 +38,6 @@ pub struct PackedMask {
 
 /// Words that are packed at once.
 const WORDS_PACKED: usize = 4;
-
-/// The bytes of a mask that are neither 0 nor 255, row-major.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Coverage {
-    /// For each row the number of bytes in all rows up to it.
-    ends: Vec<u32>,
-    /// The column of each byte.
-    columns: Vec<u32>,
-    bytes: Vec<u8>,
-}
 
 impl PackedMask {
     /// Packs a mask.
@@ -97,6 +90,12 @@ impl PackedMask {
     /// Appends a byte of coverage. Its row is not above the row of the last one.
     pub(super) fn push_coverage(&mut self, x: usize, y: usize, byte: u8) {
         self.coverage.push(x, y, byte);
+    }
+
+    /// The coverage of row `y`, which is not above the row of the last byte, with room for `count` more bytes.
+    #[inline(always)]
+    pub(super) fn coverage_of_row(&mut self, y: usize, count: usize) -> CoverageRow<'_> {
+        self.coverage.begin_row(y, count)
     }
 
     /// Completes a mask that was begun with [`Self::restart`].
@@ -152,7 +151,7 @@ impl PackedMask {
 
     /// Whether any byte is neither 0 nor 255.
     pub fn has_coverage(&self) -> bool {
-        !self.coverage.bytes.is_empty()
+        !self.coverage.is_empty()
     }
 
     /// Whether every pixel is subject.
@@ -211,58 +210,6 @@ impl PackedMask {
     /// The bytes that are neither 0 nor 255.
     pub(super) fn coverage(&self) -> &Coverage {
         &self.coverage
-    }
-}
-
-impl Coverage {
-    fn restart(&mut self) {
-        self.ends.clear();
-        self.columns.clear();
-        self.bytes.clear();
-    }
-
-    /// Appends a byte. Its row is not above the row of the last one.
-    #[inline(always)]
-    pub(super) fn push(&mut self, x: usize, y: usize, byte: u8) {
-        self.end_rows(y);
-        self.columns.push(x as u32);
-        self.bytes.push(byte);
-    }
-
-    /// Marks the rows above `y` as complete.
-    #[inline(always)]
-    pub(super) fn end_rows(&mut self, y: usize) {
-        if self.ends.len() < y {
-            self.ends.resize(y, self.bytes.len() as u32);
-        }
-    }
-
-    /// The columns and bytes of row `y`, ascending by column; empty for a row beyond the image.
-    #[inline(always)]
-    pub(super) fn row(&self, y: usize) -> impl Iterator<Item = (usize, u8)> {
-        self.columns(y).iter().map(|&x| x as usize).zip(self.bytes(y).iter().copied())
-    }
-
-    /// The columns of row `y`, ascending.
-    #[inline(always)]
-    pub(super) fn columns(&self, y: usize) -> &[u32] {
-        &self.columns[self.range(y)]
-    }
-
-    /// The bytes of row `y`, ascending by column.
-    #[inline(always)]
-    pub(super) fn bytes(&self, y: usize) -> &[u8] {
-        &self.bytes[self.range(y)]
-    }
-
-    /// The range of row `y` in `columns` and `bytes`.
-    #[inline(always)]
-    fn range(&self, y: usize) -> Range<usize> {
-        match self.ends.get(..=y) {
-            Some([end]) => 0..*end as usize,
-            Some([.., start, end]) => *start as usize..*end as usize,
-            _ => 0..0,
-        }
     }
 }
 

@@ -2,20 +2,19 @@
 //!
 //! The distances are those of [`SignedDistance`](super::super::SignedDistance), with two differences: they are clipped
 //! to [`REACH`], which makes them cheap, and coverage moves the pixels next to the edge, so that a warped edge lies as
-//! exactly as the mask's.
+//! exactly as the mask's. The mean distances of cells reach farther: beyond [`REACH`] they are continued from cell to
+//! cell, up to [`CELL_REACH`](super::cell_means::CELL_REACH).
 
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
+use super::cell_means::{CELL, average_cells};
 use crate::math::lanes::{round_i32, select};
 use crate::math::vectorised;
 use crate::silhouette::{HALF_COVERAGE, Rect, SUBJECT, Silhouette};
 
-/// The largest distance, in pixels.
-pub(super) const REACH: i32 = 24;
-
-/// Pixels along a side of a cell, over which distances are averaged for the flow.
-pub(super) const CELL: i32 = 4;
+/// The largest distance of a pixel, in pixels.
+pub(super) const REACH: i32 = 16;
 
 /// Distances are stored in this part of a pixel, about that of a mask's bytes.
 pub(super) const UNIT: f32 = 256.0;
@@ -33,7 +32,7 @@ const BLOCK: usize = 16;
 const PAD: usize = PAD_BLOCKS * BLOCK;
 
 /// Blocks before and after a row.
-const PAD_BLOCKS: usize = 2;
+const PAD_BLOCKS: usize = (REACH as usize).div_ceil(BLOCK);
 
 /// Distances along a row are increased by this many columns between two tests for the end.
 const STRIDE: usize = 4;
@@ -48,6 +47,8 @@ pub(super) struct DistanceImage {
     /// The distance of each pixel of `rect` in the lower half, and that of the pixel to the right of it in the upper half,
     /// row-major, as [`i16`] in units of one [`UNIT`]th of a pixel: one look-up for a bilinear sample's row.
     pub(super) pairs: Vec<u32>,
+    /// The cells that have mean distances, as pixels; all others lie at [`CELL_REACH`](super::cell_means::CELL_REACH) or farther.
+    pub(super) cell_rect: Rect,
     /// Mean distances of the cells, row-major, in pixels.
     pub(super) cells: Vec<f32>,
 }
@@ -62,6 +63,10 @@ pub(super) struct DistanceScratch {
     along_columns: [Vec<u8>; 2],
     /// Squares of these for one row.
     squares: [SquaresRow; 2],
+    /// Mean distances of the cells of the pixels that have distances.
+    means: Vec<f32>,
+    /// Absolute values of mean distances, with a cell around, and those of the next step.
+    spread: [Vec<f32>; 2],
 }
 
 impl DistanceImage {
@@ -70,7 +75,7 @@ impl DistanceImage {
         self.rect = whole_cells(&silhouette.rect().grown(REACH));
         self.rect.x1 = self.rect.x0 + self.rect.width().next_multiple_of(BLOCK) as i32;
         let (width, height) = (self.rect.width(), self.rect.height());
-        let DistanceScratch { mask, values, along_columns, squares } = scratch;
+        let DistanceScratch { mask, values, along_columns, squares, means, spread } = scratch;
 
         mask.resize(width * height, 0);
         for (y, row) in (self.rect.y0..).zip(mask.chunks_exact_mut(width.max(1))) {
@@ -82,24 +87,15 @@ impl DistanceImage {
         }
         values.resize(width * height + 1, 0);
         self.pairs.resize(width * height, 0);
-        self.cells.resize(width * height / (CELL * CELL) as usize, 0.0);
+        means.resize(width * height / (CELL * CELL) as usize, 0.0);
         if width > 0 {
             let [to_subject, to_background] = along_columns;
             measure_columns(mask, width, to_subject, to_background);
             measure_rows(mask, width, to_subject, to_background, squares, &mut values[..width * height]);
-            average(values, width, &mut self.cells);
+            average_cells(values, width, means);
             pair_up(values, &mut self.pairs);
         }
-    }
-
-    /// The pixels that have distances.
-    pub(super) fn rect(&self) -> Rect {
-        self.rect
-    }
-
-    /// The mean distances of the cells of [`Self::rect`], row-major.
-    pub(super) fn cells(&self) -> &[f32] {
-        &self.cells
+        self.fill_cells(means, spread);
     }
 }
 
@@ -212,15 +208,17 @@ impl SquaresRow {
         self.squares.resize(distances.len() + 2 * PAD, 0);
         self.squares[..PAD].fill(FAR_SQUARED);
         self.squares[PAD + distances.len()..].fill(FAR_SQUARED);
-        self.is_near.clear();
-        self.is_near.resize(PAD_BLOCKS, false);
-        for (squares, distances) in self.squares[PAD..].as_chunks_mut::<BLOCK>().0.iter_mut().zip(blocks) {
+        self.is_near.resize(blocks.len() + 2 * PAD_BLOCKS, false);
+        self.is_near[PAD_BLOCKS + blocks.len()..].fill(false);
+        let squares = self.squares[PAD..].as_chunks_mut::<BLOCK>().0;
+        for ((squares, distances), is_near) in
+            squares.iter_mut().zip(blocks).zip(&mut self.is_near[PAD_BLOCKS..])
+        {
             for k in 0..BLOCK {
                 squares[k] = u16::from(distances[k]) * u16::from(distances[k]);
             }
-            self.is_near.push(distances != &[FAR; BLOCK]);
+            *is_near = distances != &[FAR; BLOCK];
         }
-        self.is_near.resize(blocks.len() + 2 * PAD_BLOCKS, false);
     }
 
     /// Whether all pixels of a block are far.
@@ -297,25 +295,6 @@ vectorised! {
         let next = &values[1..][..pairs.len()];
         for (k, pair) in pairs.iter_mut().enumerate() {
             *pair = u32::from(values[k] as u16) | u32::from(next[k] as u16) << 16;
-        }
-    }
-}
-
-vectorised! {
-    /// Averages the distances over cells, in pixels.
-    fn average(values: &[i16], width: usize, cells: &mut [f32]) {
-        let (side, columns) = (CELL as usize, width / CELL as usize);
-        for (rows, cells) in values.chunks_exact(side * width).zip(cells.chunks_exact_mut(columns)) {
-            for (x, cell) in cells.iter_mut().enumerate() {
-                let mut sum = 0;
-                for y in 0..side {
-                    let row = &rows[y * width + side * x..][..side];
-                    for k in 0..side {
-                        sum += i32::from(row[k]);
-                    }
-                }
-                *cell = sum as f32 / (UNIT * (CELL * CELL) as f32);
-            }
         }
     }
 }

@@ -15,9 +15,11 @@
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
-use super::distance_image::{CELL, DistanceImage, REACH, whole_cells};
+use super::cell_means::{CELL, CELL_REACH};
+use super::distance_image::DistanceImage;
 use super::level::Level;
 use super::patch::{PATCH, PatchSearch};
+use super::sampling::{Lookup, place_between};
 use crate::math::lanes::select;
 use crate::math::vectorised;
 use crate::silhouette::Rect;
@@ -88,8 +90,7 @@ pub(super) struct FlowScratch {
 impl Flow {
     /// Computes the flow from `later` back to `earlier`, in the memory of the last one.
     pub(super) fn fill(&mut self, earlier: &DistanceImage, later: &DistanceImage, scratch: &mut FlowScratch) {
-        self.rect = later.rect().union(&earlier.rect());
-        self.rect = whole_cells(&self.rect);
+        self.rect = later.cell_rect.union(&earlier.cell_rect);
         let FlowScratch { levels, search, row, smoothed } = scratch;
 
         let (finest, coarser) = levels.split_at_mut(1);
@@ -263,12 +264,40 @@ impl<'a> FlowView<'a> {
     }
 }
 
+impl FlowView<'_> {
+    /// The motions at `N` image positions, right and down in pixels, as [`Self::at`].
+    #[inline(always)]
+    pub(super) fn at_many<const N: usize>(&self, u: &[f32; N], v: &[f32; N]) -> [[f32; N]; 2] {
+        let (columns, rows) =
+            (self.rect.width() as u32 / CELL as u32, self.rect.height() as u32 / CELL as u32);
+        let mut motions = [[0.0; N]; 2];
+        if columns < 2 || rows < 2 {
+            return motions;
+        }
+
+        let (side, half) = (1.0 / CELL as f32, 0.5 * CELL as f32);
+        let (left, top) = (self.rect.x0 as f32 + half, self.rect.y0 as f32 + half);
+        let (right, down) = (Lookup::new(self.right), Lookup::new(self.down));
+        for k in 0..N {
+            let (i, fx) = place_between((u[k] - left) * side, columns);
+            let (j, fy) = place_between((v[k] - top) * side, rows);
+            let first = j * columns + i;
+            let row = |of: &Lookup<f32>, first: u32| of.at(first) + (of.at(first + 1) - of.at(first)) * fx;
+            let (upper, lower) = (row(&right, first), row(&right, first + columns));
+            motions[0][k] = upper + (lower - upper) * fy;
+            let (upper, lower) = (row(&down, first), row(&down, first + columns));
+            motions[1][k] = upper + (lower - upper) * fy;
+        }
+        motions
+    }
+}
+
 /// Copies the mean distances of the cells of `rect`; those beyond the image are as far from its edge as can be.
 fn copy_cells(rect: &Rect, image: &DistanceImage, cells: &mut Vec<f32>) {
-    let (side, own) = (CELL as usize, image.rect());
+    let (side, own) = (CELL as usize, image.cell_rect);
     let columns = rect.width() / side;
     cells.clear();
-    cells.resize(columns * rect.height() / side, REACH as f32);
+    cells.resize(columns * rect.height() / side, CELL_REACH as f32);
     let inner = own.intersection(rect);
     if inner.is_empty() {
         return;
@@ -278,7 +307,7 @@ fn copy_cells(rect: &Rect, image: &DistanceImage, cells: &mut Vec<f32>) {
         let place = |of: &Rect, columns: usize| {
             (y - of.y0) as usize / side * columns + (inner.x0 - of.x0) as usize / side
         };
-        let row = &image.cells()[place(&own, own_columns)..][..width];
+        let row = &image.cells[place(&own, own_columns)..][..width];
         cells[place(rect, columns)..][..width].copy_from_slice(row);
     }
 }

@@ -1,6 +1,7 @@
 //! One level of the pyramid of two distance images: both images, the later one's gradient, and the flow between them.
 
-use super::distance_image::{CELL, DistanceImage, REACH};
+use super::cell_means::{CELL, CELL_REACH};
+use super::distance_image::DistanceImage;
 use super::patch::PATCH;
 use crate::silhouette::Rect;
 
@@ -33,14 +34,14 @@ impl Level {
         self.resize(rect.width() / side, rect.height() / side);
         let stride = self.stride();
         for (padded, image) in [(&mut self.earlier, earlier), (&mut self.later, later)] {
-            padded.fill(REACH as f32);
-            let own = image.rect();
+            padded.fill(CELL_REACH as f32);
+            let own = image.cell_rect;
             if own.is_empty() {
                 continue;
             }
             let (left, top) = ((own.x0 - rect.x0) as usize / side, (own.y0 - rect.y0) as usize / side);
             let columns = own.width() / side;
-            for (y, row) in image.cells().chunks_exact(columns).enumerate() {
+            for (y, row) in image.cells.chunks_exact(columns).enumerate() {
                 let first = (y + top + PAD) * stride + left + PAD;
                 padded[first..][..columns].copy_from_slice(row);
             }

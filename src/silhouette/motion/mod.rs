@@ -8,6 +8,7 @@
 //! `D(t) = (1 - s) D0(p + s f) + s D1(p - (1 - s) f)` between the masks, where s is 0 at the earlier and 1 at the later
 //! one, and `D(t) = D1(p + a f)` a frames ahead of the later one. f leads from the later mask back to the earlier one.
 
+mod cell_means;
 mod distance_image;
 mod flow;
 mod level;

@@ -3,7 +3,8 @@
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
-use super::distance_image::{CELL, DistanceImage, REACH, UNIT};
+use super::cell_means::{CELL, CELL_REACH};
+use super::distance_image::{DistanceImage, REACH, UNIT};
 use crate::math::lanes::{floor_clamped, select};
 use crate::silhouette::mask_crop::LOW;
 
@@ -47,14 +48,14 @@ impl DistanceImage {
     #[inline(always)]
     pub(super) fn sample_cells<const N: usize>(&self, u: &[f32; N], v: &[f32; N]) -> [f32; N] {
         let (columns, rows) =
-            (self.rect.width() as u32 / CELL as u32, self.rect.height() as u32 / CELL as u32);
-        let mut distances = [REACH as f32; N];
+            (self.cell_rect.width() as u32 / CELL as u32, self.cell_rect.height() as u32 / CELL as u32);
+        let mut distances = [CELL_REACH as f32; N];
         if columns < 2 || rows < 2 {
             return distances;
         }
 
         let (side, half) = (1.0 / CELL as f32, 0.5 * CELL as f32);
-        let (left, top) = (self.rect.x0 as f32 + half, self.rect.y0 as f32 + half);
+        let (left, top) = (self.cell_rect.x0 as f32 + half, self.cell_rect.y0 as f32 + half);
         let cells = Lookup::new(&self.cells);
         for k in 0..N {
             let (i, fx) = place_between((u[k] - left) * side, columns);
@@ -70,7 +71,7 @@ impl DistanceImage {
 
 /// A table that many lanes look up at once, by one gather instruction.
 #[derive(Clone, Copy)]
-struct Lookup<'a, T> {
+pub(super) struct Lookup<'a, T> {
     values: &'a [T],
     last: u32,
 }
@@ -78,14 +79,14 @@ struct Lookup<'a, T> {
 impl<'a, T: Copy> Lookup<'a, T> {
     /// A look-up in a table that is not empty.
     #[inline(always)]
-    fn new(values: &'a [T]) -> Self {
+    pub(super) fn new(values: &'a [T]) -> Self {
         let last = (values.len() - 1) as u32 & LOW;
         Self { values: &values[..=last as usize], last }
     }
 
     /// The value at an index; the last one beyond the end.
     #[inline(always)]
-    fn at(&self, index: u32) -> T {
+    pub(super) fn at(&self, index: u32) -> T {
         self.values[index.min(self.last) as usize]
     }
 }
@@ -93,7 +94,7 @@ impl<'a, T: Copy> Lookup<'a, T> {
 /// The index below the position `x` among `count` samples, and the rest; both are clamped to the samples. There are at
 /// least two.
 #[inline(always)]
-fn place_between(x: f32, count: u32) -> (u32, f32) {
+pub(super) fn place_between(x: f32, count: u32) -> (u32, f32) {
     let last = (count - 2) as f32;
     let below = floor_clamped(x, last);
     let rest = x - below as f32;

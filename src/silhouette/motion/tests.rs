@@ -1,6 +1,7 @@
 //! Distances, flow and warped masks, against plain definitions and known motions.
 
-use super::distance_image::{CELL, REACH};
+use super::cell_means::CELL;
+use super::distance_image::REACH;
 use super::*;
 use crate::silhouette::{Border, SUBJECT};
 use image::{GrayImage, Luma};

@@ -8,7 +8,8 @@
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
-use super::distance_image::{CELL, whole_cells};
+use super::cell_means::CELL;
+use super::distance_image::whole_cells;
 use super::flow::FlowView;
 use super::mix::{Mix, Term};
 use crate::math::lanes::{round_i32, select};
@@ -31,6 +32,15 @@ struct EdgeCell {
     /// The flow at the cell's centre, and its change per pixel to the right and down.
     flow: [f32; 2],
     slope: [[f32; 2]; 2],
+}
+
+/// A cell that the edge crosses.
+#[derive(Debug, Clone, Copy)]
+struct MixedCell {
+    /// The column of its first pixel.
+    x: usize,
+    /// The bytes of its pixels, row by row.
+    bytes: [[u8; CELL as usize]; CELL as usize],
 }
 
 /// What is known of a cell; as wide as a distance, so that a row is decided in a few vector instructions.
@@ -61,8 +71,8 @@ pub(crate) struct WarpScratch {
     /// Indices of its unknown cells.
     unknown: Vec<u32>,
     edge_cells: Vec<EdgeCell>,
-    /// The bytes of their pixels, row by row.
-    bytes: Vec<[[u8; CELL as usize]; CELL as usize]>,
+    /// Those of them that are neither background nor subject as a whole.
+    mixed: Vec<MixedCell>,
 }
 
 impl WarpScratch {
@@ -126,14 +136,19 @@ fn warp_rows<const N: usize>(
     for y in (rect.y0..rect.y1).step_by(CELL as usize) {
         foretell_cells(terms, mix, flow, rect, y, scratch);
         decide_unknown_cells(terms, mix, flow, rect, y, scratch);
-        write_cells(rect, y, &scratch.states, mask.subject_mut());
 
-        let WarpScratch { edge_cells, bytes, .. } = scratch;
-        bytes.clear();
+        let WarpScratch { states, edge_cells, mixed, .. } = scratch;
+        mixed.clear();
         for cell in edge_cells.iter() {
-            bytes.push(warp_pixels(terms, mix, cell, y));
+            let bytes = warp_pixels(terms, mix, cell, y);
+            if bytes == [[u8::MAX; CELL as usize]; CELL as usize] {
+                states[(cell.x - rect.x0) as usize / CELL as usize] = INSIDE;
+            } else if bytes != [[0; CELL as usize]; CELL as usize] {
+                mixed.push(MixedCell { x: cell.x as usize, bytes });
+            }
         }
-        write_pixels(edge_cells, bytes, y, mask);
+        write_cells(rect, y, states, mask.subject_mut());
+        write_pixels(mixed, y, mask);
     }
 }
 
@@ -212,16 +227,17 @@ fn decide_unknown_cells<const N: usize>(
     let (row, half) = ((y - origin.y0).div_euclid(CELL), 0.5 * CELL as f32);
     let to_later = terms[N - 1].along_flow;
     for group in unknown.chunks(LANES) {
-        let mut motions = [[0.0; LANES]; 2];
-        let mut left = [0.0; LANES];
+        let (mut left, mut u, mut v) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for (k, &cell) in group.iter().enumerate() {
             let x = rect.x0 + CELL * cell as i32;
-            // The flow is known where the later image shows the subject, which is not where it is now.
             let [right, down] = flow.of_cell((x - origin.x0).div_euclid(CELL), row);
-            let (u, v) = (x as f32 + half + to_later * right, y as f32 + half + to_later * down);
-            [motions[0][k], motions[1][k]] = flow.at(u, v);
-            left[k] = x as f32;
+            (left[k], u[k], v[k]) = (x as f32, to_later * right, to_later * down);
         }
+        // The flow is known where the later image shows the subject, which is not where it is now.
+        for k in 0..LANES {
+            (u[k], v[k]) = (left[k] + half + u[k], y as f32 + half + v[k]);
+        }
+        let motions = flow.at_many(&u, &v);
 
         let mut distances = [[0.0; LANES]; N];
         for (term, distances) in terms.iter().zip(&mut distances) {
@@ -322,35 +338,27 @@ fn warp_pixels<const N: usize>(
 
 /// Writes the bytes of the listed cells, whose first row is `y`.
 #[inline(always)]
-fn write_pixels(
-    edge_cells: &[EdgeCell],
-    bytes: &[[[u8; CELL as usize]; CELL as usize]],
-    y: i32,
-    mask: &mut PackedMask,
-) {
+fn write_pixels(cells: &[MixedCell], y: i32, mask: &mut PackedMask) {
     let (width, height) = mask.size();
+    let (stride, last_word) = (mask.subject().stride(), mask.subject().last_word());
     for row in 0..CELL.min(height as i32 - y) as usize {
         let y = y as usize + row;
-        for (cell, bytes) in edge_cells.iter().zip(bytes) {
-            let (x, bytes) = (cell.x as usize, bytes[row]);
-            let all = u32::from_le_bytes(bytes);
-            if all == 0 {
-                continue;
+        let mut coverage = mask.coverage_of_row(y, CELL as usize * cells.len());
+        for cell in cells {
+            for (k, &byte) in cell.bytes[row].iter().enumerate() {
+                let is_partial = (byte != 0) & (byte != u8::MAX) & (cell.x + k < width as usize);
+                coverage.push_if(is_partial, cell.x + k, byte);
             }
-            if all != u32::MAX {
-                for (k, &byte) in bytes.iter().enumerate() {
-                    if byte != 0 && byte != 255 && x + k < width as usize {
-                        mask.push_coverage(x + k, y, byte);
-                    }
-                }
-            }
-
-            // The highest bit of a byte tells whether its pixel is subject.
-            let bits = u64::from((all >> 7 & 0x0101_0101).wrapping_mul(0x0102_0408) >> 24 & 0b1111);
-            let bit_image = mask.subject_mut();
-            let stride = bit_image.stride();
-            let last_word = if x / WORD + 1 == stride { bit_image.last_word() } else { u64::MAX };
-            bit_image.words_mut()[y * stride + x / WORD] |= bits << (x % WORD) & last_word;
         }
+        coverage.close();
+
+        let words = &mut mask.subject_mut().words_mut()[y * stride..][..stride];
+        for cell in cells {
+            // The highest bit of a byte tells whether its pixel is subject.
+            let all = u32::from_le_bytes(cell.bytes[row]);
+            let bits = u64::from((all >> 7 & 0x0101_0101).wrapping_mul(0x0102_0408) >> 24 & 0b1111);
+            words[cell.x / WORD] |= bits << (cell.x % WORD);
+        }
+        words[stride - 1] &= last_word;
     }
 }

@@ -5,6 +5,7 @@ mod header;
 mod program;
 
 use program::{Language, Linkage, Program, root, scratch};
+use std::sync::LazyLock;
 
 /// A test for each way to build and run a program of `tests/c`.
 macro_rules! programs {
@@ -12,9 +13,13 @@ macro_rules! programs {
         $(mod $name {
             use super::*;
 
+            /// Compiled once for two tests.
+            static SHARED: LazyLock<Program> =
+                LazyLock::new(|| Program::build(stringify!($name), Language::C99, Linkage::Shared));
+
             #[test]
             fn passes_with_the_shared_library() {
-                Program::build(stringify!($name), Language::C99, Linkage::Shared).run();
+                SHARED.run();
             }
 
             #[test]
@@ -29,7 +34,7 @@ macro_rules! programs {
 
             #[test]
             fn has_no_error_and_no_leak_under_valgrind() {
-                Program::build(stringify!($name), Language::C99, Linkage::Shared).run_under_valgrind();
+                SHARED.run_under_valgrind();
             }
         })*
     };

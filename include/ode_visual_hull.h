@@ -424,7 +424,9 @@ void dGeomVisualHullSetMinFeature(dGeomID g, dReal diameter);
  *
  * A body takes on the speed of a surface that moves towards it over the first 8 mm of depth, as from soft skin: motionN
  * is in proportion to the depth there. Twice that is subtracted from contact->geom.depth, down to 0, since the motion
- * makes up for it. Below 0.4 m/s both are less, in proportion to the speed. So call it once for a contact.
+ * makes up for it. The noisier the masks are, the more are both, up to 15 and 30 mm; below 0.3 m/s they are less, in
+ * proportion to the speed. Within them no contact gives a body's centre more than the surface's speed. So call it once for
+ * a contact.
  *
  * It may be called for all contacts, also those without a hull. A body's geom inside a dGeomTransform counts as at rest
  * for the friction direction, and a hull inside one has no motion.

@@ -28,18 +28,44 @@ const FIRST_TOUCH: f64 = -0.1;
 /// The place of the board's centre at which the push ends.
 const END: f64 = 0.25;
 
-/// How a push is filmed and simulated.
-#[derive(Debug, Clone, Copy)]
-struct Push {
+/// A push as cameras film it.
+struct Film {
     speed: f64,
     rate: f64,
     noise: f64,
+    /// The seed of the noise.
+    seed: u64,
+    cameras: Vec<Camera>,
+    /// The masks of each frame.
+    frames: Vec<Vec<GrayImage>>,
+}
+
+/// How a push is simulated.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    /// In the names of figures.
+    name: &'static str,
     motion: Motion,
     erp: f64,
     /// The weight of a new mask against the filtered last one.
     new_weight: f64,
-    seed: u64,
 }
+
+const INTERPOLATED: Run = Run { name: "", motion: Motion::Interpolated, erp: 0.05, new_weight: 1.0 };
+
+/// The simulations of films without noise and with it.
+const CLEAN_RUNS: [Run; 4] = [
+    INTERPOLATED,
+    Run { name: "_erp_0_2", erp: 0.2, ..INTERPOLATED },
+    Run { name: "_predicted", motion: Motion::Predicted, ..INTERPOLATED },
+    Run { name: "_held", motion: Motion::Held, ..INTERPOLATED },
+];
+const NOISY_RUNS: [Run; 4] = [
+    INTERPOLATED,
+    Run { name: "_erp_0_2", erp: 0.2, ..INTERPOLATED },
+    Run { name: "_filter_0_5", new_weight: 0.5, ..INTERPOLATED },
+    Run { name: "_filter_0_3", new_weight: 0.3, ..INTERPOLATED },
+];
 
 /// What a push gave.
 #[derive(Debug, Clone, Copy)]
@@ -54,60 +80,60 @@ struct Outcome {
 
 pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let mut figures = Vec::new();
-    for (name, noise, most, deepest) in [("", 0.0, 1.06, 10.0), ("_noisy", 1.0, 1.10, 15.0)] {
-        progress(&format!("pushes with {noise} px of noise"));
-        let found = all_pushes(noise, Motion::Interpolated, 0.05, 1.0);
-        figures.push(Figure::bounded(
-            &format!("push_speed_ratio_min{name}"),
-            least(&found, |push| push.ratio),
-            AtLeast(0.99),
-        ));
-        figures.push(Figure::bounded(
-            &format!("push_speed_ratio_max{name}"),
-            most_of(&found, |push| push.ratio),
-            AtMost(most),
-        ));
-        let sink = 1e3 * most_of(&found, |push| push.sink);
-        figures.push(Figure::bounded(&format!("push_sink_mm_max{name}"), sink, AtMost(deepest)));
+    for (optics, cameras) in [("", cameras()), ("_lens", through_lenses(&cameras()))] {
+        progress(&format!("pushes{optics}"));
+        let runs = if optics.is_empty() { &CLEAN_RUNS[..] } else { &[INTERPOLATED] };
+        let clean = all_pushes(&cameras, 0.0, runs);
+        figures.extend(pushed(&clean[0], optics, 1.06, 10.0));
+        if let [_, erp, predicted, held] = &clean[..] {
+            figures.extend(reported(erp, "push", CLEAN_RUNS[1].name));
+            figures.extend(of_prediction(predicted));
+            figures.extend(reported(held, "held_push", ""));
+        }
 
-        let found = all_pushes(noise, Motion::Interpolated, 0.2, 1.0);
-        let name = |what: &str| format!("push_speed_ratio_{what}_erp_0_2{name}");
-        figures.push(Figure::reported(&name("min"), least(&found, |push| push.ratio)));
-        figures.push(Figure::reported(&name("max"), most_of(&found, |push| push.ratio)));
+        progress(&format!("pushes with 1 px of noise{optics}"));
+        let runs = if optics.is_empty() { &NOISY_RUNS[..] } else { &[INTERPOLATED] };
+        let noisy = all_pushes(&cameras, 1.0, runs);
+        figures.extend(pushed(&noisy[0], &format!("_noisy{optics}"), 1.10, 15.0));
+        let mean = noisy[0].iter().map(|push| push.ratio).sum::<f64>() / noisy[0].len() as f64;
+        figures.push(Figure::reported(&format!("push_speed_ratio_mean_noisy{optics}"), mean));
+        for (run, found) in runs.iter().zip(&noisy).skip(1) {
+            figures.extend(reported(found, "push", &format!("_noisy{}", run.name)));
+        }
     }
 
-    for (name, new_weight) in [("0_5", 0.5), ("0_3", 0.3)] {
-        let found = all_pushes(1.0, Motion::Interpolated, 0.05, new_weight);
-        let name = |what: &str| format!("push_speed_ratio_{what}_noisy_filter_{name}");
-        figures.push(Figure::reported(&name("min"), least(&found, |push| push.ratio)));
-        figures.push(Figure::reported(&name("max"), most_of(&found, |push| push.ratio)));
-    }
-
-    progress("pushes by a predicted and by a held hull");
-    let predicted = all_pushes(0.0, Motion::Predicted, 0.05, 1.0);
-    figures.push(Figure::bounded(
-        "predicted_push_ratio_min",
-        least(&predicted, |push| push.ratio),
-        AtLeast(0.95),
-    ));
-    figures.push(Figure::bounded(
-        "predicted_push_ratio_max",
-        most_of(&predicted, |push| push.ratio),
-        AtMost(1.15),
-    ));
-    figures.push(Figure::bounded(
-        "predicted_latency_frames",
-        most_of(&predicted, |push| push.latency),
-        Between(-1.0, 0.25),
-    ));
     progress("a box on a tray");
     figures.push(Figure::bounded("carry_over_tray", carry(Motion::Interpolated), AtLeast(0.85)));
     figures.push(Figure::reported("carry_over_tray_held", carry(Motion::Held)));
-
-    let held = all_pushes(0.0, Motion::Held, 0.05, 1.0);
-    figures.push(Figure::reported("held_push_ratio_min", least(&held, |push| push.ratio)));
-    figures.push(Figure::reported("held_push_ratio_max", most_of(&held, |push| push.ratio)));
     figures
+}
+
+/// The figures of pushes by an interpolated hull.
+fn pushed(found: &[Outcome], name: &str, most: f64, deepest: f64) -> [Figure; 3] {
+    let (min, max) = (least(found, |push| push.ratio), most_of(found, |push| push.ratio));
+    let sink = 1e3 * most_of(found, |push| push.sink);
+    [
+        Figure::bounded(&format!("push_speed_ratio_min{name}"), min, AtLeast(0.99)),
+        Figure::bounded(&format!("push_speed_ratio_max{name}"), max, AtMost(most)),
+        Figure::bounded(&format!("push_sink_mm_max{name}"), sink, AtMost(deepest)),
+    ]
+}
+
+fn reported(found: &[Outcome], what: &str, name: &str) -> [Figure; 2] {
+    let (min, max) = (least(found, |push| push.ratio), most_of(found, |push| push.ratio));
+    [("min", min), ("max", max)]
+        .map(|(bound, ratio)| Figure::reported(&format!("{what}_speed_ratio_{bound}{name}"), ratio))
+}
+
+/// The figures of pushes by a predicted hull.
+fn of_prediction(found: &[Outcome]) -> [Figure; 3] {
+    let (min, max) = (least(found, |push| push.ratio), most_of(found, |push| push.ratio));
+    let latency = most_of(found, |push| push.latency);
+    [
+        Figure::bounded("predicted_push_ratio_min", min, AtLeast(0.95)),
+        Figure::bounded("predicted_push_ratio_max", max, AtMost(1.15)),
+        Figure::bounded("predicted_latency_frames", latency, Between(-1.0, 0.25)),
+    ]
 }
 
 fn least(pushes: &[Outcome], value: impl Fn(&Outcome) -> f64) -> f64 {
@@ -118,15 +144,17 @@ fn most_of(pushes: &[Outcome], value: impl Fn(&Outcome) -> f64) -> f64 {
     pushes.iter().map(value).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Pushes at three speeds, filmed at two rates.
-fn all_pushes(noise: f64, motion: Motion, erp: f64, new_weight: f64) -> Vec<Outcome> {
-    let seeds = if noise > 0.0 { 0..3 } else { 0..1 };
-    let mut found = Vec::new();
+/// Pushes at three speeds, filmed at two rates: the outcomes of each of `runs`.
+fn all_pushes(cameras: &[Camera], noise: f64, runs: &[Run]) -> Vec<Vec<Outcome>> {
+    let seeds = if noise > 0.0 { 0..5 } else { 0..1 };
+    let mut found = vec![Vec::new(); runs.len()];
     for seed in seeds {
         for speed in [0.5, 1.0, 2.0] {
             for rate in [10.0, 30.0] {
-                let push = Push { speed, rate, noise, motion, erp, new_weight, seed };
-                found.push(push.run());
+                let film = Film::new(cameras, speed, rate, noise, seed);
+                for (run, found) in runs.iter().zip(&mut found) {
+                    found.push(film.simulate(run));
+                }
             }
         }
     }
@@ -138,11 +166,25 @@ fn cameras() -> Vec<Camera> {
     layout::ring(8, 5.0, 0.0, ORIGIN, (640, 480), 0.5).expect("a ring")
 }
 
-impl Push {
+impl Film {
+    /// Films a push until it has ended, as an interpolated hull shows it.
+    fn new(cameras: &[Camera], speed: f64, rate: f64, noise: f64, seed: u64) -> Self {
+        let (cameras, frames) = (cameras.to_vec(), Vec::new());
+        let mut film = Self { speed, rate, noise, seed, cameras, frames };
+        let last = (film.end(1.0 / rate) * rate) as usize + 1;
+        film.frames = (0..=last).map(|frame| film.masks(frame)).collect();
+        film
+    }
+
     /// The first time at which the board touches the box.
     fn touch(&self) -> f64 {
         // Four frames, so that its motion is known.
         4.0 / self.rate
+    }
+
+    /// When a push ends, as a hull shows it that is late by `latency` seconds.
+    fn end(&self, latency: f64) -> f64 {
+        self.touch() + (END + 0.5 * BOARD.x - FIRST_TOUCH) / self.speed + latency
     }
 
     /// The place of the board's centre at a time.
@@ -150,10 +192,10 @@ impl Push {
         FIRST_TOUCH - 0.5 * BOARD.x + self.speed * (time - self.touch())
     }
 
-    fn masks(&self, cameras: &[Camera], frame: usize) -> Vec<GrayImage> {
+    fn masks(&self, frame: usize) -> Vec<GrayImage> {
         let time = frame as f64 / self.rate;
         let subject = Subject::new(vec![cuboid(BOARD, at(self.board(time), 0.0, 0.0))]);
-        let clean = masks(cameras, &subject, coverage);
+        let clean = masks(&self.cameras, &subject, coverage);
         if self.noise == 0.0 {
             return clean;
         }
@@ -163,24 +205,23 @@ impl Push {
         clean.iter().enumerate().map(noisy).collect()
     }
 
-    fn run(&self) -> Outcome {
-        let cameras = cameras();
-        let data = data(&cameras);
-        let filter = MaskFilter { new_weight: self.new_weight, ..MaskFilter::default() };
+    fn simulate(&self, run: &Run) -> Outcome {
+        let data = data(&self.cameras);
+        let filter = MaskFilter { new_weight: run.new_weight, ..MaskFilter::default() };
         data.set_mask_filter(filter).expect("a weight from 0 to 1");
         // The surface layer: about half a pixel for masks with noise.
         let mut world = world(self.seed, if self.noise > 0.0 { 0.002 } else { 0.001 });
-        world.set_erp(self.erp).expect("in range");
+        world.set_erp(run.erp).expect("in range");
         let root = world.root_space();
         let hull = world.add_hull(root, &data).expect("room for the class");
-        world.hull_mut(hull).set_motion(self.motion);
+        world.hull_mut(hull).set_motion(run.motion);
         let floor = Shape::Plane { normal: Vector3::z(), offset: -0.5 * SIDE };
         world.add_geom(root, &floor).expect("a unit normal");
         let pose = at(FIRST_TOUCH + 0.5 * SIDE, 0.0, 0.0);
         let (body, _) = add_body(&mut world, &Shape::cube(SIDE), &pose);
 
-        let latency = if self.motion == Motion::Interpolated { 1.0 / self.rate } else { 0.0 };
-        let end = self.touch() + (END + 0.5 * BOARD.x - FIRST_TOUCH) / self.speed + latency;
+        let latency = if run.motion == Motion::Interpolated { 1.0 / self.rate } else { 0.0 };
+        let end = self.end(latency);
         let (mut frame, mut sink, mut began) = (0, 0.0_f64, None);
         for step in 0.. {
             let time = step as f64 * STEP;
@@ -188,7 +229,7 @@ impl Push {
                 break;
             }
             while frame as f64 / self.rate <= time + 1e-9 {
-                publish(&data, &self.masks(&cameras, frame), frame as f64 / self.rate);
+                publish(&data, &self.frames[frame], frame as f64 / self.rate);
                 frame += 1;
             }
             world.hull_mut(hull).set_time(time).expect("times that grow");

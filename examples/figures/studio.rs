@@ -2,7 +2,7 @@
 
 use image::GrayImage;
 use nalgebra::{Isometry3, point, vector};
-use ode_visual_hull::camera::Camera;
+use ode_visual_hull::camera::{Camera, Distortion};
 use ode_visual_hull::hull::{Aabb, HullData};
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Ode, Shape, SpaceKind, Surface, World, set_random_seed};
 use ode_visual_hull::synthetic::{Subject, layout};
@@ -22,6 +22,15 @@ pub const DT: f64 = 0.01;
 pub fn level_ring(height: f64) -> Vec<Camera> {
     let target = point![0.0, 0.0, height - 0.1];
     layout::ring(7, 3.0, height, target, (640, 480), 0.8).expect("a ring of seven")
+}
+
+/// The cameras with a lens: OpenCV's k1 = -0.2.
+pub fn through_lenses(cameras: &[Camera]) -> Vec<Camera> {
+    let lens = Distortion::from_opencv(&[-0.2, 0.0, 0.0, 0.0]).expect("four finite coefficients");
+    cameras
+        .iter()
+        .map(|camera| camera.clone().with_lens(lens).expect("a lens that its image allows"))
+        .collect()
 }
 
 /// The size of a pixel of [`level_ring`] at the middle of the ring, in metres.

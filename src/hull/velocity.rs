@@ -35,6 +35,18 @@ pub(crate) const MAX_SPEED: f64 = 20.0;
 struct Equation {
     direction: Vector3<f64>,
     speed: f64,
+    /// The time over which the speed is the mean.
+    seconds: f64,
+}
+
+/// The velocity of the real surface near a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SurfaceVelocity {
+    /// In m/s, in the hull's frame.
+    pub(crate) velocity: Vector3<f64>,
+    /// The standard deviation of the edges around the point from where they would be if they all moved so, in metres: how noisy the
+    /// masks are.
+    pub(crate) deviation: f64,
 }
 
 impl Hull {
@@ -46,6 +58,11 @@ impl Hull {
     /// It is the mean over the last tenth of a second, or over the last two frames where they are farther apart. Speeds
     /// below 0.1 m/s are zero, and none exceeds 20 m/s.
     pub fn velocity(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
+        self.surface_velocity(p).map(|found| found.velocity)
+    }
+
+    /// [`Self::velocity`] with the deviation of the edges from it.
+    pub(crate) fn surface_velocity(&self, p: &Point3<f64>) -> Option<SurfaceVelocity> {
         let mut equations = Vec::new();
         for reach in REACHES {
             equations.clear();
@@ -61,7 +78,9 @@ impl Hull {
         if !speed.is_finite() || speed > MAX_SPEED {
             return None;
         }
-        Some(if speed < DEAD_BAND { Vector3::zeros() } else { velocity })
+        let deviation = deviation(&mut equations, &velocity);
+        let velocity = if speed < DEAD_BAND { Vector3::zeros() } else { velocity };
+        Some(SurfaceVelocity { velocity, deviation })
     }
 }
 
@@ -89,7 +108,8 @@ impl View {
             let along = along / pixel.depth;
             let scale = along.norm();
             if scale > 0.0 {
-                equations.push(Equation { direction: along / scale, speed: shift.speed / scale });
+                let (direction, speed, seconds) = (along / scale, shift.speed / scale, shift.seconds);
+                equations.push(Equation { direction, speed, seconds });
             }
         }
     }
@@ -107,6 +127,20 @@ fn determine_all_directions(equations: &[Equation]) -> bool {
     least > LEAST_WEIGHT * equations.len() as f64
 }
 
+/// The standard deviation of an edge's position from where the velocity leads, in metres: from the third of the edges
+/// that fit best, since many around a corner of the subject may not move as it does.
+fn deviation(equations: &mut [Equation], velocity: &Vector3<f64>) -> f64 {
+    /// The standard deviation of normally distributed numbers over the absolute value that a third of them are below.
+    const FROM_THIRD: f64 = 2.322;
+
+    let error =
+        |equation: &Equation| (equation.direction.dot(velocity) - equation.speed).abs() * equation.seconds;
+    let third = equations.len() / 3;
+    let (_, at_third, _) = equations.select_nth_unstable_by(third, |a, b| error(a).total_cmp(&error(b)));
+    // The difference of two positions.
+    FROM_THIRD * error(at_third) / std::f64::consts::SQRT_2
+}
+
 /// The velocity that fits most equations, by weighted least squares whose weights follow from the last solution.
 fn solve(equations: &[Equation]) -> Option<Vector3<f64>> {
     if equations.len() < 3 {
@@ -115,7 +149,7 @@ fn solve(equations: &[Equation]) -> Option<Vector3<f64>> {
     let mut velocity: Option<Vector3<f64>> = None;
     for scale in SCALES {
         let (mut matrix, mut right, mut total) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
-        for Equation { direction, speed } in equations {
+        for Equation { direction, speed, .. } in equations {
             let error = velocity.map_or(0.0, |velocity| (direction.dot(&velocity) - speed) / scale);
             let weight = 1.0 / (1.0 + error * error);
             matrix += direction * direction.transpose() * weight;

@@ -168,3 +168,30 @@ fn a_body_takes_on_the_speed_of_an_approaching_surface_in_proportion_to_its_dept
         assert!((motion.normal_velocity - expected).abs() < 1e-12, "{case:?}: {motion:?}");
     });
 }
+
+#[test]
+fn a_body_that_turns_gets_no_more_speed_at_its_centre_than_the_surface_has() {
+    let case = Case { hull_has_body: false, other_has_body: true, is_hull_first: true };
+    // The centre already moves as the surface does, and the point that touches lags behind, however the body turns.
+    for spin in [-4.0, -1.0, 1.0, 4.0] {
+        let mut scene = Scene::new(case, 0.005);
+        let body = scene.other_body.unwrap();
+        scene.world.body_mut(body).set_linear_velocity(&VELOCITY).unwrap();
+        scene.world.body_mut(body).set_angular_velocity(&Vector3::new(0.0, spin, 2.0 * spin)).unwrap();
+
+        let (mut surface, mut contacts) = (Vector3::zeros(), 0);
+        let collided = scene.world.collide(|pair| {
+            for contact in pair.contacts(8).iter() {
+                let motion = pair.surface_motion(contact, DT).unwrap();
+                (surface, contacts) = (motion.velocity, contacts + 1);
+                pair.attach(contact, &Surface::with_friction(0.0).with_motion(&motion));
+            }
+        });
+        collided.unwrap();
+        scene.world.step(DT).unwrap();
+        let speed = scene.world.body(body).linear_velocity().x;
+        // The surface's normal is along x up to a few degrees.
+        let most = surface.x.max(VELOCITY.x) * 1.005;
+        assert!(contacts > 0 && speed <= most, "{speed} m/s of {most}, {contacts} contacts, spin {spin}");
+    }
+}

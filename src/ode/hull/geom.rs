@@ -6,12 +6,12 @@ use super::prefetch::ContactPrefetch;
 use super::query::CollideContext;
 use crate::contact::Settings;
 use crate::contact::tuning::MIN_FEATURE;
-use crate::hull::{Aabb, Hull, HullData, Motion};
+use crate::hull::{Aabb, Hull, HullData, Motion, SurfaceVelocity};
 use crate::lock::lock;
 use crate::ode::per_thread::per_thread;
 use crate::ode::{convert, hash_space};
 use crate::{Error, Result};
-use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion};
 use ode_sys::{dGeomCopyPosition, dGeomCopyRotation, dGeomGetSpace, dGeomID, dGeomMoved};
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -40,7 +40,7 @@ pub(super) struct HullGeom {
 struct Velocities {
     /// The [`State::frame_count`] of the frame.
     frame: u64,
-    found: Vec<(Point3<f64>, Option<Vector3<f64>>)>,
+    found: Vec<(Point3<f64>, Option<SurfaceVelocity>)>,
 }
 
 /// Points closer to one another than this share a velocity, in metres. It is fitted to edges much farther away.
@@ -220,7 +220,7 @@ impl HullGeom {
     ///
     /// # Safety
     /// `geom` is the living geom that owns this data.
-    pub(super) unsafe fn velocity(&self, geom: dGeomID, p: &Point3<f64>) -> Option<Vector3<f64>> {
+    pub(super) unsafe fn velocity(&self, geom: dGeomID, p: &Point3<f64>) -> Option<SurfaceVelocity> {
         // SAFETY: the caller vouches for the geom.
         let world_from_hull = unsafe { pose(geom) };
         let p = world_from_hull.inverse_transform_point(p);
@@ -236,12 +236,12 @@ impl HullGeom {
         }
         let is_near = |known: &Point3<f64>| (p - known).norm_squared() < SAME_VELOCITY * SAME_VELOCITY;
         let known = velocities.found.iter().find(|(known, _)| is_near(known)).map(|&(_, velocity)| velocity);
-        let velocity = known.unwrap_or_else(|| {
-            let velocity = hull.velocity(&p);
-            velocities.found.push((p, velocity));
-            velocity
+        let found = known.unwrap_or_else(|| {
+            let found = hull.surface_velocity(&p);
+            velocities.found.push((p, found));
+            found
         })?;
-        Some(world_from_hull * velocity)
+        Some(SurfaceVelocity { velocity: world_from_hull * found.velocity, ..found })
     }
 
     /// Whether the geom's pose is that of its last collide. It is not inside a geom transform, which gives it its pose in

@@ -151,7 +151,7 @@ impl RawHull {
     /// The velocity of the real surface near `p`, both in the world.
     pub(crate) fn point_velocity(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
         // SAFETY: the geom is listed as living, and its owner does not destroy it meanwhile.
-        unsafe { self.geom.velocity(self.raw, p) }
+        unsafe { self.geom.velocity(self.raw, p) }.map(|found| found.velocity)
     }
 
     /// The paper's response of the shape of `other`, in the world.

@@ -1,24 +1,29 @@
 //! The motion of the real surface at a contact, in the form in which ODE's contact joints take it.
 
 use super::class;
+use crate::hull::SurfaceVelocity;
 use crate::ode::convert;
 use nalgebra::{Point3, Vector3};
 use ode_sys::{
-    dBodyGetForce, dBodyGetGravityMode, dBodyGetMass, dBodyGetPointVel, dBodyGetWorld, dBodyID, dContact,
-    dContactFDir1, dContactMotion1, dContactMotion2, dContactMotionN, dGeomGetBody, dGeomID, dMass, dReal,
-    dWorldGetGravity,
+    dBodyGetForce, dBodyGetGravityMode, dBodyGetMass, dBodyGetPointVel, dBodyGetPosition, dBodyGetWorld,
+    dBodyID, dBodyVectorFromWorld, dContact, dContactFDir1, dContactMotion1, dContactMotion2,
+    dContactMotionN, dGeomGetBody, dGeomID, dMass, dReal, dWorldGetGravity,
 };
 
 /// Slips slower than this have no direction, in m/s.
 const NO_SLIP: f64 = 1e-6;
 
-/// The largest soft depth of a surface that moves towards a body, in metres. With less, the ridges of noisy masks hit the
-/// body one after the other, and it leaves faster than the surface, and turning: at a pixel of noise a pushed box leaves
-/// at up to 1.24 of the surface's speed without a soft depth, and at up to 1.11 with it. With more, it sinks in visibly.
-const SOFT_DEPTH: f64 = 0.016;
+/// The least and the largest soft depth of a fast surface that moves towards a body, in metres. With less, the ridges of
+/// noisy masks hit the body one after the other, and it leaves faster than the surface, and turning. With more, it sinks in
+/// visibly.
+const SOFT_DEPTHS: [f64; 2] = [0.016, 0.030];
+
+/// The soft depth in standard deviations of the silhouettes' edges: the farther they are off, the softer is the surface.
+/// Without noise they deviate by a millimetre, with a pixel of noise where a pixel is 8 mm by 3.5 mm.
+const SOFT_DEVIATIONS: f64 = 7.5;
 
 /// The time in seconds in which a slow surface moves by its soft depth, so that a surface at rest has none.
-const SOFT_SECONDS: f64 = 0.04;
+const SOFT_SECONDS: f64 = 0.05;
 
 /// The least sine of the angle between a normal and a direction that has a part perpendicular to it.
 const LEAST_SINE: f64 = 1e-6;
@@ -34,10 +39,12 @@ pub struct SurfaceMotion {
     /// The velocity of the surface in the first and second tangential direction, m/s (ODE's `motion1` and `motion2`).
     pub surface_velocity: [f64; 2],
     /// The velocity along the contact's direction out of the hull that the body takes on, m/s (ODE's `motionN`): that of
-    /// the surface; in the first half of [`soft_depth`](Self::soft_depth), in proportion to the depth, a part of that.
+    /// the surface; in the first half of [`soft_depth`](Self::soft_depth), in proportion to the depth, a part of that. In
+    /// this half it gives the body's centre no more than the surface's speed, so that a body that turns is not thrown, and
+    /// from there to the end of the soft depth less and less so.
     pub normal_velocity: f64,
     /// The part of the contact's depth, in metres, that is not corrected, since the motion of the surface makes up for it:
-    /// up to 16 mm where the surface moves out of the hull, and none where it does not.
+    /// none where the surface does not move out of the hull; where it does, up to 16 mm, and with noisy masks up to 30 mm.
     pub soft_depth: f64,
 }
 
@@ -76,6 +83,7 @@ pub(in crate::ode) unsafe fn surface_motion(
         }
         (hull.velocity(hull_geom, position)?, dGeomGetBody(hull_geom), dGeomGetBody(other))
     };
+    let SurfaceVelocity { velocity: of_surface, deviation } = of_surface;
 
     // SAFETY: the caller vouches for the bodies.
     let slip = unsafe {
@@ -96,13 +104,24 @@ pub(in crate::ode) unsafe fn surface_motion(
     let (sign, into_first) = if is_hull_first_body { (-1.0, -out_of_hull) } else { (1.0, out_of_hull) };
     let second = into_first.cross(&first);
     let outwards = of_surface.dot(&out_of_hull);
-    let soft_depth = (SOFT_SECONDS * outwards).clamp(0.0, SOFT_DEPTH);
-    let part = if *depth < 0.5 * soft_depth { depth / (0.5 * soft_depth) } else { 1.0 };
+    let soft_depth = (SOFT_DEVIATIONS * deviation).clamp(SOFT_DEPTHS[0], SOFT_DEPTHS[1]);
+    let soft_depth = (SOFT_SECONDS * outwards).clamp(0.0, soft_depth);
+    let half = 0.5 * soft_depth;
+    let part = if *depth < half { depth / half } else { 1.0 };
+    let mut normal_velocity = part * outwards;
+    if !body.is_null() && *depth < soft_depth {
+        // SAFETY: the caller vouches for the bodies.
+        let most =
+            unsafe { most_without_overtaking([body, hull_body], position, &out_of_hull, outwards, stepsize) };
+        let hard = ((depth - half) / half).max(0.0);
+        let capped = normal_velocity.min(most);
+        normal_velocity = capped + hard * (normal_velocity - capped);
+    }
     Some(SurfaceMotion {
         velocity: of_surface,
         friction_direction: first,
         surface_velocity: [first, second].map(|direction| sign * of_surface.dot(&direction)),
-        normal_velocity: part * outwards,
+        normal_velocity,
         soft_depth,
     })
 }
@@ -148,6 +167,36 @@ unsafe fn free_velocity(body: dBodyID, point: &Point3<f64>, stepsize: f64) -> Ve
         let force: *const dReal = dBodyGetForce(body);
         let acceleration = convert::vector(&gravity) + convert::vector_at(force) / mass.mass;
         convert::vector(&velocity) + acceleration * stepsize
+    }
+}
+
+/// The largest velocity of a body's point along `normal` to which an impulse there can bring it without giving the body's
+/// centre more than `speed` along the normal. Velocities are relative to the second body.
+///
+/// # Safety
+/// The first body is living, the second null or living.
+unsafe fn most_without_overtaking(
+    [body, other]: [dBodyID; 2],
+    point: &Point3<f64>,
+    normal: &Vector3<f64>,
+    speed: f64,
+    stepsize: f64,
+) -> f64 {
+    // SAFETY: the caller vouches for the bodies; the position has three numbers, and all arrays hold four.
+    unsafe {
+        let centre = Point3::from(convert::vector_at(dBodyGetPosition(body)));
+        let of_other = free_velocity(other, point, stepsize).dot(normal);
+        let of_point = free_velocity(body, point, stepsize).dot(normal) - of_other;
+        let of_centre = free_velocity(body, &centre, stepsize).dot(normal) - of_other;
+
+        let mut mass = dMass::default();
+        dBodyGetMass(body, &mut mass);
+        let (arm, mut in_body) = ((point - centre).cross(normal), [0.0; 4]);
+        dBodyVectorFromWorld(body, arm.x, arm.y, arm.z, in_body.as_mut_ptr());
+        let arm = convert::vector(&in_body);
+        let inertia = convert::matrix(&mass.I).cholesky();
+        let turned = inertia.map_or(0.0, |inertia| arm.dot(&inertia.solve(&arm)));
+        of_point + (speed - of_centre).max(0.0) * (1.0 + mass.mass * turned)
     }
 }
 

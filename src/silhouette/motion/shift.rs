@@ -28,6 +28,8 @@ pub(crate) struct EdgeShift {
     pub(crate) normal: Vector2<f64>,
     /// The motion along the normal, in pixels a second.
     pub(crate) speed: f64,
+    /// The time in seconds over which it is the mean.
+    pub(crate) seconds: f64,
 }
 
 impl MotionChain {
@@ -63,6 +65,7 @@ impl MotionChain {
         Some(EdgeShift {
             normal: Vector2::new(f64::from(normal[0]), f64::from(normal[1])),
             speed: f64::from(along) / self.seconds,
+            seconds: self.seconds,
         })
     }
 }

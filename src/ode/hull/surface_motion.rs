@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 use ode_sys::{
     dBodyGetForce, dBodyGetGravityMode, dBodyGetMass, dBodyGetPointVel, dBodyGetPosition, dBodyGetWorld,
     dBodyID, dBodyVectorFromWorld, dContact, dContactFDir1, dContactMotion1, dContactMotion2,
-    dContactMotionN, dGeomGetBody, dGeomID, dMass, dReal, dWorldGetGravity,
+    dContactMotionN, dGeomGetBody, dGeomID, dMass, dReal, dWorldGetERP, dWorldGetGravity,
 };
 
 /// Slips slower than this have no direction, in m/s.
@@ -21,6 +21,10 @@ const SOFT_DEPTHS: [f64; 2] = [0.016, 0.030];
 /// The soft depth in standard deviations of the silhouettes' edges: the farther they are off, the softer is the surface.
 /// Without noise they deviate by a millimetre, with a pixel of noise where a pixel is 8 mm by 3.5 mm.
 const SOFT_DEVIATIONS: f64 = 7.5;
+
+/// Depth beyond the soft depth is corrected at this part of the surface's speed at most. Where a normal is across the
+/// motion, the depth along it may be several times as large as the body is deep.
+const CORRECTED: f64 = 0.1;
 
 /// The time in seconds in which a slow surface moves by its soft depth, so that a surface at rest has none.
 const SOFT_SECONDS: f64 = 0.05;
@@ -44,7 +48,8 @@ pub struct SurfaceMotion {
     /// from there to the end of the soft depth less and less so.
     pub normal_velocity: f64,
     /// The part of the contact's depth, in metres, that is not corrected, since the motion of the surface makes up for it:
-    /// none where the surface does not move out of the hull; where it does, up to 16 mm, and with noisy masks up to 30 mm.
+    /// none where the surface does not move out of the hull; where it does, up to 16 mm, with noisy masks up to 30 mm, and
+    /// what the world's ERP would correct at more than a tenth of the surface's speed.
     pub soft_depth: f64,
 }
 
@@ -117,6 +122,13 @@ pub(in crate::ode) unsafe fn surface_motion(
         let capped = normal_velocity.min(most);
         normal_velocity = capped + hard * (normal_velocity - capped);
     }
+    let soft_depth = if soft_depth > 0.0 {
+        // SAFETY: the caller vouches for the bodies.
+        let erp = unsafe { error_reduction([body, hull_body]) };
+        soft_depth.max(depth - CORRECTED * of_surface.norm() * stepsize / erp)
+    } else {
+        0.0
+    };
     Some(SurfaceMotion {
         velocity: of_surface,
         friction_direction: first,
@@ -198,6 +210,16 @@ unsafe fn most_without_overtaking(
         let turned = inertia.map_or(0.0, |inertia| arm.dot(&inertia.solve(&arm)));
         of_point + (speed - of_centre).max(0.0) * (1.0 + mass.mass * turned)
     }
+}
+
+/// The ERP of the bodies' world.
+///
+/// # Safety
+/// Each body is null or living.
+unsafe fn error_reduction([body, other]: [dBodyID; 2]) -> f64 {
+    let body = if body.is_null() { other } else { body };
+    // SAFETY: the caller vouches for the body.
+    if body.is_null() { 1.0 } else { unsafe { dWorldGetERP(dBodyGetWorld(body)) } }
 }
 
 /// The unit vector along the part of `direction` that is perpendicular to `normal`; `None` where there is none.

@@ -29,6 +29,7 @@ pub use live::{HullData, MaskFilter};
 pub use many::{Inside, PointResponse, Workspace};
 pub use motion::Motion;
 pub use query::{ExitVector, NearestEdge, RayHit, Response};
+#[cfg(feature = "ode")]
 pub(crate) use velocity::SurfaceVelocity;
 pub use view::{EdgeModel, Verdict, View};
 

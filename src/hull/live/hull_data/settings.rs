@@ -35,8 +35,8 @@ impl HullData {
     /// cameras the hull grows where one of them alone cuts it off: by 3 % of its volume for a person and seven cameras, by
     /// 5 % for four in good places, by a third for four that see it from similar directions.
     ///
-    /// Contacts overrule, and [`Hull::inside`], [`Hull::respond`] and the other queries of points; rays
-    /// ([`Hull::ray_cast`]) do not.
+    /// Contacts overrule, and so do [`inside`](crate::hull::Hull::inside) and the other queries of points; rays do not
+    /// ([`ray_cast`](crate::hull::Hull::ray_cast)).
     ///
     /// # Errors
     /// A depth that is not finite or not positive.

@@ -134,10 +134,15 @@ impl Hull {
     /// This hull, but with views overruled where all others are deeper by this many metres: see
     /// [`HullData::set_overrule_depth`].
     pub fn with_overrule_depth(mut self, depth: Option<f64>) -> Self {
-        self.overrule_depth = depth;
-        if depth.is_some() {
-            (self.aabb, self.empty_reason) = box_without_any_one(&self.views, &self.bounds, self.unseen);
+        // The box depends on whether views are overruled, not from which depth on.
+        if depth.is_some() != self.overrule_depth.is_some() {
+            let Self { views, bounds, unseen, .. } = &self;
+            (self.aabb, self.empty_reason) = match depth {
+                Some(_) => box_without_any_one(views, bounds, *unseen),
+                None => bounding_box(views, None, bounds, *unseen),
+            };
         }
+        self.overrule_depth = depth;
         self
     }
 

@@ -33,7 +33,7 @@ impl HullData {
     /// views that see it is greater by `metres`, the one abstains. The depth of contacts falls to zero where the others'
     /// falls to `metres`, so that it has no jump there. 0.02 m is a good choice for seven cameras or more. With few
     /// cameras the hull grows where one of them alone cuts it off: by 3 % of its volume for a person and seven cameras, by
-    /// 5 % for four in good places, by a third for four that see it from similar directions.
+    /// 4 % for four on a ring, by 29 % for four in worse places.
     ///
     /// Contacts overrule, and so do [`inside`](crate::hull::Hull::inside) and the other queries of points; rays do not
     /// ([`ray_cast`](crate::hull::Hull::ray_cast)).

@@ -243,29 +243,13 @@ impl<'a> FlowView<'a> {
         [self.right[index], self.down[index]]
     }
 
-    /// The motion at image position `(u, v)`, right and down in pixels, bilinear between the centres of cells.
-    #[inline(always)]
+    /// The motion at image position `(u, v)`, as [`Self::at_many`].
     pub(super) fn at(&self, u: f32, v: f32) -> [f32; 2] {
-        if self.rect.is_empty() {
-            return [0.0; 2];
-        }
-        let (side, half) = (CELL as f32, 0.5 * CELL as f32);
-        let (x, y) = ((u - half - self.rect.x0 as f32) / side, (v - half - self.rect.y0 as f32) / side);
-        // Rounded down, also below zero.
-        let below = |x: f32| x as i32 - i32::from(x < 0.0);
-        let (i, j) = (below(x), below(y));
-        let (fx, fy) = (x - i as f32, y - j as f32);
-        let of = |right: i32, down: i32| self.of_cell(i + right, j + down);
-        let [a, b, c, d] = [of(0, 0), of(1, 0), of(0, 1), of(1, 1)];
-        [0, 1].map(|k| {
-            let (upper, lower) = (a[k] + (b[k] - a[k]) * fx, c[k] + (d[k] - c[k]) * fx);
-            upper + (lower - upper) * fy
-        })
+        self.at_many(&[u], &[v]).map(|[motion]| motion)
     }
-}
 
-impl FlowView<'_> {
-    /// The motions at `N` image positions, right and down in pixels, as [`Self::at`].
+    /// The motions at `N` image positions, right and down in pixels, bilinear between the centres of cells. A position beyond
+    /// the outermost centres has the motion of the nearest position between them.
     #[inline(always)]
     pub(super) fn at_many<const N: usize>(&self, u: &[f32; N], v: &[f32; N]) -> [[f32; N]; 2] {
         let (columns, rows) =

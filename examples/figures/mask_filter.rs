@@ -5,14 +5,12 @@ use crate::studio::*;
 use image::GrayImage;
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Camera;
-use ode_visual_hull::hull::{Aabb, Hull, HullData};
+use ode_visual_hull::hull::{Aabb, HullData};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::synthetic::{Subject, coverage, layout};
 use ode_visual_hull_testing::captures;
 use ode_visual_hull_testing::figure::Figure;
 use ode_visual_hull_testing::mask_errors::{bitten, centroid};
-use std::sync::Arc;
-use std::time::Instant;
 
 /// Distance between the points of the grid on which volumes are measured, in metres.
 const SPACING: f64 = 0.01;
@@ -50,17 +48,16 @@ pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
         let mut bitten_masks = scene.masks.clone();
         bitten_masks[BITTEN] = bitten(mask, 0.1, &centroid(mask));
 
-        let whole = scene.volume(&scene.masks, None).0;
-        let (overruled, ms) = scene.volume(&scene.masks, Some(DEPTH));
-        let lost = 1.0 - scene.volume(&bitten_masks, None).0 / whole;
-        let lost_overruled = 1.0 - scene.volume(&bitten_masks, Some(DEPTH)).0 / whole;
+        let whole = scene.volume(&scene.masks, None);
+        let overruled = scene.volume(&scene.masks, Some(DEPTH));
+        let lost = 1.0 - scene.volume(&bitten_masks, None) / whole;
+        let lost_overruled = 1.0 - scene.volume(&bitten_masks, Some(DEPTH)) / whole;
         let mut add = |what: &str, value| {
             figures.push(Figure::reported(&format!("overrule_{what}_{}", scene.name), value));
         };
         add("inflation", overruled / whole - 1.0);
         add("bite_lost_without", lost);
         add("bite_lost", lost_overruled);
-        add("ms", ms);
     }
     figures
 }
@@ -75,8 +72,8 @@ fn walking_person(name: &'static str, count: usize) -> Scene {
 }
 
 impl Scene {
-    /// The volume of the hull of `masks`, and the milliseconds that its frame took more than one without a filter.
-    fn volume(&self, masks: &[GrayImage], overrule_depth: Option<f64>) -> (f64, f64) {
+    /// The volume of the hull of `masks`, in cubic metres.
+    fn volume(&self, masks: &[GrayImage], overrule_depth: Option<f64>) -> f64 {
         let data = HullData::new();
         data.set_bounds(self.bounds).expect("a volume");
         data.add_views(&self.cameras).expect("names of their own");
@@ -84,13 +81,6 @@ impl Scene {
         for (view, mask) in masks.iter().enumerate() {
             data.set_mask(view, mask).expect("a mask of the camera's size");
         }
-        let update = || -> (Arc<Hull>, f64) {
-            let start = Instant::now();
-            let hull = data.update(0.0).expect("masks in all views");
-            (hull, 1e3 * start.elapsed().as_secs_f64())
-        };
-        update();
-        let (hull, ms) = update();
-        (captures::carve(&hull, SPACING).0, ms)
+        captures::carve(&data.update(0.0).expect("masks in all views"), SPACING).0
     }
 }

@@ -19,6 +19,7 @@ mod sleepers;
 mod stack;
 mod studio;
 mod trajectories;
+mod tunnel;
 mod velocity;
 
 use ode_visual_hull_testing::figure::Figure;
@@ -29,7 +30,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 15] = [
+const GROUPS: [(&str, Measure); 16] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),
@@ -45,6 +46,7 @@ const GROUPS: [(&str, Measure); 15] = [
     ("velocity", velocity::run_group),
     ("camera_loss", camera_loss::run_group),
     ("mask_filter", mask_filter::run_group),
+    ("tunnel", tunnel::run_group),
 ];
 
 fn main() -> ExitCode {

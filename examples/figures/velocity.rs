@@ -49,7 +49,7 @@ pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     figures.push(Figure::reported("velocity_unknown_points", unknown as f64));
 
     progress("a board that stands still");
-    let mut still: Vec<f64> = (0..8)
+    let mut still: Vec<f64> = (0..40)
         .flat_map(|seed| speeds(&pinholes, Vector3::zeros(), 30.0, 1.0, seed))
         .flatten()
         .map(|v| v.norm())

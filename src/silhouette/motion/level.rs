@@ -8,6 +8,9 @@ use crate::silhouette::Rect;
 /// Cells around an image that repeat its outermost ones, so that no patch has to be cut off.
 pub(super) const PAD: usize = PATCH;
 
+/// Cells of a coarser level's padding that the padding of the finer one tells, also where its size is odd.
+const PADDED: usize = PAD / 2 - 1;
+
 /// The images of one level, padded by [`PAD`] cells on each side, and the flow without padding.
 #[derive(Debug, Default)]
 pub(super) struct Level {
@@ -46,24 +49,30 @@ impl Level {
                 padded[first..][..columns].copy_from_slice(row);
             }
         }
-        self.finish();
+        self.finish(0);
     }
 
     /// Averages the images of a level whose cells are half as large.
     pub(super) fn halve(&mut self, finer: &Self) {
         self.resize(finer.width.div_ceil(2), finer.height.div_ceil(2));
         let (stride, fine_stride) = (self.stride(), finer.stride());
+        // Half of the padding too: the outermost cells may hold an edge, behind which the finer level ends.
+        let first = PAD - PADDED;
+        let fine_first = PAD - 2 * PADDED;
         for (coarse, fine) in [(&mut self.earlier, &finer.earlier), (&mut self.later, &finer.later)] {
-            for y in 0..self.height {
-                let rows = [0, 1].map(|k| &fine[(2 * y + k + PAD) * fine_stride + PAD..][..2 * self.width]);
-                let cells = &mut coarse[(y + PAD) * stride + PAD..][..self.width];
+            for y in 0..self.height + 2 * PADDED {
+                let rows = [0, 1].map(|k| {
+                    &fine[(2 * y + k + fine_first) * fine_stride + fine_first..]
+                        [..2 * (self.width + 2 * PADDED)]
+                });
+                let cells = &mut coarse[(y + first) * stride + first..][..self.width + 2 * PADDED];
                 for (x, cell) in cells.iter_mut().enumerate() {
                     *cell =
                         0.25 * (rows[0][2 * x] + rows[0][2 * x + 1] + rows[1][2 * x] + rows[1][2 * x + 1]);
                 }
             }
         }
-        self.finish();
+        self.finish(PADDED);
     }
 
     fn resize(&mut self, width: usize, height: usize) {
@@ -77,14 +86,14 @@ impl Level {
         }
     }
 
-    /// Fills the padding, and computes the gradient.
-    fn finish(&mut self) {
+    /// Fills the padding but for its innermost `padded` cells, and computes the gradient.
+    fn finish(&mut self, padded: usize) {
         if self.width == 0 {
             return;
         }
         let stride = self.stride();
         for image in [&mut self.earlier, &mut self.later] {
-            repeat_border(image, stride, self.height);
+            repeat_border(image, stride, PAD - padded);
         }
 
         let [right, down] = &mut self.gradient;
@@ -116,16 +125,17 @@ impl Level {
     }
 }
 
-/// Repeats the outermost cells of an image into its padding.
-fn repeat_border(image: &mut [f32], stride: usize, height: usize) {
-    for row in image.chunks_exact_mut(stride).skip(PAD).take(height) {
-        let (first, last) = (row[PAD], row[stride - PAD - 1]);
-        row[..PAD].fill(first);
-        row[stride - PAD..].fill(last);
+/// Repeats the cells of an image within `padding` cells of its end into these.
+fn repeat_border(image: &mut [f32], stride: usize, padding: usize) {
+    let rows = image.len() / stride - 2 * padding;
+    for row in image.chunks_exact_mut(stride).skip(padding).take(rows) {
+        let (first, last) = (row[padding], row[stride - padding - 1]);
+        row[..padding].fill(first);
+        row[stride - padding..].fill(last);
     }
-    for y in 0..PAD {
-        image.copy_within(PAD * stride..(PAD + 1) * stride, y * stride);
-        let last = (PAD + height - 1) * stride;
-        image.copy_within(last..last + stride, (PAD + height + y) * stride);
+    for y in 0..padding {
+        image.copy_within(padding * stride..(padding + 1) * stride, y * stride);
+        let last = (padding + rows - 1) * stride;
+        image.copy_within(last..last + stride, (padding + rows + y) * stride);
     }
 }

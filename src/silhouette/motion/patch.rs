@@ -3,6 +3,7 @@
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
+use super::cell_means::CELL_REACH;
 use super::level::{Level, PAD};
 use crate::math::vectorised;
 
@@ -14,6 +15,9 @@ const MAX_STEPS: usize = 8;
 
 /// A descent ends with a step shorter than this, in cells.
 const SHORT_STEP: f32 = 0.03;
+
+/// The longest step along either axis, in cells: the slopes on both sides of a thin part are short.
+const LONGEST_STEP: f32 = 1.0;
 
 /// A patch moves by at most this from where a descent began, in cells.
 const LONGEST: f32 = PATCH as f32;
@@ -33,6 +37,10 @@ const DAMPING: f32 = 0.02;
 /// The sum of the squared gradient below which a patch has no edge near it.
 const FLAT: f32 = 0.5;
 
+/// A patch that a motion leads to may differ by this part of its difference from an image without any edge: beyond it,
+/// the motion has led away from what was searched.
+const EXPLAINED: f32 = 0.7;
+
 /// Finds the flow of a level, and keeps memory for the next one.
 #[derive(Debug, Default)]
 pub(super) struct PatchSearch {
@@ -48,9 +56,19 @@ struct Patch {
     motion: [f32; 2],
     /// The sum of squared differences.
     error: f32,
+    /// The sum of squared differences from an image without any edge.
+    edgeless_error: f32,
     is_flat: bool,
     /// The inverse of the damped matrix of gradient products: the elements 00, 01 and 11.
     inverse: [f32; 3],
+}
+
+impl Patch {
+    /// Whether the patch fits about as badly as without any edge where its motion leads.
+    #[inline(always)]
+    fn explains_nothing(&self) -> bool {
+        self.error > EXPLAINED * self.edgeless_error
+    }
 }
 
 impl PatchSearch {
@@ -82,7 +100,7 @@ vectorised! {
             let target = Target { level, x: place(i, stride), y: place(j, stride) };
             let mut patch = target.start(i * stride, j * stride);
             if patch.error > FITS && !patch.is_flat {
-                target.try_motion(&mut patch, [0.0; 2]);
+                target.try_rest(&mut patch);
                 if i > 0 {
                     target.try_motion(&mut patch, patches[k - 1].motion);
                 }
@@ -153,10 +171,26 @@ impl<'a> Target<'a> {
         let cell = j.min(level.height - 1) * level.width + i.min(level.width - 1);
         let motion = [level.flow[0][cell], level.flow[1][cell]];
         if trace < FLAT {
-            return Patch { motion, error: 0.0, is_flat: true, inverse: [0.0; 3] };
+            return Patch { motion, is_flat: true, ..Patch::default() };
         }
         let inverse = [c, -xy, a].map(|element| element / determinant);
-        Patch { motion, error: self.error(motion), is_flat: false, inverse }
+        let (error, edgeless_error) = (self.error(motion), self.edgeless_error());
+        Patch { motion, error, edgeless_error, is_flat: false, inverse }
+    }
+
+    /// The sum of squared differences from an image that is background everywhere, or subject.
+    #[inline(always)]
+    fn edgeless_error(&self) -> f32 {
+        let (mut background, mut subject) = ([0.0; PATCH], [0.0; PATCH]);
+        for y in 0..PATCH {
+            let later = row(&self.level.later, (self.y + y) * self.level.stride() + self.x);
+            for x in 0..PATCH {
+                let (outside, inside) = (later[x] - CELL_REACH as f32, later[x] + CELL_REACH as f32);
+                background[x] += outside * outside;
+                subject[x] += inside * inside;
+            }
+        }
+        sum(background).min(sum(subject))
     }
 
     /// A row of the later image's gradient, right and down.
@@ -215,6 +249,16 @@ impl<'a> Target<'a> {
         Fit { error: sum(error), gradient: [sum(gx), sum(gy)] }
     }
 
+    /// Takes no motion, if that fits clearly better or the patch's motion explains nothing.
+    #[inline(always)]
+    fn try_rest(&self, patch: &mut Patch) {
+        if patch.explains_nothing() {
+            (patch.motion, patch.error) = ([0.0; 2], self.error([0.0; 2]));
+        } else {
+            self.try_motion(patch, [0.0; 2]);
+        }
+    }
+
     /// Takes `motion` if it fits clearly better. A descent finds what is near by itself.
     #[inline(always)]
     fn try_motion(&self, patch: &mut Patch, motion: [f32; 2]) {
@@ -231,11 +275,21 @@ impl<'a> Target<'a> {
     /// Moves a patch by Gauss-Newton steps as long as it fits better.
     #[inline(always)]
     fn descend(&self, patch: &mut Patch) {
+        let before = *patch;
+        self.step_down(patch);
+        if patch.explains_nothing() {
+            *patch = before;
+        }
+    }
+
+    #[inline(always)]
+    fn step_down(&self, patch: &mut Patch) {
         let start = patch.motion;
         let mut fit = self.fit(start);
         for _ in 0..MAX_STEPS {
             let ([a, b, c], [gx, gy]) = (patch.inverse, fit.gradient);
-            let step = [a * gx + b * gy, b * gx + c * gy];
+            let step =
+                [a * gx + b * gy, b * gx + c * gy].map(|cells| cells.clamp(-LONGEST_STEP, LONGEST_STEP));
             let motion = [patch.motion[0] - step[0], patch.motion[1] - step[1]];
             if (motion[0] - start[0]).abs() > LONGEST || (motion[1] - start[1]).abs() > LONGEST {
                 break;

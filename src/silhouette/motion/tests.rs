@@ -233,3 +233,26 @@ fn reused_memory_gives_equal_masks() {
         assert_eq!(found, warped(&motion(&earlier, &later), 0.4));
     }
 }
+
+#[test]
+fn a_thin_rod_is_followed_over_several_of_its_widths() {
+    // Half the width and half the length of the rod, in pixels; the sides' slopes do not reach from one rod to the other.
+    for (half_width, half_length) in [(6.25, 75.0), (6.25, 30.0), (3.0, 50.0)] {
+        for way in [10.0, 17.0, 25.0, 33.0, 42.0, 50.0, 60.0] {
+            let rod = |x: f64| {
+                drawn(|u, v| {
+                    let (across, along) = (u - x, ((v - 75.0).abs() - half_length).max(0.0));
+                    across.hypot(along) - half_width
+                })
+            };
+            let motion = motion(&rod(100.0 - 0.5 * way), &rod(100.0 + 0.5 * way));
+            for s in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                let (expected, area) = moments(&rod(100.0 + way * (s - 0.5)));
+                let (found, found_area) = moments(&warped(&motion, s));
+                // A tenth of a pixel for smoothing; the ridge of a rod's distances is rounded off by up to half a pixel.
+                assert!((found - expected).norm() < 0.1, "{way} px, at {s}: {found}, expected {expected}");
+                assert!((found_area / area - 1.0).abs() < 0.1, "{way} px, at {s}: {found_area}, of {area}");
+            }
+        }
+    }
+}

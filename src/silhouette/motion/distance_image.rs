@@ -44,9 +44,8 @@ const STRIDE: usize = 4;
 pub(super) struct DistanceImage {
     /// The pixels that have distances; all others lie at [`REACH`] or farther. A multiple of cells.
     pub(super) rect: Rect,
-    /// The distance of each pixel of `rect` in the lower half, and that of the pixel to the right of it in the upper half,
-    /// row-major, as [`i16`] in units of one [`UNIT`]th of a pixel: one look-up for a bilinear sample's row.
-    pub(super) pairs: Vec<u32>,
+    /// The distance of each pixel of `rect`, row-major, in units of one [`UNIT`]th of a pixel.
+    pub(super) values: Vec<i16>,
     /// The cells that have mean distances, as pixels; all others lie at [`CELL_REACH`](super::cell_means::CELL_REACH) or farther.
     pub(super) cell_rect: Rect,
     /// Mean distances of the cells, row-major, in pixels.
@@ -57,8 +56,6 @@ pub(super) struct DistanceImage {
 #[derive(Debug, Default)]
 pub(super) struct DistanceScratch {
     mask: Vec<u8>,
-    /// The distances in units of one [`UNIT`]th of a pixel, and one more.
-    values: Vec<i16>,
     /// Distances along columns to the nearest subject pixel and to the nearest background pixel.
     along_columns: [Vec<u8>; 2],
     /// Squares of these for one row.
@@ -75,7 +72,7 @@ impl DistanceImage {
         self.rect = whole_cells(&silhouette.rect().grown(REACH));
         self.rect.x1 = self.rect.x0 + self.rect.width().next_multiple_of(BLOCK) as i32;
         let (width, height) = (self.rect.width(), self.rect.height());
-        let DistanceScratch { mask, values, along_columns, squares, means, spread } = scratch;
+        let DistanceScratch { mask, along_columns, squares, means, spread } = scratch;
 
         mask.resize(width * height, 0);
         for (y, row) in (self.rect.y0..).zip(mask.chunks_exact_mut(width.max(1))) {
@@ -85,15 +82,13 @@ impl DistanceImage {
         for plane in along_columns.iter_mut() {
             plane.resize(width * height, 0);
         }
-        values.resize(width * height + 1, 0);
-        self.pairs.resize(width * height, 0);
+        self.values.resize(width * height, 0);
         means.resize(width * height / (CELL * CELL) as usize, 0.0);
         if width > 0 {
             let [to_subject, to_background] = along_columns;
             measure_columns(mask, width, to_subject, to_background);
-            measure_rows(mask, width, to_subject, to_background, squares, &mut values[..width * height]);
-            average_cells(values, width, means);
-            pair_up(values, &mut self.pairs);
+            measure_rows(mask, width, to_subject, to_background, squares, &mut self.values);
+            average_cells(&self.values, width, means);
         }
         self.fill_cells(means, spread);
     }
@@ -286,15 +281,5 @@ fn write_values(
         let covered = (HALF_COVERAGE as f32 - byte as f32) * (1.0 / 255.0);
         let value = round_i32(select(square == 1, covered, signed) * UNIT);
         values[k] = select(is_subject, value.min(-1), value.max(1)) as i16;
-    }
-}
-
-vectorised! {
-    /// Writes each distance and the next one in one word.
-    fn pair_up(values: &[i16], pairs: &mut [u32]) {
-        let next = &values[1..][..pairs.len()];
-        for (k, pair) in pairs.iter_mut().enumerate() {
-            *pair = u32::from(values[k] as u16) | u32::from(next[k] as u16) << 16;
-        }
     }
 }

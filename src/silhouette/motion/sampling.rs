@@ -8,6 +8,12 @@ use super::distance_image::{DistanceImage, REACH, UNIT};
 use crate::math::lanes::{floor_clamped, select};
 use crate::silhouette::mask_crop::LOW;
 
+/// Pixels along a side of a cell.
+const SIDE: usize = CELL as usize;
+
+/// Pixels of a cell.
+pub(super) const PIXELS: usize = SIDE * SIDE;
+
 impl DistanceImage {
     /// The distance at image position `(u, v)`, as [`Self::sample_many`].
     pub(super) fn sample(&self, u: f32, v: f32) -> f32 {
@@ -27,20 +33,54 @@ impl DistanceImage {
 
         let (left, top) = (self.rect.x0 as f32 + 0.5, self.rect.y0 as f32 + 0.5);
         let (columns, rows) = (width as u32, height as u32);
-        let pairs = Lookup::new(&self.pairs);
+        let values = Lookup::new(&self.values);
         for k in 0..N {
             let (i, fx) = place_between(u[k] - left, columns);
             let (j, fy) = place_between(v[k] - top, rows);
             let first = j * columns + i;
             let row = |first: u32| {
-                let pair = pairs.at(first);
-                let (a, b) = ((pair << 16) as i32 >> 16, pair as i32 >> 16);
-                a as f32 + (b - a) as f32 * fx
+                let (a, b) = (f32::from(values.at(first)), f32::from(values.at(first + 1)));
+                a + (b - a) * fx
             };
             let (upper, lower) = (row(first), row(first + columns));
             distances[k] = (upper + (lower - upper) * fy) * (1.0 / UNIT);
         }
         distances
+    }
+
+    /// The distances at a cell's worth of image positions, one pixel from one another, row by row from `(u, v)` on, and
+    /// their changes per pixel to the right and down; `None` where these reach beyond the outermost centres.
+    #[inline(always)]
+    pub(super) fn sample_block(&self, u: f32, v: f32) -> Option<[[f32; PIXELS]; 3]> {
+        let (x, y) = (u - (self.rect.x0 as f32 + 0.5), v - (self.rect.y0 as f32 + 0.5));
+        let (columns, rows) = (self.rect.width(), self.rect.height());
+        let end = |count: usize| count as f32 - (SIDE + 1) as f32;
+        if !(x >= 0.0 && y >= 0.0 && x < end(columns) && y < end(rows)) {
+            return None;
+        }
+
+        let (i, j) = (x as usize, y as usize);
+        let (fx, fy) = (x - i as f32, y - j as f32);
+        let (mut means, mut changes) = ([[0.0; SIDE]; SIDE + 1], [[0.0; SIDE]; SIDE + 1]);
+        let values = &self.values[j * columns + i..];
+        for row in 0..=SIDE {
+            let values: &[i16; 2 * SIDE] = values[row * columns..].first_chunk()?;
+            for k in 0..SIDE {
+                let (a, b) = (f32::from(values[k]), f32::from(values[k + 1]));
+                changes[row][k] = (b - a) * (1.0 / UNIT);
+                means[row][k] = a * (1.0 / UNIT) + changes[row][k] * fx;
+            }
+        }
+
+        let mut block = [[0.0; PIXELS]; 3];
+        for k in 0..PIXELS {
+            let (row, column) = (k / SIDE, k % SIDE);
+            let down = means[row + 1][column] - means[row][column];
+            block[0][k] = means[row][column] + down * fy;
+            block[1][k] = changes[row][column] + (changes[row + 1][column] - changes[row][column]) * fy;
+            block[2][k] = down;
+        }
+        Some(block)
     }
 
     /// The mean distances around `N` image positions, bilinear between the centres of cells, at the ends as in

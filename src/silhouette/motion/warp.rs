@@ -12,6 +12,7 @@ use super::cell_means::CELL;
 use super::distance_image::whole_cells;
 use super::flow::FlowView;
 use super::mix::{Mix, Term};
+use super::sampling::PIXELS;
 use crate::math::lanes::{round_i32, select};
 use crate::math::vectorised;
 use crate::silhouette::bit_image::{BitImage, WORD};
@@ -21,8 +22,12 @@ use crate::silhouette::{PackedMask, Rect};
 /// a pixel is at most 2.1 px from the centre, and the mean is over pixels up to 6 px away, most of them much nearer.
 pub(super) const SPREAD: f32 = 3.6;
 
-/// Pixels of a cell.
-const PIXELS: usize = (CELL * CELL) as usize;
+/// Pixels from the centre of a cell's first pixel to the cell's centre, along either axis.
+const TO_CENTRE: f32 = 0.5 * CELL as f32 - 0.5;
+
+/// The change of the flow per pixel from which on a cell's pixels are read one by one: below it they lie less than a pixel
+/// from a straight block, over which distances change as along their gradient.
+const MOST_BENT: f32 = 0.25;
 
 /// A cell whose pixels have to be warped one by one.
 #[derive(Debug, Clone, Copy)]
@@ -296,6 +301,41 @@ fn slope(flow: &FlowView, column: i32, row: i32) -> [[f32; 2]; 2] {
     [change(left, right), change(above, below)]
 }
 
+/// The distances that the pixels of a cell, whose first row is `y`, have by one image.
+///
+/// The pixels come from a block that is a little bent, as the flow changes from pixel to pixel. Where it hardly is, they are
+/// read as from a straight one, and moved along the gradient: whole rows are read, in place of single pixels.
+#[inline(always)]
+fn distances_of_pixels(term: &Term, cell: &EdgeCell, y: i32) -> [f32; PIXELS] {
+    let bend = cell.slope.map(|change| change.map(|change| term.along_flow * change));
+    let (mut right, mut down) = ([0.0; PIXELS], [0.0; PIXELS]);
+    for k in 0..PIXELS {
+        let (i, j) = (k % CELL as usize, k / CELL as usize);
+        let (dx, dy) = (i as f32 - TO_CENTRE, j as f32 - TO_CENTRE);
+        right[k] = bend[0][0] * dx + bend[1][0] * dy;
+        down[k] = bend[0][1] * dx + bend[1][1] * dy;
+    }
+
+    let u = cell.x as f32 + 0.5 + term.along_flow * cell.flow[0];
+    let v = y as f32 + 0.5 + term.along_flow * cell.flow[1];
+    let most = bend.iter().flatten().fold(0.0, |most: f32, change| most.max(change.abs()));
+    if most < MOST_BENT
+        && let Some(straight) = term.image.sample_block(u, v)
+    {
+        let [mut distances, along_row, along_column] = straight;
+        for k in 0..PIXELS {
+            distances[k] += along_row[k] * right[k] + along_column[k] * down[k];
+        }
+        return distances;
+    }
+
+    for k in 0..PIXELS {
+        right[k] += u + (k % CELL as usize) as f32;
+        down[k] += v + (k / CELL as usize) as f32;
+    }
+    term.image.sample_many(&right, &down)
+}
+
 /// The bytes of the pixels of a cell, whose first row is `y`.
 #[inline(always)]
 fn warp_pixels<const N: usize>(
@@ -305,22 +345,9 @@ fn warp_pixels<const N: usize>(
     y: i32,
 ) -> [[u8; CELL as usize]; CELL as usize] {
     const SIDE: usize = CELL as usize;
-    let centre = 0.5 * CELL as f32 - 0.5;
-    let (mut right, mut down) = ([0.0; PIXELS], [0.0; PIXELS]);
-    for k in 0..PIXELS {
-        let (dx, dy) = ((k % SIDE) as f32 - centre, (k / SIDE) as f32 - centre);
-        right[k] = cell.flow[0] + cell.slope[0][0] * dx + cell.slope[1][0] * dy;
-        down[k] = cell.flow[1] + cell.slope[0][1] * dx + cell.slope[1][1] * dy;
-    }
-
     let mut distances = [[0.0; PIXELS]; N];
     for (term, distances) in terms.iter().zip(&mut distances) {
-        let (mut u, mut v) = ([0.0; PIXELS], [0.0; PIXELS]);
-        for k in 0..PIXELS {
-            u[k] = (cell.x + (k % SIDE) as i32) as f32 + 0.5 + term.along_flow * right[k];
-            v[k] = (y + (k / SIDE) as i32) as f32 + 0.5 + term.along_flow * down[k];
-        }
-        *distances = term.image.sample_many(&u, &v);
+        *distances = distances_of_pixels(term, cell, y);
     }
 
     let mut bytes = [[0; SIDE]; SIDE];

@@ -5,6 +5,7 @@
 //! prints a table of values and bounds. It fails where a bound is missed.
 
 mod agreement;
+mod appear;
 mod at_rest;
 mod camera_loss;
 mod capi;
@@ -30,7 +31,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 16] = [
+const GROUPS: [(&str, Measure); 17] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),
@@ -47,6 +48,7 @@ const GROUPS: [(&str, Measure); 16] = [
     ("camera_loss", camera_loss::run_group),
     ("mask_filter", mask_filter::run_group),
     ("tunnel", tunnel::run_group),
+    ("appear", appear::run_group),
 ];
 
 fn main() -> ExitCode {

@@ -5,10 +5,13 @@ use image::GrayImage;
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::Motion;
-use ode_visual_hull::ode::{Shape, Surface, World};
+use ode_visual_hull::ode::{Shape, Surface};
 use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, coverage};
 use ode_visual_hull_testing::figure::Figure;
 use ode_visual_hull_testing::random::Random;
+
+/// Passes of each kind.
+const PASSES: usize = 12;
 
 /// Frames a second.
 const RATE: f64 = 30.0;
@@ -100,7 +103,6 @@ impl Pass {
             world.quick_step(step).expect("finite states");
             k += 1;
         }
-        let _: &World = &world;
         world.body(body).linear_velocity().norm() / (self.speed * self.cosine())
     }
 }
@@ -108,28 +110,18 @@ impl Pass {
 pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let cameras = level_ring(0.0);
     let mut figures = Vec::new();
-    let count = std::env::var("COUNT").ok().and_then(|n| n.parse().ok()).unwrap_or(10);
-    for radius in [0.05, 0.02] {
+    for (ball, radius) in [("10_cm", 0.05), ("4_cm", 0.02)] {
         for speed in [1.0, 2.0, 3.0, 4.0, 5.0] {
-            progress(&format!("radius {radius} speed {speed}"));
+            progress(&format!("a rod at {speed} m/s strikes a ball of {ball}"));
             let mut random = Random(1);
-            let passes: Vec<Pass> = (0..count).map(|_| Pass::random(&mut random, radius, speed)).collect();
+            let passes: Vec<Pass> = (0..PASSES).map(|_| Pass::random(&mut random, radius, speed)).collect();
             let films: Vec<_> = passes.iter().map(|pass| pass.film(&cameras)).collect();
             for (name, motion) in [("held", Motion::Held), ("interpolated", Motion::Interpolated)] {
-                for rate in [60.0, 120.0, 240.0] {
-                    let ratios: Vec<f64> = passes
-                        .iter()
-                        .zip(&films)
-                        .map(|(pass, film)| pass.simulate(&cameras, film, motion, rate))
-                        .collect();
-                    let hits = ratios.iter().filter(|&&r| r >= 0.5).count() as f64 / count as f64;
-                    let mut sorted = ratios.clone();
-                    sorted.sort_by(f64::total_cmp);
-                    eprintln!(
-                        "{radius} {speed} {name} {rate} {hits} {:?}",
-                        sorted.iter().map(|x| (x * 100.0).round() / 100.0).collect::<Vec<_>>()
-                    );
-                    figures.push(Figure::reported(&format!("tunnel_{name}_{rate}_{speed}_{radius}"), hits));
+                for rate in [120.0, 240.0] {
+                    let ratio = |(pass, film): (&Pass, &Vec<_>)| pass.simulate(&cameras, film, motion, rate);
+                    let hits = passes.iter().zip(&films).map(ratio).filter(|ratio| *ratio >= 0.5).count();
+                    let name = format!("unswept_hit_rate_{name}_{rate}_hz_{ball}_{speed}_m_s");
+                    figures.push(Figure::reported(&name, hits as f64 / PASSES as f64));
                 }
             }
         }

@@ -48,7 +48,7 @@ pub struct Settings {
     /// How contacts are made.
     pub mode: Mode,
     /// Largest depth reported, in metres; [`Mode::Paper`] ignores it. It limits how fast a body that is deep inside is
-    /// pushed out.
+    /// pushed out. In ODE a hull geom may report less, by the length of the step.
     pub max_depth: f64,
     /// Largest number of contacts per body.
     pub max_contacts: usize,

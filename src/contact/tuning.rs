@@ -43,8 +43,13 @@ pub(crate) const SHALLOW_RATIO: f64 = 0.7;
 pub(crate) const MIN_TILT: f64 = 0.005;
 
 /// Default of [`Settings::max_depth`](super::Settings::max_depth), in metres. Without a limit a swallowed box leaves at
-/// 8 to 33 m/s, with this one at about 1 m/s; below 2 cm bodies sink in while they are pushed.
+/// 8 to 33 m/s, with this one at about 1 m/s at 100 Hz; below 2 cm bodies sink in while they are pushed.
 pub(crate) const MAX_DEPTH: f64 = 0.05;
+
+/// The largest speed in m/s at which depth moves a body out of a hull geom, beside the speed of the surface: what appears
+/// inside a body throws it no faster. With a larger value such a body is flung, with a smaller one it stays inside for long.
+#[cfg(feature = "ode")]
+pub(crate) const LEAVING_SPEED: f64 = 0.8;
 
 /// Default of [`Settings::max_contacts`](super::Settings::max_contacts). Four contacts support a face; eight also
 /// suffice for grips and rims. More cost the solver time.

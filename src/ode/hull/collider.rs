@@ -64,6 +64,7 @@ pub(super) unsafe fn collide_body(
             let collided =
                 CollidedBody { geom: other, samples: &query.samples, hull_from_body: hull_from_other };
             wake::record_contacts(&context, &collided, &found, kept_loss);
+            context.limit_depths(hull, other, &mut found);
         }
     }
 

@@ -4,6 +4,7 @@ use super::last_contacts::LastContacts;
 use super::lost_views::LostViews;
 use super::prefetch::ContactPrefetch;
 use super::query::CollideContext;
+use super::step_size::StepSize;
 use crate::contact::Settings;
 use crate::contact::tuning::MIN_FEATURE;
 use crate::hull::{Aabb, Hull, HullData, Motion, SurfaceVelocity};
@@ -30,6 +31,7 @@ pub(crate) fn take_last_error() -> Option<String> {
 pub(super) struct HullGeom {
     state: Mutex<State>,
     pub(super) last_contacts: LastContacts,
+    pub(super) step_size: StepSize,
     /// Contacts of this step that are computed already; `None` while a thread uses them.
     pub(super) prefetch: Mutex<Option<Box<ContactPrefetch>>>,
     velocities: Mutex<Velocities>,
@@ -87,6 +89,7 @@ impl HullGeom {
         Self {
             state: Mutex::new(state),
             last_contacts: LastContacts::default(),
+            step_size: StepSize::default(),
             prefetch: Mutex::new(Some(Box::default())),
             velocities: Mutex::default(),
         }
@@ -136,7 +139,9 @@ impl HullGeom {
                  clock, and bind the geom to new data where a simulation begins again"
             )));
         }
-        state.time = Some(time);
+        if let Some(last) = state.time.replace(time) {
+            self.step_size.tell(time - last);
+        }
         Ok(())
     }
 

@@ -3,7 +3,8 @@
 //! ```text
 //!   ODE's collide ─► class ─► collider ─► prefetch ─► contact::collide_many
 //!                                │            └► query ─► body_samples
-//!                                └► geom: the frame in force, settings, last_contacts, lost_views
+//!                                ├► geom: the frame in force, settings, last_contacts, lost_views
+//!                                └► depth_limit, by step_size
 //!
 //!   programs in Rust: view ─► raw ◄─ open_class: programs that own ODE themselves
 //! ```
@@ -12,6 +13,7 @@ mod body_samples;
 mod canary;
 mod class;
 mod collider;
+mod depth_limit;
 mod geom;
 mod last_contacts;
 mod lost_views;
@@ -19,6 +21,7 @@ mod open_class;
 mod prefetch;
 mod query;
 mod raw;
+mod step_size;
 mod surface_motion;
 mod view;
 mod wake;

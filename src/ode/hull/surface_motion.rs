@@ -80,6 +80,7 @@ pub(in crate::ode) unsafe fn surface_motion(
     let hulls = geoms.map(class::find_current);
     let is_first = hulls[0].is_some();
     let hull = hulls.into_iter().flatten().next()?;
+    hull.step_size.tell(stepsize);
     let [hull_geom, other] = if is_first { geoms } else { [geoms[1], geoms[0]] };
     // SAFETY: the caller vouches for the geoms.
     let (of_surface, hull_body, body) = unsafe {

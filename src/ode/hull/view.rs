@@ -106,6 +106,7 @@ impl World {
     pub(in crate::ode) fn apply_latest_frames(&mut self) {
         for (_, record) in self.geoms.iter() {
             if let Some(hull) = class::find(record.raw) {
+                hull.step_size.tell(self.last_dt);
                 // SAFETY: the record is alive, and the world is borrowed mutably, so that nothing collides.
                 unsafe { geom::apply_latest_frame(record.raw, &hull) };
             }

@@ -1,0 +1,70 @@
+//! The largest depth of a contact: no body leaves a hull that has appeared in it faster than a stated speed.
+//!
+//! ODE moves a body out of a contact at the depth times ERP over the step. So what depth is harmless depends on both.
+
+use super::query::CollideContext;
+use crate::contact::tuning::LEAVING_SPEED;
+use crate::contact::{BodyContacts, Manifold, Mode};
+use crate::ode::convert;
+use ode_sys::{
+    dBodyGetLinearVel, dBodyGetPosition, dBodyGetWorld, dBodyIsEnabled, dGeomGetBody, dGeomID, dReal,
+    dWorldGetERP,
+};
+
+/// The least part of [`LEAVING_SPEED`] along a direction, where the hull pushes the body in other directions too or it moves
+/// aside already. With less, a body that two sides hold is pressed too little to be lifted.
+const LEAST_PART: f64 = 0.2;
+
+impl CollideContext<'_> {
+    /// Limits the depths of the contacts of `other` with the geom `hull`, so that ODE moves its body out of them at
+    /// [`LEAVING_SPEED`] at most, beside the speed of the surface.
+    ///
+    /// [`Mode::Paper`] reports depths as they are, and so do geoms without a body, and all before the length of a step is
+    /// known.
+    ///
+    /// # Safety
+    /// Both geoms are living, and so is the body of `other`.
+    pub(super) unsafe fn limit_depths(&self, hull: dGeomID, other: dGeomID, found: &mut BodyContacts) {
+        // SAFETY: the caller vouches for the geom and its body; positions and velocities have three numbers.
+        let (erp, velocity) = unsafe {
+            let body = dGeomGetBody(other);
+            if body.is_null() || self.settings.mode == Mode::Paper {
+                return;
+            }
+            let (position, velocity): (*const dReal, *const dReal) =
+                (dBodyGetPosition(body), dBodyGetLinearVel(body));
+            let (position, velocity) = (convert::vector_at(position), convert::vector_at(velocity));
+            if dBodyIsEnabled(body) != 0 {
+                self.geom.step_size.see(body as usize, position.into(), &velocity);
+            }
+            (dWorldGetERP(dBodyGetWorld(body)), velocity)
+        };
+
+        let Some(step) = self.geom.step_size.seconds() else { return };
+        let depth_per_speed = step / erp;
+        let wedge = part_of_speed(&found.manifolds);
+        let world_from_hull = self.hull_from_world.inverse();
+        let BodyContacts { manifolds, points, .. } = found;
+        for point in points {
+            let direction = world_from_hull * manifolds[point.manifold].direction;
+            let aside = (velocity - direction * direction.dot(&velocity)) / LEAVING_SPEED;
+            let part = (wedge - aside.norm_squared()).max(LEAST_PART * LEAST_PART).sqrt();
+            let speed = LEAVING_SPEED * part;
+            if point.depth > speed * depth_per_speed {
+                // SAFETY: the caller vouches for the geom.
+                let of_surface = unsafe { self.geom.velocity(hull, &(world_from_hull * point.point)) };
+                let outwards = of_surface.map_or(0.0, |surface| surface.velocity.dot(&direction).max(0.0));
+                point.depth = point.depth.min((speed + outwards) * depth_per_speed);
+            }
+        }
+    }
+}
+
+/// The square of the part of a speed that a body may have along each of several directions, so that it has at most that
+/// speed in all: between two directions that face one another it leaves a wedge, the faster the more they do.
+fn part_of_speed(manifolds: &[Manifold]) -> f64 {
+    let others = |k: usize| manifolds[k + 1..].iter().map(move |second| (k, second));
+    let pairs = (0..manifolds.len()).flat_map(others);
+    let cosines = pairs.map(|(k, second)| manifolds[k].direction.dot(&second.direction));
+    0.5 * (1.0 + cosines.fold(1.0, f64::min))
+}

@@ -37,16 +37,16 @@ fn a_body_inside_which_a_hull_appears_leaves_at_the_stated_speed_at_any_step_and
     for step_size in [1.0 / 60.0, 1.0 / 120.0, 1.0 / 240.0, 1.0 / 1000.0] {
         for erp in [0.1, 0.2, 0.8] {
             let fastest = leaving_speed(0.06, step_size, erp);
-            // Where the limit of the depth in metres is the smaller one, it leaves more slowly. The solver's CFM takes a
-            // part, the larger the larger steps and ERP are.
-            let by_depth = 0.05 * erp / step_size;
+            // Where the limit of the depth in metres is the smaller one, it leaves more slowly. The surface layer of 1 mm is not
+            // corrected, and the solver is exact to a few hundredths.
+            let by_depth = (0.05 - 0.001) * erp / step_size;
             let expected = LEAVING_SPEED.min(by_depth);
             assert!(
-                fastest < 1.01 * expected,
+                fastest < 1.03 * expected,
                 "{step_size} s, ERP {erp}: {fastest} m/s, expected {expected}"
             );
             assert!(
-                fastest > 0.85 * expected,
+                fastest > 0.95 * expected,
                 "{step_size} s, ERP {erp}: {fastest} m/s, expected {expected}"
             );
         }
@@ -66,8 +66,8 @@ fn the_papers_contacts_and_geoms_without_a_body_have_their_whole_depth() {
     let root = world.root_space();
     let hull = world.add_hull(root, &table()).unwrap();
     step(&mut world, 0.001);
-    // The depth that leads to the stated speed at this step, and a thousandth of the table's height for the masks.
-    assert!((depth(&mut world, hull) - LEAVING_SPEED * 0.001 / 0.2).abs() < 4e-4);
+    // The surface layer, and the depth that leads to the stated speed at this step.
+    assert!((depth(&mut world, hull) - 0.001 - LEAVING_SPEED * 0.001 / 0.2).abs() < 1e-9);
 
     let probe = world.add_geom(root, &cube(0.2)).unwrap();
     world.geom_mut(probe).set_pose(&at(0.01, 0.02, TOP + 0.06)).unwrap();

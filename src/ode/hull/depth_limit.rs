@@ -8,7 +8,7 @@ use crate::contact::{BodyContacts, Manifold, Mode};
 use crate::ode::convert;
 use ode_sys::{
     dBodyGetLinearVel, dBodyGetPosition, dBodyGetWorld, dBodyIsEnabled, dGeomGetBody, dGeomID, dReal,
-    dWorldGetERP,
+    dWorldGetContactSurfaceLayer, dWorldGetERP,
 };
 
 /// The least part of [`LEAVING_SPEED`] along a direction, where the hull pushes the body in other directions too or it moves
@@ -26,7 +26,7 @@ impl CollideContext<'_> {
     /// Both geoms are living, and so is the body of `other`.
     pub(super) unsafe fn limit_depths(&self, hull: dGeomID, other: dGeomID, found: &mut BodyContacts) {
         // SAFETY: the caller vouches for the geom and its body; positions and velocities have three numbers.
-        let (erp, velocity) = unsafe {
+        let (erp, surface_layer, velocity) = unsafe {
             let body = dGeomGetBody(other);
             if body.is_null() || self.settings.mode == Mode::Paper {
                 return;
@@ -37,7 +37,8 @@ impl CollideContext<'_> {
             if dBodyIsEnabled(body) != 0 {
                 self.geom.step_size.see(body as usize, position.into(), &velocity);
             }
-            (dWorldGetERP(dBodyGetWorld(body)), velocity)
+            let world = dBodyGetWorld(body);
+            (dWorldGetERP(world), dWorldGetContactSurfaceLayer(world), velocity)
         };
 
         let Some(step) = self.geom.step_size.seconds() else { return };
@@ -45,16 +46,18 @@ impl CollideContext<'_> {
         let wedge = part_of_speed(&found.manifolds);
         let world_from_hull = self.hull_from_world.inverse();
         let BodyContacts { manifolds, points, .. } = found;
+        // ODE does not correct the depth of the surface layer.
+        let depth_at = |speed: f64| surface_layer + speed * depth_per_speed;
         for point in points {
             let direction = world_from_hull * manifolds[point.manifold].direction;
             let aside = (velocity - direction * direction.dot(&velocity)) / LEAVING_SPEED;
             let part = (wedge - aside.norm_squared()).max(LEAST_PART * LEAST_PART).sqrt();
             let speed = LEAVING_SPEED * part;
-            if point.depth > speed * depth_per_speed {
+            if point.depth > depth_at(speed) {
                 // SAFETY: the caller vouches for the geom.
                 let of_surface = unsafe { self.geom.velocity(hull, &(world_from_hull * point.point)) };
                 let outwards = of_surface.map_or(0.0, |surface| surface.velocity.dot(&direction).max(0.0));
-                point.depth = point.depth.min((speed + outwards) * depth_per_speed);
+                point.depth = point.depth.min(depth_at(speed + outwards));
             }
         }
     }

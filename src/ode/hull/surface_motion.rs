@@ -20,7 +20,7 @@ const SOFT_DEPTHS: [f64; 2] = [0.016, 0.030];
 
 /// The soft depth in standard deviations of the silhouettes' edges: the farther they are off, the softer is the surface.
 /// Without noise they deviate by a millimetre, with a pixel of noise where a pixel is 8 mm by 3.5 mm.
-const SOFT_DEVIATIONS: f64 = 8.5;
+const SOFT_DEVIATIONS: f64 = 9.5;
 
 /// Depth beyond the soft depth is corrected at this part of the surface's speed at most. Where a normal is across the
 /// motion, the depth along it may be several times as large as the body is deep.

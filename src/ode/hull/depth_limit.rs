@@ -43,7 +43,7 @@ impl CollideContext<'_> {
 
         let Some(step) = self.geom.step_size.seconds() else { return };
         let depth_per_speed = step / erp;
-        let wedge = part_of_speed(&found.manifolds);
+        let wedge = square_of_part(&found.manifolds);
         let world_from_hull = self.hull_from_world.inverse();
         let BodyContacts { manifolds, points, .. } = found;
         // ODE does not correct the depth of the surface layer.
@@ -65,7 +65,7 @@ impl CollideContext<'_> {
 
 /// The square of the part of a speed that a body may have along each of several directions, so that it has at most that
 /// speed in all: between two directions that face one another it leaves a wedge, the faster the more they do.
-fn part_of_speed(manifolds: &[Manifold]) -> f64 {
+fn square_of_part(manifolds: &[Manifold]) -> f64 {
     let others = |k: usize| manifolds[k + 1..].iter().map(move |second| (k, second));
     let pairs = (0..manifolds.len()).flat_map(others);
     let cosines = pairs.map(|(k, second)| manifolds[k].direction.dot(&second.direction));

@@ -404,7 +404,7 @@ void dGeomVisualHullSetMaxContacts(dGeomID g, int n);
  * @brief Sets the largest depth of a contact, 0.05 by default, so that a body deep inside is pushed out slowly. Paper
  * mode has no limit.
  *
- * Less is reported where ODE would move the body out at more than 0.8 m/s and the speed of the surface, by the ERP of its
+ * Less is reported where ODE would move the body out at more than 0.7 m/s and the speed of the surface, by the ERP of its
  * world and the length of a step: from dGeomVisualHullSetTime, from dVisualHullSetContactMotion, or else as seen from how
  * bodies move from one collide to the next. An ERP that the program sets for single contacts is not known here.
  */

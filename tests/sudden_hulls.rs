@@ -8,7 +8,7 @@ use ode_visual_hull_testing::scene::*;
 use ode_visual_hull_testing::world::*;
 
 /// The stated speed, in m/s.
-const LEAVING_SPEED: f64 = 0.8;
+const LEAVING_SPEED: f64 = 0.7;
 
 /// A cube of 0.2 m without gravity whose base is `depth` below the top of a table that has not appeared yet, and the
 /// largest speed at which it leaves the table, in m/s.

@@ -49,7 +49,7 @@ pub(crate) const MAX_DEPTH: f64 = 0.05;
 /// The largest speed in m/s at which depth moves a body out of a hull geom, beside the speed of the surface: what appears
 /// inside a body throws it no faster. With a larger value such a body is flung, with a smaller one it stays inside for long.
 #[cfg(feature = "ode")]
-pub(crate) const LEAVING_SPEED: f64 = 0.8;
+pub(crate) const LEAVING_SPEED: f64 = 0.7;
 
 /// Default of [`Settings::max_contacts`](super::Settings::max_contacts). Four contacts support a face; eight also
 /// suffice for grips and rims. More cost the solver time.

@@ -83,6 +83,13 @@ enum {
   dVisualHullMotionPredicted = 2     /**< The latest frame, moved ahead by at most one frame period. */
 };
 
+/** Whether a hull collides with what it will meet within the next step; see dGeomVisualHullSetSwept. */
+enum {
+  dVisualHullSweptOff = 0,        /**< It does not. The default. */
+  dVisualHullSweptBroadPhase = 1, /**< Its box holds all that it may meet within the next step. */
+  dVisualHullSweptOn = 2          /**< In addition, what it will meet has contacts with it, which have not begun. */
+};
+
 /**
  * @brief Opens the class: takes a reference to ODE (dInitODE2), checks that ODE computes in double precision, and
  * registers the geometry class.
@@ -359,6 +366,40 @@ void dGeomVisualHullSetMotion(dGeomID g, int mode);
  */
 int dGeomVisualHullSetTime(dGeomID g, dReal time);
 
+/**
+ * @brief Sets whether a hull collides with what it will meet within the next step, so that nothing fast passes through
+ * between two collides.
+ *
+ * The hull moves ahead as its silhouettes do where its mode is dVisualHullMotionInterpolated or
+ * dVisualHullMotionPredicted, and stands still otherwise; bodies move at their velocities. Call dGeomVisualHullSetTime
+ * before each collide, also for a hull that is held: it tells the length of a step, and finds how fast the bodies are, by
+ * which the hull's box grows. Bodies are looked for in the space of the hull and in those around and inside it, but not in
+ * quadtrees.
+ *
+ * With dVisualHullSweptOn, dCollide returns up to 4 more contacts for a body that will meet the hull. Their depth is 0,
+ * their position is where the body's surface is now, and dGeomVisualHullContactTime tells how long it takes. Pass all
+ * contacts to dVisualHullSetContactMotion, which lets such a body go on until it touches; without it, the body stops where
+ * it is. A body that slides off the hull while it touches it has its contact in the step after that, so that it loses the
+ * rest of its speed along the normal. With dVisualHullSweptBroadPhase, the near callback gets the pair, and dCollide no
+ * such contacts.
+ *
+ * What is left out is told by dVisualHullGetErrorMessage after a collide or dGeomVisualHullSetTime: all, where the length
+ * of a step is not known; the motion of views whose masks do not follow one another; bodies that move by more than the
+ * diagonal of the work volume in a step.
+ *
+ * @param g the hull
+ * @param mode one of dVisualHullSwept...; the geom keeps its mode, with a message, if it is another number
+ */
+void dGeomVisualHullSetSwept(dGeomID g, int mode);
+
+/**
+ * @brief How long it takes from the time of the collide until two geoms touch, in seconds.
+ *
+ * @param contact one that dCollide has filled; its side1 and side2 hold the time of a contact with a hull
+ * @return 0 where they touch already, and for contacts without a hull; -1 if the contact is NULL.
+ */
+dReal dGeomVisualHullContactTime(const dContactGeom *contact);
+
 /** @brief Whether a point of the world is inside the hull: 1 inside, 0 outside, -1 on failure. */
 int dGeomVisualHullPointInside(dGeomID g, dReal x, dReal y, dReal z);
 
@@ -429,15 +470,20 @@ void dGeomVisualHullSetMinFeature(dGeomID g, dReal diameter);
  * A body takes on the speed of a surface that moves towards it over the first 8 mm of depth, as from soft skin: motionN
  * is in proportion to the depth there. Twice that is subtracted from contact->geom.depth, down to 0, since the motion
  * makes up for it. The noisier the masks are, the more are both, up to 15 and 30 mm; below 0.3 m/s they are less, in
- * proportion to the speed. Within them no contact gives a body's centre more than the surface's speed. So call it once for
- * a contact.
+ * proportion to the speed; and they are at most 0.15 and 0.3 of half the body's least extent. Within them no contact gives a
+ * body's centre more than the surface's speed. So call it once for a contact.
+ *
+ * A contact that has not begun (see dGeomVisualHullSetSwept) lets the body approach as far as the surface in the next step;
+ * if the surface bounces (dContactBounce), the body bounces at once, at its whole speed. Without a velocity of the surface
+ * it counts as at rest there.
  *
  * It may be called for all contacts, also those without a hull. A body's geom inside a dGeomTransform counts as at rest
  * for the friction direction, and a hull inside one has no motion.
  *
  * @param contact a contact that dCollide has filled, with its surface's mode set
  * @param stepsize the length of the next step in seconds, in which gravity and forces change how bodies slip
- * @return 1 if the contact was changed; 0 if none of its geoms is a hull in motion whose velocity is known there; -1 if
+ * @return 1 if the contact was changed; 0 if none of its geoms is a hull in motion whose velocity is known there, unless the
+ * contact has not begun; -1 if
  * the contact or one of its geoms is NULL, its position is not finite, its normal not a unit vector, or the stepsize
  * negative or not finite. For 0 and -1 the contact is as it was.
  */

@@ -6,10 +6,10 @@ use super::fence::fenced;
 use super::{FAILED, NONE, OK, arguments};
 use crate::contact::Mode;
 use crate::hull::Motion;
-use crate::ode::{self, RawHull};
+use crate::ode::{self, RawHull, Swept};
 use crate::{Error, sample};
 use nalgebra::Point3;
-use ode_sys::{dContact, dGeomID, dReal, dSpaceID};
+use ode_sys::{dContact, dContactGeom, dGeomID, dReal, dSpaceID};
 use std::ffi::c_int;
 
 /// # Safety
@@ -70,6 +70,33 @@ extern "C" fn dGeomVisualHullSetTime(g: dGeomID, time: dReal) -> c_int {
         // SAFETY: the header requires a call between two collides, on the thread that steps the geom's world.
         unsafe { hull.set_time(time) }?;
         Ok(OK)
+    })
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn dGeomVisualHullSetSwept(g: dGeomID, mode: c_int) {
+    fenced((), || {
+        let swept = match mode {
+            0 => Swept::Off,
+            1 => Swept::BroadPhase,
+            2 => Swept::On,
+            _ => return Err(Error::argument(format!("mode: expected dVisualHullSwept..., found {mode}"))),
+        };
+        RawHull::find(g)?.set_swept(swept);
+        Ok(())
+    });
+}
+
+/// # Safety
+/// `contact` is NULL or points to a contact, whose geoms are NULL or living.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn dGeomVisualHullContactTime(contact: *const dContactGeom) -> dReal {
+    fenced(f64::from(NONE), || {
+        // SAFETY: the caller guarantees a contact.
+        let contact = unsafe { contact.as_ref() };
+        let contact = contact
+            .ok_or_else(|| Error::argument("contact: expected one that dCollide has filled, found NULL"))?;
+        Ok(ode::contact_seconds(contact))
     })
 }
 

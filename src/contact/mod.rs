@@ -14,10 +14,14 @@ mod manifold;
 mod pipeline;
 mod reduce;
 mod share_out;
+#[cfg(feature = "ode")]
+mod sweep;
 mod tilt;
 pub(crate) mod tuning;
 
 pub use body_response::{body_response, body_responses};
+#[cfg(feature = "ode")]
+pub(crate) use sweep::{BodyMotion, SweptContact, sweep};
 
 use crate::hull::{EdgeModel, ExitRay, Hull};
 use crate::sample::Samples;

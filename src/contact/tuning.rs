@@ -55,6 +55,11 @@ pub(crate) const LEAVING_SPEED: f64 = 0.7;
 /// suffice for grips and rims. More cost the solver time.
 pub(crate) const MAX_CONTACTS: usize = 8;
 
+/// Largest number of contacts of one body with a hull that it does not touch yet. Four stop a face without turning it; more
+/// cost the solver time.
+#[cfg(feature = "ode")]
+pub(crate) const MAX_SWEPT_CONTACTS: usize = 4;
+
 /// Default `min_feature` of a hull geom, in metres: a real feature of this diameter cannot pass between samples. With a
 /// larger value fingers go through bodies; the cost grows with the inverse square of the value.
 #[cfg(feature = "ode")]

@@ -19,6 +19,7 @@ mod motion;
 mod overrule;
 mod query;
 pub mod reference;
+mod sweep;
 mod velocity;
 mod view;
 
@@ -29,6 +30,9 @@ pub use live::{HullData, MaskFilter};
 pub use many::{Inside, PointResponse, Workspace};
 pub use motion::Motion;
 pub use query::{ExitVector, NearestEdge, RayHit, Response};
+pub use sweep::Entry;
+#[cfg(feature = "ode")]
+pub(crate) use sweep::{MovingPoint, Sweep};
 #[cfg(feature = "ode")]
 pub(crate) use velocity::SurfaceVelocity;
 pub use view::{EdgeModel, Verdict, View};

@@ -100,8 +100,13 @@ impl View {
 
     /// The motion of the silhouette's edge at `point`, an edge point; `None` where it is not known.
     pub(super) fn edge_shift(&self, point: &Point2<f64>) -> Option<EdgeShift> {
-        let (chain, back) = self.motion.as_ref()?;
-        chain.edge_shift(point, *back)
+        let (chain, back) = self.motion()?;
+        chain.edge_shift(point, back)
+    }
+
+    /// The motions of its masks up to the latest, and how many parts of the latest motion the silhouette lies before it.
+    pub(super) fn motion(&self) -> Option<(&MotionChain, f64)> {
+        self.motion.as_ref().map(|(chain, back)| (&**chain, *back))
     }
 
     /// Whether the motion of the silhouette is known.

@@ -17,7 +17,7 @@ use ode_sys::{
 use super::arena::{BodyId, GeomId};
 use super::body::Body;
 use super::geom::Geom;
-use super::hull::{SurfaceMotion, Touching, surface_motion};
+use super::hull::{SurfaceMotion, Touching, contact_seconds, surface_motion};
 use super::pair_search::{near_callback, search_pairs};
 use super::surface::Surface;
 use super::world::World;
@@ -43,6 +43,8 @@ pub struct ContactGeom {
     pub normal: Vector3<f64>,
     /// The penetration depth, m, 0 or more. For a ray it is the distance of the hit from the ray's origin.
     pub depth: f64,
+    /// Seconds until the geoms touch, with a hull that is [`Swept`](super::Swept); 0 where they do.
+    pub time: f64,
     /// The first and the second geom.
     pub geoms: [GeomId; 2],
 }
@@ -229,8 +231,8 @@ impl<'c> Pair<'c> {
         dt: f64,
         friction_direction: Option<Vector3<f64>>,
     ) -> Option<SurfaceMotion> {
-        let &ContactGeom { position, normal, depth, .. } = contact;
-        let touching = Touching { position, normal, depth };
+        let &ContactGeom { position, normal, depth, time, .. } = contact;
+        let touching = Touching { position, normal, depth, seconds: time };
         // SAFETY: both geoms are alive, since ODE has just passed them, and so are their bodies.
         unsafe { surface_motion(self.raw, &touching, dt, friction_direction) }
     }
@@ -355,10 +357,12 @@ fn contacts<'c>(
         // SAFETY: both geoms are alive and no spaces, since `GeomId` never names one; the buffer holds `max` contacts.
         let count = unsafe { collide_raw(raw, flags, &mut found) };
 
+        let has_hull = raw.iter().any(|&geom| world.is_hull(geom));
         points.extend(found.iter().take(count).map(|contact| ContactGeom {
             position: convert::point(&contact.pos),
             normal: convert::vector(&contact.normal),
             depth: contact.depth,
+            time: if has_hull { contact_seconds(contact) } else { 0.0 },
             geoms: ids,
         }));
         points.retain(|contact| {

@@ -103,7 +103,9 @@ impl Surface {
         Self {
             friction_direction: Some(motion.friction_direction),
             surface_velocity: Some([first + along_first, second + along_second]),
-            normal_velocity: Some(self.normal_velocity.unwrap_or(0.0) + motion.normal_velocity),
+            normal_velocity: Some(
+                self.normal_velocity.unwrap_or(0.0) + motion.normal_velocity_where(self.bounce.is_some()),
+            ),
             soft_depth: self.soft_depth.max(motion.soft_depth),
             ..self
         }

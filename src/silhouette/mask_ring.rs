@@ -123,6 +123,7 @@ impl MaskRing {
         }
 
         let end = last.time?;
+        let period = end - self.masks.get(later.checked_sub(1)?)?.time?;
         let (mut motions, mut start) = (Vec::new(), end);
         for k in (1..=later).rev() {
             let (before, motion) = (self.masks[k - 1].time?, &self.masks[k].motion);
@@ -132,7 +133,7 @@ impl MaskRing {
             motions.push(motion.clone());
             start = before;
         }
-        let chain = (!motions.is_empty()).then(|| Arc::new(MotionChain::new(motions, end - start)));
+        let chain = (!motions.is_empty()).then(|| Arc::new(MotionChain::new(motions, end - start, period)));
         self.masks[later].chain = chain.clone();
         chain
     }

@@ -171,6 +171,7 @@ fn a_contact_joint_carries_a_body_until_it_is_removed() {
         position: Point3::new(0.0, 0.0, -0.1),
         normal: Vector3::z(),
         depth: 0.0,
+        time: 0.0,
         geoms: [geom, geom],
     };
 

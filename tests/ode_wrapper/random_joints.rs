@@ -218,7 +218,7 @@ impl Scene {
             4 => {
                 let (normal, geom) = (self.random.direction(), self.world.geoms().next().unwrap());
                 let contact =
-                    ContactGeom { position: anchor, normal, depth: self.number(), geoms: [geom, geom] };
+                    ContactGeom { position: anchor, normal, depth: self.number(), time: 0.0, geoms: [geom, geom] };
                 JointKind::Contact { contact, surface: self.surface(&normal) }
             }
             5 | 6 => JointKind::Hinge2 { anchor, axes: self.directions() },

@@ -15,6 +15,7 @@ mod window_search;
 pub(super) use line_walk::MaskTraversal;
 pub(super) use projection::ViewSamples;
 pub use ray_cast::RayHit;
+pub(super) use ray_cast::nearest_edge_in;
 pub(super) use response::towards;
 pub use response::{ExitVector, Response};
 pub use window_search::NearestEdge;

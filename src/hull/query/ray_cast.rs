@@ -53,7 +53,7 @@ impl Hull {
 }
 
 /// The edge of a view's silhouette beside `p`, a point on the hull's surface.
-fn nearest_edge_in<'a>(view: &'a View, p: &Point3<f64>) -> Option<NearestEdge<'a>> {
+pub(in crate::hull) fn nearest_edge_in<'a>(view: &'a View, p: &Point3<f64>) -> Option<NearestEdge<'a>> {
     let a = view.project(p)?;
     let (i, j) = floor_pixel(a.u, a.v);
     // A point on the surface projects to an edge pixel or to one beside it.

@@ -75,7 +75,7 @@ impl Hull {
     }
 
     /// The unit normal in the world that a silhouette edge gives to a contact.
-    pub(super) fn contact_normal(&self, nearest: &NearestEdge) -> Vector3<f64> {
+    pub(in crate::hull) fn contact_normal(&self, nearest: &NearestEdge) -> Vector3<f64> {
         let (i, j) = nearest.b;
         match nearest.view.silhouette().edge(i, j) {
             Some(edge) => nearest.view.backproject_edge(&edge),

@@ -1,11 +1,12 @@
 //! The collider of the class: a hull against a body's samples, and against a ray.
 
+use super::contact_time::{TOUCHES, side_of};
 use super::geom::{self, HullGeom};
 use super::prefetch;
 use super::query::ContactQuery;
 use super::wake::{self, CollidedBody};
 use crate::camera::Ray;
-use crate::contact::{self, BodyContacts, Contact};
+use crate::contact::{self, BodyContacts, Contact, SweptContact};
 use crate::ode::convert;
 use crate::recycle::{keep_scratch, take_scratch};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -21,6 +22,7 @@ const CONTACT_CAPACITY_MASK: u32 = 0xffff;
 thread_local! {
     /// Memory for the contacts of one pair at a time.
     static SCRATCH: Cell<Option<BodyContacts>> = const { Cell::new(None) };
+    static SWEPT: Cell<Option<Vec<SweptContact>>> = const { Cell::new(None) };
 }
 
 /// Writes the contacts of the geom `hull`, whose data is `geom`, with the geom `other`; returns how many there are.
@@ -53,6 +55,8 @@ pub(super) unsafe fn collide_body(
     };
 
     let (hull_from_other, mut found) = (query.stamp.hull_from_other, take_scratch(&SCRATCH));
+    let mut swept: Vec<SweptContact> = take_scratch(&SWEPT);
+    swept.clear();
     if flags & CONTACTS_UNIMPORTANT != 0 {
         let hull = context.hull_for(query.other);
         contact::collide_any(&mut found, hull, &query.samples, &hull_from_other, &context.settings);
@@ -65,27 +69,33 @@ pub(super) unsafe fn collide_body(
                 CollidedBody { geom: other, samples: &query.samples, hull_from_body: hull_from_other };
             wake::record_contacts(&context, &collided, &found, kept_loss);
             context.limit_depths(hull, other, &mut found);
+            let (touches, most) = (!found.points.is_empty(), capacity - found.points.len());
+            context.sweep(hull, other, &query, (touches, most), &mut swept);
         }
     }
 
     let world_from_hull = context.hull_from_world.inverse();
-    for (k, contact) in found.contacts().enumerate() {
+    let to_come = swept.iter().map(|&SweptContact { point, direction, seconds }| {
+        (Contact { point, direction, depth: 0.0 }, side_of(seconds))
+    });
+    let all = found.contacts().map(|contact| (contact, TOUCHES)).chain(to_come);
+    for (k, (contact, side)) in all.enumerate() {
+        let contact = in_ode_terms(&contact, side, &world_from_hull, [hull, other]);
         // SAFETY: k is below the room that the caller vouches for.
-        unsafe {
-            contacts.byte_add(k * skip as usize).write(in_ode_terms(&contact, &world_from_hull, hull, other))
-        };
+        unsafe { contacts.byte_add(k * skip as usize).write(contact) };
     }
-    let count = found.points.len();
+    let count = found.points.len() + swept.len();
     keep_scratch(&SCRATCH, found);
+    keep_scratch(&SWEPT, swept);
     count as c_int
 }
 
 /// ODE's convention: the normal points into geom 1, which is the hull, so it is minus the exit direction.
 fn in_ode_terms(
     contact: &Contact,
+    side: i32,
     world_from_hull: &Isometry3<f64>,
-    hull: dGeomID,
-    other: dGeomID,
+    [hull, other]: [dGeomID; 2],
 ) -> dContactGeom {
     let pos = world_from_hull * contact.point;
     let normal = world_from_hull * -contact.direction;
@@ -95,8 +105,8 @@ fn in_ode_terms(
         depth: contact.depth,
         g1: hull,
         g2: other,
-        side1: -1,
-        side2: -1,
+        side1: side,
+        side2: TOUCHES,
     }
 }
 

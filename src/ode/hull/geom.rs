@@ -5,6 +5,7 @@ use super::lost_views::LostViews;
 use super::prefetch::ContactPrefetch;
 use super::query::CollideContext;
 use super::step_size::StepSize;
+use super::swept::{self, LastSwept, Swept};
 use crate::contact::Settings;
 use crate::contact::tuning::MIN_FEATURE;
 use crate::hull::{Aabb, Hull, HullData, Motion, SurfaceVelocity};
@@ -32,6 +33,7 @@ pub(super) struct HullGeom {
     state: Mutex<State>,
     pub(super) last_contacts: LastContacts,
     pub(super) step_size: StepSize,
+    pub(super) last_swept: LastSwept,
     /// Contacts of this step that are computed already; `None` while a thread uses them.
     pub(super) prefetch: Mutex<Option<Box<ContactPrefetch>>>,
     velocities: Mutex<Velocities>,
@@ -64,6 +66,11 @@ struct State {
     warped_for: Option<(u64, f64)>,
     lost_views: LostViews,
     settings: Settings,
+    swept: Swept,
+    /// How far beyond the hull's surface the hull may meet something within the next step, in metres.
+    swept_reach: f64,
+    /// Whether views of the hull in motion stood still when its time was set last.
+    has_still_views: bool,
     /// In metres.
     min_feature: f64,
     /// The first error of the collider since it was taken last.
@@ -83,6 +90,9 @@ impl HullGeom {
             warped_for: None,
             lost_views: LostViews::default(),
             settings: Settings::default(),
+            swept: Swept::Off,
+            swept_reach: 0.0,
+            has_still_views: false,
             min_feature: MIN_FEATURE,
             error: None,
         };
@@ -90,6 +100,7 @@ impl HullGeom {
             state: Mutex::new(state),
             last_contacts: LastContacts::default(),
             step_size: StepSize::default(),
+            last_swept: LastSwept::default(),
             prefetch: Mutex::new(Some(Box::default())),
             velocities: Mutex::default(),
         }
@@ -153,6 +164,16 @@ impl HullGeom {
     /// Changes how contacts are made.
     pub(super) fn change_settings(&self, change: impl FnOnce(&mut Settings)) {
         change(&mut self.lock().settings);
+    }
+
+    /// Whether the geom collides with what it will meet within the next step.
+    pub(super) fn swept(&self) -> Swept {
+        self.lock().swept
+    }
+
+    /// Sets [`Self::swept`].
+    pub(super) fn set_swept(&self, swept: Swept) {
+        self.lock().swept = swept;
     }
 
     /// The diameter in metres of the thinnest real feature that must not pass between a body's samples.
@@ -221,6 +242,57 @@ impl HullGeom {
         is_new
     }
 
+    /// Records once that views of a hull in motion stand still, which a sweep takes for the truth.
+    fn tell_of_still_views(&self, hull: Option<&Hull>) {
+        let (in_motion, known, data) = {
+            let state = self.lock();
+            (state.swept == Swept::On && state.motion != Motion::Held, state.has_still_views, state.data.clone())
+        };
+        // There is no motion before the second frame.
+        let has_two_frames = data.latest().is_some_and(|(count, _)| count > 1);
+        let mut still = hull.filter(|_| in_motion && has_two_frames).into_iter().flat_map(Hull::views_without_motion);
+        let first = still.next().map(|view| view.name().to_string());
+        self.lock().has_still_views = first.is_some();
+        if let Some(first) = first.filter(|_| !known) {
+            let count = 1 + still.count();
+            self.record_error(Error::view(
+                &first,
+                format!(
+                    "sweep: expected a motion, found none in {count} view(s), whose last two masks are more than 0.5 s \
+                     apart or have equal times, or whose next one is late: they stand still in the sweep until masks \
+                     follow one another again"
+                ),
+            ));
+        }
+    }
+
+    /// Finds how far beyond its surface the hull may meet something within the next step, where bodies of its neighbours are
+    /// no faster than `speed` m/s, and returns whether that has changed.
+    fn look_ahead(&self, speed: f64) -> bool {
+        let seconds = self.step_size.seconds();
+        let (hull, swept) = {
+            let state = self.lock();
+            (state.hull.clone(), state.swept)
+        };
+        self.tell_of_still_views(hull.as_deref());
+        let reach = match (hull, seconds) {
+            (Some(hull), Some(seconds)) if swept != Swept::Off => {
+                let Aabb { min, max } = hull.bounds();
+                let (reach, most) = (speed * seconds, (max - min).norm());
+                if reach > most {
+                    self.record_error(Error::argument(format!(
+                        "sweep: expected bodies that move less than the work volume's diagonal in a step, {most:.3} m, \
+                         found one that moves {reach:.3} m, so that it is looked for no farther than {most:.3} m from the \
+                         hull; shorten the step"
+                    )));
+                }
+                reach.min(most) + hull.farthest_motion(seconds)
+            }
+            _ => 0.0,
+        };
+        std::mem::replace(&mut self.lock().swept_reach, reach) != reach
+    }
+
     /// The velocity of the real surface near `p`, both in the world; `None` where it is not known.
     ///
     /// # Safety
@@ -268,6 +340,7 @@ impl HullGeom {
     pub(super) unsafe fn world_aabb(&self, geom: dGeomID) -> [f64; 6] {
         // SAFETY: the caller vouches for the geom.
         let (world_from_hull, space) = unsafe { (pose(geom), dGeomGetSpace(geom)) };
+        let reach = self.lock().swept_reach;
         let hull = if !space.is_null() { Some(self.lock().aabb()) } else { self.lock().bounds() };
         let Some(hull) = hull else {
             const LOW: f64 = f64::NEG_INFINITY;
@@ -276,7 +349,8 @@ impl HullGeom {
         };
 
         // An empty hull is a point, so that it is near nothing, yet neither NaN nor infinite.
-        let hull = if hull.is_empty() { Aabb { min: Point3::origin(), max: Point3::origin() } } else { hull };
+        let is_empty = hull.is_empty();
+        let hull = if is_empty { Aabb { min: Point3::origin(), max: Point3::origin() } } else { hull.grown(reach) };
         let touching = self.last_contacts.touching_bodies();
         let mut aabb = hull.transformed(&world_from_hull).union(&touching);
         // SAFETY: a geom's space is living.
@@ -299,6 +373,7 @@ impl HullGeom {
             hull: state.hull.clone()?,
             frame: state.frame_count,
             settings: state.settings,
+            swept: state.swept,
             min_feature: state.min_feature,
             loss: state.lost_views.in_force(),
             hull_from_world: world_from_hull.inverse(),
@@ -326,7 +401,11 @@ impl State {
 /// # Safety
 /// `geom` is the living geom that owns `hull`, and no space that it is in is being collided.
 pub(super) unsafe fn apply_latest_frame(geom: dGeomID, hull: &HullGeom) {
-    if hull.swap_frame() {
+    let is_new = hull.swap_frame();
+    let is_swept = hull.swept() != Swept::Off;
+    // SAFETY: the caller vouches for the geom and its space.
+    let speed = if is_swept { unsafe { swept::fastest_neighbour(geom) } } else { 0.0 };
+    if hull.look_ahead(speed) || is_new {
         // SAFETY: the caller vouches that the space is not locked, where ODE would abort.
         unsafe { dGeomMoved(geom) };
     }

@@ -4,7 +4,8 @@
 //!   ODE's collide ─► class ─► collider ─► prefetch ─► contact::collide_many
 //!                                │            └► query ─► body_samples
 //!                                ├► geom: the frame in force, settings, last_contacts, lost_views
-//!                                └► depth_limit, by step_size
+//!                                ├► depth_limit, by step_size
+//!                                └► swept ─► contact::sweep, with a contact_time
 //!
 //!   programs in Rust: view ─► raw ◄─ open_class: programs that own ODE themselves
 //! ```
@@ -13,6 +14,7 @@ mod body_samples;
 mod canary;
 mod class;
 mod collider;
+mod contact_time;
 mod depth_limit;
 mod geom;
 mod last_contacts;
@@ -23,6 +25,7 @@ mod query;
 mod raw;
 mod step_size;
 mod surface_motion;
+mod swept;
 mod view;
 mod wake;
 
@@ -30,7 +33,9 @@ pub(crate) use body_samples::{clear_samples, set_samples};
 pub(crate) use geom::take_last_error;
 pub(crate) use open_class::{close_class, number as open_class_number, open as open_class};
 pub(crate) use raw::{RawHull, apply_latest_frame_everywhere, create_in as create_hull_in};
+pub(crate) use contact_time::contact_seconds;
 pub use surface_motion::SurfaceMotion;
 pub(crate) use surface_motion::set_contact_motion;
 pub(super) use surface_motion::{Touching, surface_motion};
+pub use swept::Swept;
 pub use view::{HullMut, HullView};

@@ -3,6 +3,7 @@
 use super::body_samples::{self, BodySamples};
 use super::geom::HullGeom;
 use super::lost_views::Loss;
+use super::swept::Swept;
 use crate::Result;
 use crate::contact::{SampledBody, Settings};
 use crate::hull::Hull;
@@ -19,6 +20,7 @@ pub(super) struct CollideContext<'g> {
     /// Counts the geom's frames, and so tells this one from others.
     pub(super) frame: u64,
     pub(super) settings: Settings,
+    pub(super) swept: Swept,
     /// The diameter in metres of the thinnest real feature that must not pass between a body's samples.
     pub(super) min_feature: f64,
     /// The views that the frame lacks; `None` where it lacks none.

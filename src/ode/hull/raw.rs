@@ -1,6 +1,7 @@
 //! A hull geom by ODE's own id: queries and settings, whether a [`World`](super::super::World) or the program owns it.
 
 use super::geom::{self, HullGeom};
+use super::swept::Swept;
 use super::{body_samples, class};
 use crate::contact::{self, BodyResponse, Mode, Settings};
 use crate::hull::{Hull, HullData, Motion};
@@ -178,6 +179,15 @@ impl RawHull {
     fn pose(&self) -> Isometry3<f64> {
         // SAFETY: the geom is listed as living, and its owner does not destroy it meanwhile; the class is placeable.
         unsafe { geom::pose(self.raw) }
+    }
+
+    pub(crate) fn swept(&self) -> Swept {
+        self.geom.swept()
+    }
+
+    /// Sets whether the geom collides with what it will meet within the next step, from its next frame or time on.
+    pub(crate) fn set_swept(&self, swept: Swept) {
+        self.geom.set_swept(swept);
     }
 
     pub(crate) fn set_mode(&self, mode: Mode) {

@@ -1,13 +1,15 @@
 //! The motion of the real surface at a contact, in the form in which ODE's contact joints take it.
 
 use super::class;
+use super::contact_time::contact_seconds;
+use super::swept::Swept;
 use crate::hull::SurfaceVelocity;
 use crate::ode::convert;
 use nalgebra::{Point3, Vector3};
 use ode_sys::{
     dBodyGetForce, dBodyGetGravityMode, dBodyGetMass, dBodyGetPointVel, dBodyGetPosition, dBodyGetWorld,
-    dBodyID, dBodyVectorFromWorld, dContact, dContactFDir1, dContactMotion1, dContactMotion2,
-    dContactMotionN, dGeomGetBody, dGeomID, dMass, dReal, dWorldGetERP, dWorldGetGravity,
+    dBodyID, dBodyVectorFromWorld, dContact, dContactBounce, dContactFDir1, dContactMotion1, dContactMotion2,
+    dContactMotionN, dGeomGetAABB, dGeomGetBody, dGeomID, dMass, dReal, dWorldGetERP, dWorldGetGravity,
 };
 
 /// Slips slower than this have no direction, in m/s.
@@ -21,6 +23,10 @@ const SOFT_DEPTHS: [f64; 2] = [0.016, 0.030];
 /// The soft depth in standard deviations of the silhouettes' edges: the farther they are off, the softer is the surface.
 /// Without noise they deviate by a millimetre, with a pixel of noise where a pixel is 8 mm by 3.5 mm.
 const SOFT_DEVIATIONS: f64 = 9.5;
+
+/// The largest soft depth, as a part of half the body's least extent: a small body would be passed by the surface before it
+/// takes on its speed.
+const SOFT_PART: f64 = 0.3;
 
 /// Depth beyond the soft depth is corrected at this part of the surface's speed at most. Where a normal is across the
 /// motion, the depth along it may be several times as large as the body is deep.
@@ -51,6 +57,18 @@ pub struct SurfaceMotion {
     /// none where the surface does not move out of the hull; where it does, up to 16 mm, with noisy masks up to 30 mm, and
     /// what the world's ERP would correct at more than a tenth of the surface's speed.
     pub soft_depth: f64,
+    /// How fast the body may still approach the surface in the next step, m/s, where they do not touch yet, so that it ends
+    /// the step within the first half of [`soft_depth`](Self::soft_depth); 0 where they touch. It is subtracted in
+    /// [`normal_velocity`](Self::normal_velocity) already.
+    pub approach: f64,
+}
+
+impl SurfaceMotion {
+    /// The normal velocity of a contact. ODE applies restitution to what a body is faster than that: a surface that bounces
+    /// has to do so at the body's whole speed, a little early.
+    pub(in crate::ode) fn normal_velocity_where(&self, bounces: bool) -> f64 {
+        if bounces { self.normal_velocity + self.approach } else { self.normal_velocity }
+    }
 }
 
 /// Where two geoms touch, in the world's frame.
@@ -59,6 +77,8 @@ pub(in crate::ode) struct Touching {
     pub(in crate::ode) position: Point3<f64>,
     pub(in crate::ode) normal: Vector3<f64>,
     pub(in crate::ode) depth: f64,
+    /// Seconds until they touch, 0 where they do.
+    pub(in crate::ode) seconds: f64,
 }
 
 /// The motion of the surface at a contact of two geoms, in the world's frame, for a joint between the first geom's body
@@ -76,18 +96,23 @@ pub(in crate::ode) unsafe fn surface_motion(
     stepsize: f64,
     friction_direction: Option<Vector3<f64>>,
 ) -> Option<SurfaceMotion> {
-    let Touching { position, normal, depth } = touching;
+    let Touching { position, normal, depth, seconds } = touching;
     let hulls = geoms.map(class::find_current);
     let is_first = hulls[0].is_some();
     let hull = hulls.into_iter().flatten().next()?;
     hull.step_size.tell(stepsize);
     let [hull_geom, other] = if is_first { geoms } else { [geoms[1], geoms[0]] };
-    // SAFETY: the caller vouches for the geoms.
+    // SAFETY: the caller vouches for the geoms, and ODE for their bodies.
     let (of_surface, hull_body, body) = unsafe {
         if !hull.is_where_it_collided(hull_geom) {
             return None;
         }
-        (hull.velocity(hull_geom, position)?, dGeomGetBody(hull_geom), dGeomGetBody(other))
+        let (hull_body, body) = (dGeomGetBody(hull_geom), dGeomGetBody(other));
+        // A contact that has not begun lies where the body will touch.
+        let way = (free_velocity(body, position, stepsize) - free_velocity(hull_body, position, stepsize)) * *seconds;
+        let still = SurfaceVelocity { velocity: Vector3::zeros(), deviation: 0.0 };
+        let found = hull.velocity(hull_geom, &(position + way));
+        (found.or((*seconds > 0.0).then_some(still))?, hull_body, body)
     };
     let SurfaceVelocity { velocity: of_surface, deviation } = of_surface;
 
@@ -111,10 +136,20 @@ pub(in crate::ode) unsafe fn surface_motion(
     let second = into_first.cross(&first);
     let outwards = of_surface.dot(&out_of_hull);
     let soft_depth = (SOFT_DEVIATIONS * deviation).clamp(SOFT_DEPTHS[0], SOFT_DEPTHS[1]);
+    // SAFETY: the caller vouches for the geom.
+    let soft_depth = soft_depth.min(SOFT_PART * unsafe { half_extent(other) });
     let soft_depth = (SOFT_SECONDS * outwards).clamp(0.0, soft_depth);
     let half = 0.5 * soft_depth;
     let part = if *depth < half { depth / half } else { 1.0 };
     let mut normal_velocity = part * outwards;
+    // In a long step a fast surface would pass the soft depth, and the body's other side.
+    let gap = seconds * (-slip.dot(&out_of_hull)).max(0.0);
+    let has_begun = *seconds == 0.0;
+    let approach = if has_begun { half - depth } else { gap } / stepsize;
+    if hull.swept() == Swept::On && approach > 0.0 && approach.is_finite() {
+        let allowed = outwards - approach;
+        normal_velocity = if has_begun { normal_velocity.max(allowed) } else { allowed };
+    }
     if !body.is_null() && *depth < soft_depth {
         // SAFETY: the caller vouches for the bodies.
         let most =
@@ -136,6 +171,7 @@ pub(in crate::ode) unsafe fn surface_motion(
         surface_velocity: [first, second].map(|direction| sign * of_surface.dot(&direction)),
         normal_velocity,
         soft_depth,
+        approach: if has_begun { 0.0 } else { approach },
     })
 }
 
@@ -146,7 +182,8 @@ pub(in crate::ode) unsafe fn surface_motion(
 /// The contact's geoms are living, and so are their bodies.
 pub(crate) unsafe fn set_contact_motion(contact: &mut dContact, stepsize: f64) -> bool {
     let (position, normal) = (convert::point(&contact.geom.pos), convert::vector(&contact.geom.normal));
-    let touching = Touching { position, normal, depth: contact.geom.depth };
+    let (depth, seconds) = (contact.geom.depth, contact_seconds(&contact.geom));
+    let touching = Touching { position, normal, depth, seconds };
     let has_direction = contact.surface.mode & dContactFDir1 as i32 != 0;
     let chosen = has_direction.then(|| tangent(&convert::vector(&contact.fdir1), &normal)).flatten();
     // SAFETY: the caller vouches for the geoms.
@@ -156,7 +193,8 @@ pub(crate) unsafe fn set_contact_motion(contact: &mut dContact, stepsize: f64) -
     contact.fdir1 = convert::ode_vector(&motion.friction_direction);
     contact.surface.mode |= (dContactFDir1 | dContactMotion1 | dContactMotion2 | dContactMotionN) as i32;
     [contact.surface.motion1, contact.surface.motion2] = motion.surface_velocity;
-    contact.surface.motionN = motion.normal_velocity;
+    let bounces = contact.surface.mode & dContactBounce as i32 != 0;
+    contact.surface.motionN = motion.normal_velocity_where(bounces);
     contact.geom.depth = (contact.geom.depth - motion.soft_depth).max(0.0);
     true
 }
@@ -165,7 +203,7 @@ pub(crate) unsafe fn set_contact_motion(contact: &mut dContact, stepsize: f64) -
 ///
 /// # Safety
 /// `body` is null or a living body.
-unsafe fn free_velocity(body: dBodyID, point: &Point3<f64>, stepsize: f64) -> Vector3<f64> {
+pub(super) unsafe fn free_velocity(body: dBodyID, point: &Point3<f64>, stepsize: f64) -> Vector3<f64> {
     if body.is_null() {
         return Vector3::zeros();
     }
@@ -211,6 +249,17 @@ unsafe fn most_without_overtaking(
         let turned = inertia.map_or(0.0, |inertia| arm.dot(&inertia.solve(&arm)));
         of_point + (speed - of_centre).max(0.0) * (1.0 + mass.mass * turned)
     }
+}
+
+/// Half the least extent of a geom's box.
+///
+/// # Safety
+/// `geom` is living.
+unsafe fn half_extent(geom: dGeomID) -> f64 {
+    let mut aabb = [0.0; 6];
+    // SAFETY: the caller vouches for the geom, and ODE's boxes have six numbers.
+    unsafe { dGeomGetAABB(geom, aabb.as_mut_ptr()) };
+    (0..3).map(|k| 0.5 * (aabb[2 * k + 1] - aabb[2 * k])).fold(f64::INFINITY, f64::min)
 }
 
 /// The ERP of the bodies' world.

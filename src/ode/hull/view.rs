@@ -1,6 +1,7 @@
 //! Hull geoms in a [`World`]: adding, querying and changing them.
 
 use super::raw::{self, RawHull};
+use super::swept::Swept;
 use super::{body_samples, class, geom};
 use crate::contact::{BodyResponse, Mode, Settings};
 use crate::hull::{Hull, HullData, Motion};
@@ -137,6 +138,11 @@ impl HullView<'_> {
         self.hull.motion()
     }
 
+    /// Whether the geom collides with what it will meet within the next step.
+    pub fn swept(&self) -> Swept {
+        self.hull.swept()
+    }
+
     /// How contacts are made.
     pub fn settings(&self) -> Settings {
         self.hull.settings()
@@ -215,6 +221,16 @@ impl HullMut<'_> {
     pub fn set_time(&mut self, time: f64) -> Result<()> {
         // SAFETY: the record is alive, and the world is borrowed mutably, so that nothing collides.
         unsafe { self.view.hull.set_time(time) }
+    }
+
+    /// Sets whether the geom collides with what it will meet within the next step, [`Swept::Off`] by default, from the next
+    /// collide on.
+    ///
+    /// The hull moves ahead as its silhouettes do where its [`Motion`] is not [`Motion::Held`], and stands still otherwise;
+    /// bodies move at their velocities. Bodies in a quadtree are not looked for: there only those that its box holds anyway
+    /// are found.
+    pub fn set_swept(&mut self, swept: Swept) {
+        self.view.hull.set_swept(swept);
     }
 
     /// Sets how contacts are made.

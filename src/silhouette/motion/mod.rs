@@ -13,6 +13,7 @@ mod distance_image;
 mod flow;
 mod level;
 mod mix;
+mod moving_edge;
 mod patch;
 mod sampling;
 mod shift;

@@ -17,8 +17,9 @@ const LARGEST_ERROR: f32 = 4.0;
 #[derive(Debug)]
 pub(crate) struct MotionChain {
     /// The latest first.
-    motions: Vec<Arc<MaskMotion>>,
+    pub(super) motions: Vec<Arc<MaskMotion>>,
     seconds: f64,
+    period: f64,
 }
 
 /// An edge point and how far the edge has moved there.
@@ -33,9 +34,14 @@ pub(crate) struct EdgeShift {
 }
 
 impl MotionChain {
-    /// A chain of motions that took `seconds`, the latest first. There is at least one.
-    pub(crate) fn new(motions: Vec<Arc<MaskMotion>>, seconds: f64) -> Self {
-        Self { motions, seconds }
+    /// A chain of motions that took `seconds` in all, the latest first, which took `period` seconds. There is at least one.
+    pub(crate) fn new(motions: Vec<Arc<MaskMotion>>, seconds: f64, period: f64) -> Self {
+        Self { motions, seconds, period }
+    }
+
+    /// The time between the last two masks, in seconds.
+    pub(crate) fn period(&self) -> f64 {
+        self.period
     }
 
     /// The motion of the silhouette's edge near `point`, an edge point of the silhouette that lies `back` parts of the

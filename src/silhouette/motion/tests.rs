@@ -189,7 +189,7 @@ fn an_edge_moves_along_its_normal_as_fast_as_the_subject() {
     let at = |frame: f64| Point2::new(80.0 + 7.0 * frame, 75.0 - 3.0 * frame);
     let masks: Vec<GrayImage> = (0..4).map(|k| disc(at(f64::from(k)).x, at(f64::from(k)).y, 25.0)).collect();
     let motions = masks.windows(2).rev().map(|two| Arc::new(motion(&two[0], &two[1]))).collect();
-    let chain = MotionChain::new(motions, 0.3);
+    let chain = MotionChain::new(motions, 0.3, 0.1);
 
     // Half a frame before the last mask.
     let centre = at(2.5);

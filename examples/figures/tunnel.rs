@@ -164,7 +164,7 @@ fn simulate(
     world.hull_mut(hull).set_motion(way.motion);
     world.hull_mut(hull).set_swept(way.swept);
     let ball = add_ball(&mut world);
-    let before: Vector3<f64> = world.body(ball).linear_velocity().into();
+    let before: Vector3<f64> = world.body(ball).linear_velocity();
 
     let (mut frame, mut touched) = (0, None);
     for k in 0..(end / way.step) as usize {
@@ -176,15 +176,17 @@ fn simulate(
         world.hull_mut(hull).set_time(time).expect("times that grow");
         if touched.is_none() {
             let shown = world.hull(hull).frame().expect("a frame").time();
-            world.collide(|pair| {
-                let first = pair.contacts(8).iter().map(|contact| contact.time).reduce(f64::min);
-                touched = first.map(|first| shown + first);
-            }).expect("pairs that ODE collides");
+            world
+                .collide(|pair| {
+                    let first = pair.contacts(8).iter().map(|contact| contact.time).reduce(f64::min);
+                    touched = first.map(|first| shown + first);
+                })
+                .expect("pairs that ODE collides");
         }
         world.default_collide(&Surface::with_friction(0.0), 8).expect("a valid surface");
         world.quick_step(way.step).expect("finite states");
     }
-    let after: Vector3<f64> = world.body(ball).linear_velocity().into();
+    let after: Vector3<f64> = world.body(ball).linear_velocity();
     Outcome { gained: after - before, touched }
 }
 
@@ -205,7 +207,9 @@ impl<'c> Strikes<'c> {
     fn outcomes(&self, motion: Motion, swept: Swept) -> Vec<(&Pass, f64, Outcome)> {
         let of = |rate: f64| {
             let way = Way { motion, swept, step: 1.0 / rate };
-            self.passes.iter().map(move |(pass, film)| (pass, way.step, pass.of_rod(self.cameras, film, &way)))
+            self.passes
+                .iter()
+                .map(move |(pass, film)| (pass, way.step, pass.of_rod(self.cameras, film, &way)))
         };
         STEP_RATES.into_iter().flat_map(of).collect()
     }
@@ -252,7 +256,11 @@ pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
         Figure::bounded("tunnel_hit_rate", worst_rate, Bound::AtLeast(1.0)),
         Figure::bounded("impact_time_error_over_bound", worst_error, Bound::AtMost(1.0)),
         Figure::bounded("tunnel_false_hits", false_hits(&cameras, progress), Bound::AtMost(0.0)),
-        Figure::bounded("tunnel_hit_rate_fast_ball", fast_balls(&cameras, Swept::On, progress), Bound::AtLeast(1.0)),
+        Figure::bounded(
+            "tunnel_hit_rate_fast_ball",
+            fast_balls(&cameras, Swept::On, progress),
+            Bound::AtLeast(1.0),
+        ),
         Figure::reported("tunnel_hit_rate_fast_ball_unswept", fast_balls(&cameras, Swept::Off, progress)),
     ];
     figures.extend(reported);

@@ -2,7 +2,7 @@
 //! it on their way.
 
 use super::tuning::{MAX_SWEPT_CONTACTS, SUPPORTED_COSINE};
-use crate::hull::{Hull, MovingPoint, Sweep};
+use crate::hull::{EdgeModel, Hull, MovingPoint, Sweep};
 use crate::sample::{Sample, Samples};
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -14,6 +14,9 @@ const BETWEEN_SAMPLES: f64 = 0.02;
 /// of samples to that at which a ball of 5 cm is met a tenth of a millimetre earlier.
 const FIRST_ANGLE: f64 = 0.5;
 const LAST_ANGLE: f64 = 0.05;
+
+/// Contacts whose times differ by less than this part of the step are met at once: times are only so exact.
+const SAME_TIME: f64 = 2e-3;
 
 /// How a body moves, in the hull's frame.
 #[derive(Debug, Clone, Copy)]
@@ -31,8 +34,10 @@ pub(crate) struct BodyMotion {
 pub(crate) struct SweptContact {
     /// Where the sample is now, in the hull's frame.
     pub(crate) point: Point3<f64>,
-    /// Unit direction out of the hull where it enters.
+    /// Unit direction out of the hull, along which the surface pushes.
     pub(crate) direction: Vector3<f64>,
+    /// The surface's unit outward normal where it enters; at an edge of the surface, that of one side.
+    pub(crate) surface: Vector3<f64>,
     /// Seconds until it enters.
     pub(crate) seconds: f64,
 }
@@ -66,28 +71,32 @@ pub(crate) fn sweep(
     }
 
     let mut contact_of = |sample: &Sample| contact_of(&mut sweep, sample, hull_from_body, motion);
-    let of_samples = body.points().iter().filter_map(|sample| Some((sample.normal, contact_of(sample)?)));
-    let mut earliest: Option<(Vector3<f64>, SweptContact)> = None;
-    for (normal, contact) in of_samples {
-        found.push(contact);
-        if earliest.is_none_or(|(_, before)| contact.seconds < before.seconds) {
-            earliest = Some((normal, contact));
-        }
-    }
-    match (body.smooth(), earliest) {
-        (Some(smooth), Some((normal, _))) => {
-            *found = first_touch(&normal, |outwards| {
-                let points = smooth.support(outwards);
-                let facing = |sample: &Sample| {
-                    let contact = contact_of(sample)?;
-                    Some(SweptContact { direction: hull_from_body * -sample.normal, ..contact })
-                };
-                points.iter().filter_map(facing).collect()
+    found.extend(body.points().iter().filter_map(&mut contact_of));
+    let Some(earliest) = earliest_of(found) else { return };
+
+    let outwards = hull_from_body.inverse_transform_vector(&-found[earliest].direction);
+    match body.smooth().filter(|smooth| !smooth.support(&outwards).is_empty()) {
+        Some(smooth) => {
+            let mut contacts_at = |outwards: &Vector3<f64>| -> Vec<SweptContact> {
+                smooth.support(outwards).iter().filter_map(&mut contact_of).collect()
+            };
+            *found = first_touch(&outwards, hull_from_body, SAME_TIME * seconds, &mut contacts_at);
+            // Where the point that faces the surface is inside already, the body touches there.
+            let touches = found.first().is_some_and(|first| {
+                let opposite = hull_from_body.inverse_transform_vector(&-first.surface);
+                let points = smooth.support(&opposite);
+                points
+                    .iter()
+                    .any(|sample| hull.inside_by(&(hull_from_body * sample.point), EdgeModel::Coverage))
             });
-            found.retain(|contact| contact.seconds <= seconds);
+            if touches {
+                found.clear();
+            }
         }
-        _ => keep_farthest(found, most.min(MAX_SWEPT_CONTACTS)),
+        None => order_by_distance(found, earliest),
     }
+    found.retain(|contact| contact.seconds <= seconds);
+    found.truncate(most.min(MAX_SWEPT_CONTACTS));
 }
 
 /// The contact of one sample; `None` where it does not enter the hull.
@@ -102,52 +111,69 @@ fn contact_of(
     // A sample is met by what it faces; what comes from behind meets others first.
     let outwards = hull_from_body * normal;
     let is_faced = outwards == Vector3::zeros() || outwards.dot(&entry.normal) < SUPPORTED_COSINE;
-    is_faced.then_some(SweptContact { point: start, direction: entry.normal, seconds: entry.seconds })
+    let contact =
+        SweptContact { point: start, direction: entry.normal, surface: entry.normal, seconds: entry.seconds };
+    is_faced.then_some(contact)
 }
 
-/// The first contacts of a round body, which is met between its samples, and faces there what it meets: a search for the
-/// outward direction, from `start` on, whose points enter first. `contacts_at` returns the contacts of a direction's points.
+/// The place of the earliest contact.
+fn earliest_of(contacts: &[SweptContact]) -> Option<usize> {
+    (0..contacts.len()).min_by(|&a, &b| contacts[a].seconds.total_cmp(&contacts[b].seconds))
+}
+
+/// The time of the earliest contact.
+fn first_of(contacts: &[SweptContact]) -> f64 {
+    earliest_of(contacts).map_or(f64::INFINITY, |first| contacts[first].seconds)
+}
+
+/// The first contacts of a round body, which is met between its samples: a search for the outward direction, from `start` on,
+/// whose points enter first. `contacts_at` returns the contacts of a direction's points; times that differ by less than
+/// `same_time` are equal.
 fn first_touch(
     start: &Vector3<f64>,
-    mut contacts_at: impl FnMut(&Vector3<f64>) -> Vec<SweptContact>,
+    hull_from_body: &Isometry3<f64>,
+    same_time: f64,
+    contacts_at: &mut impl FnMut(&Vector3<f64>) -> Vec<SweptContact>,
 ) -> Vec<SweptContact> {
-    let first = |contacts: &[SweptContact]| {
-        contacts.iter().map(|contact| contact.seconds).fold(f64::INFINITY, f64::min)
-    };
     let mut outwards = *start;
     let mut best = contacts_at(&outwards);
     let mut angle = FIRST_ANGLE;
     while angle > LAST_ANGLE {
         let right = outwards.cross(&Vector3::ith(outwards.iamin(), 1.0)).normalize();
         let up = outwards.cross(&right);
-        let mut has_improved = false;
-        for aside in [right, -right, up, -up] {
-            let direction = outwards * angle.cos() + aside * angle.sin();
-            let contacts = contacts_at(&direction);
-            if first(&contacts) < first(&best) {
-                (outwards, best, has_improved) = (direction, contacts, true);
-                break;
+        let around = [right, -right, up, -up].map(|aside| outwards * angle.cos() + aside * angle.sin());
+        let tried = around.map(|direction| (direction, contacts_at(&direction)));
+        let earliest = tried.into_iter().min_by(|(_, a), (_, b)| first_of(a).total_cmp(&first_of(b)));
+        match earliest {
+            Some((direction, contacts)) if first_of(&contacts) + same_time < first_of(&best) => {
+                (outwards, best) = (direction, contacts);
             }
-        }
-        if !has_improved {
-            angle *= 0.5;
+            _ => angle *= 0.5,
         }
     }
+
+    // A face is met by the point that faces it. An edge is met by one that faces neither of the faces beside it: there the
+    // body's own normal is the contact's.
+    let Some(first) = best.first() else { return best };
+    let facing = contacts_at(&hull_from_body.inverse_transform_vector(&-first.direction));
+    if first_of(&facing) <= first_of(&best) + same_time {
+        return facing;
+    }
+    best.iter_mut().for_each(|contact| contact.direction = hull_from_body * -outwards);
     best
 }
 
-/// Keeps the earliest contact, and up to `most` in all of which each is the farthest from those before it.
-fn keep_farthest(contacts: &mut Vec<SweptContact>, most: usize) {
-    let earliest = (0..contacts.len()).min_by(|&a, &b| contacts[a].seconds.total_cmp(&contacts[b].seconds));
-    let Some(mut next) = earliest else { return };
-    for kept in 0..contacts.len().min(most) {
+/// Moves the earliest contact, and after it those of which each is the farthest from those before, to the front.
+fn order_by_distance(contacts: &mut [SweptContact], earliest: usize) {
+    let mut next = earliest;
+    for kept in 0..contacts.len().min(MAX_SWEPT_CONTACTS) {
         contacts.swap(kept, next);
         let to_kept = |k: usize| {
-            let distances = contacts[..=kept].iter().map(|other| (contacts[k].point - other.point).norm_squared());
+            let distances =
+                contacts[..=kept].iter().map(|other| (contacts[k].point - other.point).norm_squared());
             distances.fold(f64::INFINITY, f64::min)
         };
         let farthest = (kept + 1..contacts.len()).max_by(|&a, &b| to_kept(a).total_cmp(&to_kept(b)));
         next = farthest.unwrap_or(kept);
     }
-    contacts.truncate(most);
 }

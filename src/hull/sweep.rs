@@ -85,7 +85,10 @@ struct Clearance {
 #[derive(Debug, Clone, Copy)]
 enum State {
     /// The point stays outside at least for `wait` seconds.
-    Outside { wait: f64, least_progress: f64 },
+    Outside {
+        wait: f64,
+        least_progress: f64,
+    },
     Inside,
 }
 
@@ -129,16 +132,22 @@ impl<'h> Sweep<'h> {
     }
 
     /// Whether anything within `radius` metres of `centre`, where no point is faster than `speed` m/s, may enter.
+    #[cfg(feature = "ode")]
     pub(crate) fn may_enter(&self, centre: &MovingPoint, radius: f64, speed: f64) -> bool {
         let stays_outside = |view: &SweptView| {
-            let Some(Clearance { distance, speed: of_edge }) = self.clearance(view, centre, 0.0) else {
+            let Some(Clearance { distance, speed: of_edge }) =
+                self.clearance_at(view, centre, 0.0, self.seconds)
+            else {
                 return false;
             };
             let depth = view.view.homogeneous(&centre.start).z;
+            let nearest = depth.min(view.view.homogeneous(&centre.after(self.seconds).start).z);
             // A sphere beside the optical axis looks larger.
             let away = (centre.start - view.view.camera().centre()).norm() / depth;
-            let footprint = view.view.footprint().at(depth - radius - speed * self.seconds);
-            footprint > 0.0 && distance > away * away * (radius + speed * self.seconds) / footprint + of_edge * self.seconds
+            let footprint = view.view.footprint().at(nearest - radius - speed * self.seconds);
+            footprint > 0.0
+                && distance
+                    > away * away * (radius + speed * self.seconds) / footprint + of_edge * self.seconds
         };
         !self.views.iter().any(stays_outside)
     }
@@ -149,7 +158,7 @@ impl<'h> Sweep<'h> {
         let (mut time, mut outside) = (start, None);
         for _ in 0..MOST_STEPS {
             match (self.state(point, time, end), outside) {
-                (State::Inside, None) => return None,
+                (State::Inside, None) => return self.entry_at_start(point, time, end),
                 (State::Inside, Some(outside)) => return self.entry_between(point, outside, time, end),
                 (State::Outside { wait, .. }, _) if time + wait >= end || time >= end => return None,
                 (State::Outside { wait, least_progress }, _) => {
@@ -159,6 +168,12 @@ impl<'h> Sweep<'h> {
             }
         }
         None
+    }
+
+    /// The entry of a point that is inside at the start by the distances. The mask decides, from which they differ by rounding.
+    fn entry_at_start(&self, point: &MovingPoint, start: f64, end: f64) -> Option<Entry> {
+        let is_inside = start == 0.0 && self.hull.inside_by(&point.start, EdgeModel::Coverage);
+        if is_inside { None } else { self.entry_at(point, start, end) }
     }
 
     /// The part of the time in which a point is inside the work volume.
@@ -173,7 +188,8 @@ impl<'h> Sweep<'h> {
                 }
                 continue;
             }
-            let (first, last) = if speed > 0.0 { (low / speed, high / speed) } else { (high / speed, low / speed) };
+            let (first, last) =
+                if speed > 0.0 { (low / speed, high / speed) } else { (high / speed, low / speed) };
             (start, end) = (start.max(first), end.min(last));
         }
         (start < end).then_some([start, end])
@@ -186,7 +202,10 @@ impl<'h> Sweep<'h> {
         let count = self.views.len();
         let first = self.decisive;
         for k in (0..count).map(|k| (first + k) % count) {
-            let Some(Clearance { distance, speed }) = self.clearance_at(&self.views[k], &point, time, end) else { continue };
+            let Some(Clearance { distance, speed }) = self.clearance_at(&self.views[k], &point, time, end)
+            else {
+                continue;
+            };
             fastest = fastest.max(speed);
             if distance <= 0.0 {
                 inside += 1;
@@ -210,7 +229,13 @@ impl<'h> Sweep<'h> {
     }
 
     /// The entry of a point that is outside at one time and inside at another.
-    fn entry_between(&mut self, point: &MovingPoint, mut outside: f64, mut inside: f64, end: f64) -> Option<Entry> {
+    fn entry_between(
+        &mut self,
+        point: &MovingPoint,
+        mut outside: f64,
+        mut inside: f64,
+        end: f64,
+    ) -> Option<Entry> {
         for _ in 0..HALVINGS {
             let middle = 0.5 * (outside + inside);
             match self.state(point, middle, end) {
@@ -219,17 +244,17 @@ impl<'h> Sweep<'h> {
             }
         }
 
-        let at = point.after(outside);
-        let distance = |view: &&SweptView| {
-            self.clearance_at(view, &at, outside, end).map_or(f64::NEG_INFINITY, |clearance| clearance.distance)
-        };
-        let last = self.views.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        Some(Entry { seconds: inside, normal: last.normal_at(self.hull, &point.after(inside).start, inside)?, view: last.index })
+        self.entry_at(point, outside, end).map(|entry| Entry { seconds: inside, ..entry })
     }
 
-    /// The clearance of a point at a time, as it is then.
-    fn clearance(&self, view: &SweptView, point: &MovingPoint, time: f64) -> Option<Clearance> {
-        self.clearance_at(view, &point.after(time), time, self.seconds)
+    /// The entry of a point at a time at which it crosses an edge: by the view that shows it farthest outside.
+    fn entry_at(&self, point: &MovingPoint, time: f64, end: f64) -> Option<Entry> {
+        let at = point.after(time);
+        let distance = |view: &&SweptView| {
+            self.clearance_at(view, &at, time, end).map_or(f64::NEG_INFINITY, |clearance| clearance.distance)
+        };
+        let last = self.views.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        Some(Entry { seconds: time, normal: last.normal_at(self.hull, &at.start, time)?, view: last.index })
     }
 
     /// What a view tells of `point`, which is at its start at `time`; `None` where it abstains.
@@ -254,7 +279,10 @@ impl<'h> Sweep<'h> {
         match motion {
             Some(motion) => {
                 let clearance = motion.chain.clearance(&pixel, motion.at(time));
-                Some(Clearance { distance: clearance.distance, speed: speed + clearance.change / motion.period })
+                Some(Clearance {
+                    distance: clearance.distance,
+                    speed: speed + clearance.change / motion.period,
+                })
             }
             None => Some(Clearance { distance: still_distance(view, &point.start, &pixel), speed }),
         }

@@ -217,8 +217,13 @@ impl Scene {
             3 => JointKind::Fixed,
             4 => {
                 let (normal, geom) = (self.random.direction(), self.world.geoms().next().unwrap());
-                let contact =
-                    ContactGeom { position: anchor, normal, depth: self.number(), time: 0.0, geoms: [geom, geom] };
+                let contact = ContactGeom {
+                    position: anchor,
+                    normal,
+                    depth: self.number(),
+                    time: 0.0,
+                    geoms: [geom, geom],
+                };
                 JointKind::Contact { contact, surface: self.surface(&normal) }
             }
             5 | 6 => JointKind::Hinge2 { anchor, axes: self.directions() },

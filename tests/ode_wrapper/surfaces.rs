@@ -70,8 +70,13 @@ fn a_surface_that_moves_along_the_normal_pushes_the_body_away() {
     let mut world = world();
     world.set_gravity(&Vector3::zeros()).unwrap();
     let (body, geom) = add(&mut world, &Shape::Sphere { radius: 0.1 }, 1.0, [0.0, 0.0, 0.1]);
-    let contact =
-        ContactGeom { position: Point3::origin(), normal: Vector3::z(), depth: 0.0, time: 0.0, geoms: [geom, geom] };
+    let contact = ContactGeom {
+        position: Point3::origin(),
+        normal: Vector3::z(),
+        depth: 0.0,
+        time: 0.0,
+        geoms: [geom, geom],
+    };
     let surface = Surface { normal_velocity: Some(0.3), ..Surface::default() };
     world.add_joint([Some(body), None], &JointKind::Contact { contact, surface }).unwrap();
     world.step(DT).unwrap();

@@ -75,7 +75,7 @@ pub(super) unsafe fn collide_body(
     }
 
     let world_from_hull = context.hull_from_world.inverse();
-    let to_come = swept.iter().map(|&SweptContact { point, direction, seconds }| {
+    let to_come = swept.iter().map(|&SweptContact { point, direction, seconds, .. }| {
         (Contact { point, direction, depth: 0.0 }, side_of(seconds))
     });
     let all = found.contacts().map(|contact| (contact, TOUCHES)).chain(to_come);

@@ -1,14 +1,16 @@
 //! The data behind a hull geom: the data object that it is bound to, the frame in force, and its settings.
 
 use super::last_contacts::LastContacts;
+use super::last_swept::LastSwept;
 use super::lost_views::LostViews;
+use super::neighbours;
 use super::prefetch::ContactPrefetch;
 use super::query::CollideContext;
 use super::step_size::StepSize;
-use super::swept::{self, LastSwept, Swept};
+use super::swept::Swept;
 use crate::contact::Settings;
 use crate::contact::tuning::MIN_FEATURE;
-use crate::hull::{Aabb, Hull, HullData, Motion, SurfaceVelocity};
+use crate::hull::{Aabb, Hull, HullData, Motion};
 use crate::lock::lock;
 use crate::ode::per_thread::per_thread;
 use crate::ode::{convert, hash_space};
@@ -38,17 +40,6 @@ pub(super) struct HullGeom {
     pub(super) prefetch: Mutex<Option<Box<ContactPrefetch>>>,
     velocities: Mutex<Velocities>,
 }
-
-/// Velocities of the surface at points of one frame, in the hull's frame of reference.
-#[derive(Debug, Default)]
-struct Velocities {
-    /// The [`State::frame_count`] of the frame.
-    frame: u64,
-    found: Vec<(Point3<f64>, Option<SurfaceVelocity>)>,
-}
-
-/// Points closer to one another than this share a velocity, in metres. It is fitted to edges much farther away.
-const SAME_VELOCITY: f64 = 0.03;
 
 #[derive(Debug)]
 struct State {
@@ -242,85 +233,6 @@ impl HullGeom {
         is_new
     }
 
-    /// Records once that views of a hull in motion stand still, which a sweep takes for the truth.
-    fn tell_of_still_views(&self, hull: Option<&Hull>) {
-        let (in_motion, known, data) = {
-            let state = self.lock();
-            (state.swept == Swept::On && state.motion != Motion::Held, state.has_still_views, state.data.clone())
-        };
-        // There is no motion before the second frame.
-        let has_two_frames = data.latest().is_some_and(|(count, _)| count > 1);
-        let mut still = hull.filter(|_| in_motion && has_two_frames).into_iter().flat_map(Hull::views_without_motion);
-        let first = still.next().map(|view| view.name().to_string());
-        self.lock().has_still_views = first.is_some();
-        if let Some(first) = first.filter(|_| !known) {
-            let count = 1 + still.count();
-            self.record_error(Error::view(
-                &first,
-                format!(
-                    "sweep: expected a motion, found none in {count} view(s), whose last two masks are more than 0.5 s \
-                     apart or have equal times, or whose next one is late: they stand still in the sweep until masks \
-                     follow one another again"
-                ),
-            ));
-        }
-    }
-
-    /// Finds how far beyond its surface the hull may meet something within the next step, where bodies of its neighbours are
-    /// no faster than `speed` m/s, and returns whether that has changed.
-    fn look_ahead(&self, speed: f64) -> bool {
-        let seconds = self.step_size.seconds();
-        let (hull, swept) = {
-            let state = self.lock();
-            (state.hull.clone(), state.swept)
-        };
-        self.tell_of_still_views(hull.as_deref());
-        let reach = match (hull, seconds) {
-            (Some(hull), Some(seconds)) if swept != Swept::Off => {
-                let Aabb { min, max } = hull.bounds();
-                let (reach, most) = (speed * seconds, (max - min).norm());
-                if reach > most {
-                    self.record_error(Error::argument(format!(
-                        "sweep: expected bodies that move less than the work volume's diagonal in a step, {most:.3} m, \
-                         found one that moves {reach:.3} m, so that it is looked for no farther than {most:.3} m from the \
-                         hull; shorten the step"
-                    )));
-                }
-                reach.min(most) + hull.farthest_motion(seconds)
-            }
-            _ => 0.0,
-        };
-        std::mem::replace(&mut self.lock().swept_reach, reach) != reach
-    }
-
-    /// The velocity of the real surface near `p`, both in the world; `None` where it is not known.
-    ///
-    /// # Safety
-    /// `geom` is the living geom that owns this data.
-    pub(super) unsafe fn velocity(&self, geom: dGeomID, p: &Point3<f64>) -> Option<SurfaceVelocity> {
-        // SAFETY: the caller vouches for the geom.
-        let world_from_hull = unsafe { pose(geom) };
-        let p = world_from_hull.inverse_transform_point(p);
-        let (hull, frame) = {
-            let state = self.lock();
-            (state.hull.clone().filter(|_| state.motion != Motion::Held)?, state.frame_count)
-        };
-
-        let mut velocities = lock(&self.velocities);
-        if velocities.frame != frame {
-            velocities.found.clear();
-            velocities.frame = frame;
-        }
-        let is_near = |known: &Point3<f64>| (p - known).norm_squared() < SAME_VELOCITY * SAME_VELOCITY;
-        let known = velocities.found.iter().find(|(known, _)| is_near(known)).map(|&(_, velocity)| velocity);
-        let found = known.unwrap_or_else(|| {
-            let found = hull.surface_velocity(&p);
-            velocities.found.push((p, found));
-            found
-        })?;
-        Some(SurfaceVelocity { velocity: world_from_hull * found.velocity, ..found })
-    }
-
     /// Whether the geom's pose is that of its last collide. It is not inside a geom transform, which gives it its pose in
     /// the world only while ODE collides it.
     ///
@@ -350,7 +262,8 @@ impl HullGeom {
 
         // An empty hull is a point, so that it is near nothing, yet neither NaN nor infinite.
         let is_empty = hull.is_empty();
-        let hull = if is_empty { Aabb { min: Point3::origin(), max: Point3::origin() } } else { hull.grown(reach) };
+        let hull =
+            if is_empty { Aabb { min: Point3::origin(), max: Point3::origin() } } else { hull.grown(reach) };
         let touching = self.last_contacts.touching_bodies();
         let mut aabb = hull.transformed(&world_from_hull).union(&touching);
         // SAFETY: a geom's space is living.
@@ -404,7 +317,7 @@ pub(super) unsafe fn apply_latest_frame(geom: dGeomID, hull: &HullGeom) {
     let is_new = hull.swap_frame();
     let is_swept = hull.swept() != Swept::Off;
     // SAFETY: the caller vouches for the geom and its space.
-    let speed = if is_swept { unsafe { swept::fastest_neighbour(geom) } } else { 0.0 };
+    let speed = if is_swept { unsafe { neighbours::fastest_neighbour(geom) } } else { 0.0 };
     if hull.look_ahead(speed) || is_new {
         // SAFETY: the caller vouches that the space is not locked, where ODE would abort.
         unsafe { dGeomMoved(geom) };
@@ -426,6 +339,11 @@ pub(super) unsafe fn pose(geom: dGeomID) -> Isometry3<f64> {
     let rotation = Rotation3::from_matrix_unchecked(convert::matrix(&rotation));
     Isometry3::from_parts(convert::vector(&position).into(), UnitQuaternion::from_rotation_matrix(&rotation))
 }
+
+mod look_ahead;
+mod velocity;
+
+use velocity::Velocities;
 
 #[cfg(test)]
 mod tests {

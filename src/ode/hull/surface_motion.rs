@@ -109,7 +109,8 @@ pub(in crate::ode) unsafe fn surface_motion(
         }
         let (hull_body, body) = (dGeomGetBody(hull_geom), dGeomGetBody(other));
         // A contact that has not begun lies where the body will touch.
-        let way = (free_velocity(body, position, stepsize) - free_velocity(hull_body, position, stepsize)) * *seconds;
+        let way = (free_velocity(body, position, stepsize) - free_velocity(hull_body, position, stepsize))
+            * *seconds;
         let still = SurfaceVelocity { velocity: Vector3::zeros(), deviation: 0.0 };
         let found = hull.velocity(hull_geom, &(position + way));
         (found.or((*seconds > 0.0).then_some(still))?, hull_body, body)

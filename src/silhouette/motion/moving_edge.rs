@@ -24,7 +24,8 @@ impl MotionChain {
     pub(crate) fn clearance(&self, point: &Point2<f64>, s: f64) -> EdgeClearance {
         let latest = &self.motions[0];
         let [distance, difference] = latest.distance(point, s);
-        let longest = f64::from(latest.flow.longest()).min(if s > 1.0 { f64::from(MAX_AHEAD) } else { f64::INFINITY });
+        let longest =
+            f64::from(latest.flow.longest()).min(if s > 1.0 { f64::from(MAX_AHEAD) } else { f64::INFINITY });
         // The flow is known by its longest component.
         EdgeClearance { distance, change: std::f64::consts::SQRT_2 * longest + difference }
     }
@@ -38,6 +39,7 @@ impl MotionChain {
     }
 
     /// The longest way of an edge between the last two masks, in pixels.
+    #[cfg(feature = "ode")]
     pub(crate) fn longest_way(&self) -> f64 {
         std::f64::consts::SQRT_2 * f64::from(self.motions[0].flow.longest())
     }
@@ -55,7 +57,8 @@ impl MaskMotion {
         let to_later = s - 1.0;
         let there = flow.at(u, v);
         let [right, down] = flow.at(u + to_later * there[0], v + to_later * there[1]);
-        let by = |image: &DistanceImage, along: f32| image.distance_outwards(u + along * right, v + along * down);
+        let by =
+            |image: &DistanceImage, along: f32| image.distance_outwards(u + along * right, v + along * down);
         let by_later = by(later, to_later);
         if s > 1.0 {
             return [f64::from(by_later), 0.0];

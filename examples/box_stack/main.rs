@@ -8,20 +8,18 @@
 //! real cameras.
 
 mod options;
-mod sensor;
-mod studio;
+mod scene;
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use ode_visual_hull::Result;
 use ode_visual_hull::hull::{HullData, Motion};
 use ode_visual_hull::ode::set_random_seed;
-use ode_visual_hull_film::{FilmOptions, Simulation, Story, run_film, view_of};
+use ode_visual_hull_film::{FilmOptions, Simulation, Story, Studio, run_film, view_of};
 use options::Options;
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
-use studio::Studio;
 
 fn main() -> ExitCode {
     match run(&Options::parse()) {
@@ -36,9 +34,11 @@ fn main() -> ExitCode {
 fn run(options: &Options) -> Result<()> {
     set_random_seed(options.seed);
     let data = Arc::new(HullData::new());
-    let mut studio = Studio::new(options.seed, &data)?;
-    let mut simulation = Simulation::new(&data, studio.pixel_size(&data)?, Motion::Held)?;
-    studio::stack(&mut simulation)?;
+    let seed = u64::from(options.seed);
+    let mut studio = Studio::new(scene::LiftedBox, scene::cameras()?, scene::bounds()?, seed, &data)?;
+    let pixel_size = data.at(0.0)?.pixel_size(&scene::top());
+    let mut simulation = Simulation::new(&data, pixel_size, Motion::Held)?;
+    scene::stack(&mut simulation)?;
     let frames = options.frames.map_or(usize::MAX, |frames| frames as usize).min(studio.frames());
     let view = view_of(&studio, options.view.as_deref())?;
     let film =

@@ -24,8 +24,10 @@ mod plot;
 mod ray_cast;
 #[cfg(feature = "ode")]
 mod run;
+mod sensor;
 #[cfg(feature = "ode")]
 mod simulation;
+mod studio;
 #[cfg(feature = "ode")]
 mod subject_speed;
 #[cfg(feature = "ode")]
@@ -41,4 +43,5 @@ pub use log::{Entry, Log};
 pub use run::{FilmOptions, run_film};
 #[cfg(feature = "ode")]
 pub use simulation::{STEPS_PER_SECOND, SimulatedBody, Simulation, State, Support, lean_deg};
+pub use studio::{Scenario, Studio};
 pub use window::Window;

@@ -4,7 +4,7 @@ use crate::body_shape::check_drawable;
 use crate::compositor::Drawn;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::hull::{Hull, HullData, Motion};
-use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, World};
+use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, Swept, World};
 use ode_visual_hull::{Error, Result};
 use std::sync::Arc;
 
@@ -128,6 +128,11 @@ impl Simulation {
         world.hull_mut(hull).set_min_feature(MIN_FEATURE)?;
         world.hull_mut(hull).set_motion(motion);
         Ok(Self { world, hull, floor, bodies: Vec::new(), time: 0.0 })
+    }
+
+    /// Sets whether the hull collides with what it will meet within the next step; it does not at first.
+    pub fn set_swept(&mut self, swept: Swept) {
+        self.world.hull_mut(self.hull).set_swept(swept);
     }
 
     /// Adds a body at rest.

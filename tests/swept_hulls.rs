@@ -209,13 +209,13 @@ fn what_a_sweep_leaves_out_is_told() {
     early.hull_mut(hull).set_swept(Swept::On);
     falling_ball(&mut early, 0.001, 30.0);
     contacts(&mut early);
-    let message = early.hull(hull).take_error().unwrap().to_string();
+    let message = early.hull(hull).take_left_out().unwrap().to_string();
     assert!(message.contains("length of a step"), "{message}");
 
     let (mut world, hull) = world_with(&table(), Swept::On);
     falling_ball(&mut world, 0.3, 1000.0);
     contacts(&mut world);
-    let message = world.hull(hull).take_error().unwrap().to_string();
+    let message = world.hull(hull).take_left_out().unwrap().to_string();
     assert!(message.contains("8.333 m"), "{message}");
 
     // A gap of more than half a second, and masks that follow one another again.
@@ -226,7 +226,7 @@ fn what_a_sweep_leaves_out_is_told() {
     let mut told_at = |frame: u32| {
         show_board(&data, 0.1, frame);
         world.hull_mut(hull).set_time(f64::from(frame) * PERIOD).unwrap();
-        world.hull(hull).take_error().map(|error| error.to_string())
+        world.hull(hull).take_left_out().map(|error| error.to_string())
     };
     assert_eq!(told_at(1), None);
     assert_eq!(told_at(2), None);

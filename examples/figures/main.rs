@@ -15,6 +15,7 @@ mod lines;
 mod mask_filter;
 mod motion;
 mod push;
+mod realtime;
 mod segmentation;
 mod sleepers;
 mod stack;
@@ -31,7 +32,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 17] = [
+const GROUPS: [(&str, Measure); 18] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),
@@ -49,6 +50,7 @@ const GROUPS: [(&str, Measure); 17] = [
     ("mask_filter", mask_filter::run_group),
     ("tunnel", tunnel::run_group),
     ("appear", appear::run_group),
+    ("realtime", realtime::run_group),
 ];
 
 fn main() -> ExitCode {

@@ -28,12 +28,17 @@ pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     let hang = many_on_a_table_that_sinks();
     progress("a table that rises under a sleeping box");
     let wakes = SEEDS.filter(|&seed| first_touch_wakes(seed)).count() as f64 / SEEDS.count() as f64;
+    progress("a box asleep on a table that moves or vanishes");
+    let latencies =
+        SEEDS.flat_map(|seed| [Some(-SINK), Some(SINK), None].map(|lift| wake_latency(seed, lift)));
+    let latency = latencies.max().unwrap_or(usize::MAX);
     progress("a box asleep on live masks");
     let asleep = median(SEEDS.map(asleep_share_on_live_masks));
 
     vec![
         Figure::bounded("sleepers_that_hang", hang as f64, AtMost(0.0)),
         Figure::bounded("wake_on_first_touch", wakes, AtLeast(1.0)),
+        Figure::bounded("wake_latency_steps", latency as f64, AtMost(1.0)),
         Figure::reported("asleep_share_live", asleep),
     ]
 }
@@ -91,6 +96,27 @@ fn first_touch_wakes(seed: u64) -> bool {
     publish(&data, &lifted(0.3), 1.0);
     (0..2).for_each(|_| step(&mut world));
     world.body(body).is_enabled()
+}
+
+/// In how many steps a box that sleeps on the table wakes after that was lifted by `lift` metres, or has vanished.
+fn wake_latency(seed: u64, lift: Option<f64>) -> usize {
+    let data = data(&level_ring(TOP));
+    publish(&data, &lifted(0.0), 0.0);
+    let mut world = world(seed, 0.001);
+    let root = world.root_space();
+    world.add_hull(root, &data).expect("room for the class");
+    let (body, _) = add_body(&mut world, &Shape::cube(0.2), &at(0.02, 0.01, TOP + 0.1));
+    world.body_mut(body).set_auto_disable(true);
+    (0..400).for_each(|_| step(&mut world));
+    assert!(!world.body(body).is_enabled(), "the box sleeps on the table");
+
+    let vanished = || masks(&level_ring(TOP), &Subject::default(), coverage);
+    publish(&data, &lift.map_or_else(vanished, lifted), 1.0);
+    let is_awake_after_step = |_: &usize| {
+        step(&mut world);
+        world.body(body).is_enabled()
+    };
+    (1..STEPS).find(is_awake_after_step).unwrap_or(STEPS)
 }
 
 /// The share of the steps of the measurement in which a box at rest on flickering masks is asleep.

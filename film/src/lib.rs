@@ -20,6 +20,8 @@ mod film;
 #[cfg(feature = "ode")]
 mod log;
 #[cfg(feature = "ode")]
+mod paced;
+#[cfg(feature = "ode")]
 mod plot;
 mod ray_cast;
 #[cfg(feature = "ode")]
@@ -39,6 +41,8 @@ pub use compositor::{Compositor, Drawn, Real};
 pub use film::Film;
 #[cfg(feature = "ode")]
 pub use log::{Entry, Log};
+#[cfg(feature = "ode")]
+pub use paced::{Pace, PaceReport, Tally, run_paced};
 #[cfg(feature = "ode")]
 pub use run::{FilmOptions, run_film};
 #[cfg(feature = "ode")]

@@ -7,6 +7,7 @@ use ode_visual_hull::hull::{Hull, HullData, Motion};
 use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, Swept, World};
 use ode_visual_hull::{Error, Result};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Steps of the simulation a second.
 pub const STEPS_PER_SECOND: f64 = 240.0;
@@ -104,6 +105,7 @@ pub struct Simulation {
     floor: GeomId,
     bodies: Vec<SimulatedBody>,
     time: f64,
+    collided_at: Instant,
 }
 
 impl Simulation {
@@ -127,12 +129,21 @@ impl Simulation {
         let hull = world.add_hull(root, data)?;
         world.hull_mut(hull).set_min_feature(MIN_FEATURE)?;
         world.hull_mut(hull).set_motion(motion);
-        Ok(Self { world, hull, floor, bodies: Vec::new(), time: 0.0 })
+        Ok(Self { world, hull, floor, bodies: Vec::new(), time: 0.0, collided_at: Instant::now() })
     }
 
     /// Sets whether the hull collides with what it will meet within the next step; it does not at first.
     pub fn set_swept(&mut self, swept: Swept) {
         self.world.hull_mut(self.hull).set_swept(swept);
+    }
+
+    /// Sets the diameter of the thinnest feature of the subject that must not pass through a body, in metres: 0.015 at first,
+    /// since noisy masks make features thinner.
+    ///
+    /// # Errors
+    /// A diameter that is not positive.
+    pub fn set_min_feature(&mut self, diameter: f64) -> Result<()> {
+        self.world.hull_mut(self.hull).set_min_feature(diameter)
     }
 
     /// Adds a body at rest.
@@ -172,25 +183,54 @@ impl Simulation {
         let dt = duration / steps;
 
         for _ in 0..steps as u32 {
-            self.collide(dt)?;
-            self.world.quick_step(dt)?;
-            self.time += dt;
-            for one in &mut self.bodies {
-                let body = self.world.body(one.body);
-                one.record_speed(body.linear_velocity().norm(), body.position().z);
-            }
+            self.step(dt)?;
         }
+        Ok(())
+    }
 
+    /// Simulates one step of `dt` seconds.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn step(&mut self, dt: f64) -> Result<()> {
+        self.collide(dt)?;
+        self.collided_at = Instant::now();
+        self.world.quick_step(dt)?;
+        self.time += dt;
+        for one in &mut self.bodies {
+            let body = self.world.body(one.body);
+            one.record_speed(body.linear_velocity().norm(), body.position().z);
+        }
         match self.world.hull(self.hull).take_error() {
             Some(error) => Err(error),
             None => self.check_finite(),
         }
     }
 
+    /// Lets `seconds` pass without a step, for a simulation that is late.
+    pub fn skip(&mut self, seconds: f64) {
+        self.time += seconds;
+    }
+
+    /// When the last collide ended.
+    pub fn collided_at(&self) -> Instant {
+        self.collided_at
+    }
+
+    /// Whether a body touched the hull in the last step.
+    pub fn touches_hull(&self) -> bool {
+        self.bodies.iter().any(|one| one.touched.hull)
+    }
+
+    /// Which hull the bodies collide with at the simulation's time.
+    pub fn motion(&self) -> Motion {
+        self.world.hull(self.hull).motion()
+    }
+
     /// Collides before a step of `dt` seconds: adds contacts for every pair with a body, and records what each body
     /// touches.
     fn collide(&mut self, dt: f64) -> Result<()> {
-        let Self { world, hull, floor, bodies, time } = self;
+        let Self { world, hull, floor, bodies, time, .. } = self;
         for one in bodies.iter_mut() {
             one.touched = Touched::default();
         }

@@ -66,6 +66,8 @@ struct State {
     min_feature: f64,
     /// The first error of the collider since it was taken last.
     error: Option<Error>,
+    /// The first thing that was left out of a sweep since it was taken last.
+    left_out: Option<Error>,
 }
 
 impl HullGeom {
@@ -86,6 +88,7 @@ impl HullGeom {
             has_still_views: false,
             min_feature: MIN_FEATURE,
             error: None,
+            left_out: None,
         };
         Self {
             state: Mutex::new(state),
@@ -186,6 +189,17 @@ impl HullGeom {
     pub(super) fn record_error(&self, error: Error) {
         LAST_ERROR.set(error.to_string());
         self.lock().error.get_or_insert(error);
+    }
+
+    /// Records what is left out of a sweep.
+    pub(super) fn record_left_out(&self, what: Error) {
+        LAST_ERROR.set(what.to_string());
+        self.lock().left_out.get_or_insert(what);
+    }
+
+    /// Takes the first thing that was left out of a sweep since the last call.
+    pub(super) fn take_left_out(&self) -> Option<Error> {
+        self.lock().left_out.take()
     }
 
     /// Takes the first error of the collider since the last call.

@@ -140,6 +140,10 @@ impl RawHull {
         self.geom.take_error()
     }
 
+    pub(crate) fn take_left_out(&self) -> Option<Error> {
+        self.geom.take_left_out()
+    }
+
     pub(crate) fn inside(&self, p: &Point3<f64>) -> bool {
         self.frame().is_some_and(|hull| hull.inside(&self.pose().inverse_transform_point(p)))
     }

@@ -43,7 +43,7 @@ impl CollideContext<'_> {
             return;
         }
         let Some(seconds) = self.geom.step_size.seconds() else {
-            return self.geom.record_error(Error::argument(
+            return self.geom.record_left_out(Error::argument(
                 "sweep: expected the length of a step, found none, so that nothing was swept; set the hull's time before \
                  each collide",
             ));

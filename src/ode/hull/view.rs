@@ -159,6 +159,12 @@ impl HullView<'_> {
         self.hull.take_error()
     }
 
+    /// Takes the first thing that was left out of a sweep since the last call: see [`HullMut::set_swept`]. All else was
+    /// swept and collided.
+    pub fn take_left_out(&self) -> Option<Error> {
+        self.hull.take_left_out()
+    }
+
     /// Whether a point, in world coordinates, is inside the hull.
     pub fn inside(&self, p: &Point3<f64>) -> bool {
         self.hull.inside(p)
@@ -228,7 +234,8 @@ impl HullMut<'_> {
     ///
     /// The hull moves ahead as its silhouettes do where its [`Motion`] is not [`Motion::Held`], and stands still otherwise;
     /// bodies move at their velocities. Bodies in a quadtree are not looked for: there only those that its box holds anyway
-    /// are found.
+    /// are found. [`HullView::take_left_out`] tells where the length of a step is not known yet, where views have no motion and
+    /// so stand still in the sweep, and where a body moves farther in a step than the work volume is large.
     pub fn set_swept(&mut self, swept: Swept) {
         self.view.hull.set_swept(swept);
     }

@@ -24,7 +24,7 @@ impl HullGeom {
         self.lock().has_still_views = first.is_some();
         if let Some(first) = first.filter(|_| !known) {
             let count = 1 + still.count();
-            self.record_error(Error::view(
+            self.record_left_out(Error::view(
                 &first,
                 format!(
                     "sweep: expected a motion, found none in {count} view(s), whose last two masks are more than 0.5 s \
@@ -49,7 +49,7 @@ impl HullGeom {
                 let Aabb { min, max } = hull.bounds();
                 let (reach, most) = (speed * seconds, (max - min).norm());
                 if reach > most {
-                    self.record_error(Error::argument(format!(
+                    self.record_left_out(Error::argument(format!(
                         "sweep: expected bodies that move less than the work volume's diagonal in a step, {most:.3} m, \
                          found one that moves {reach:.3} m, so that it is looked for no farther than {most:.3} m from the \
                          hull; shorten the step"

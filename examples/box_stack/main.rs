@@ -7,57 +7,46 @@
 //! `cargo run --release --example box_stack -- --help` lists the options. `vhull run` does the same with recordings of
 //! real cameras.
 
-mod options;
 mod scene;
+#[path = "../shared/mod.rs"]
+mod shared;
 
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
 use ode_visual_hull::Result;
-use ode_visual_hull::hull::{HullData, Motion};
-use ode_visual_hull::ode::set_random_seed;
-use ode_visual_hull_film::{FilmOptions, Simulation, Story, Studio, run_film, view_of};
-use options::Options;
-use std::io::Write;
+use ode_visual_hull::hull::Motion;
+use shared::{FilmArguments, Filmed, tell};
 use std::process::ExitCode;
-use std::sync::Arc;
+
+/// Virtual boxes rest on a real object that cameras see, and fall when it moves.
+///
+/// Eight synthetic cameras watch a real box. Five virtual boxes are stacked on it. The real box is lifted and tilted,
+/// and the stack tips over. Each frame goes through all steps: colour images with sensor noise, segmentation,
+/// silhouettes, visual hull, physics.
+#[derive(Debug, Parser)]
+#[command(name = "box_stack", version, after_help = EXAMPLES)]
+struct Options {
+    #[command(flatten)]
+    film: FilmArguments,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  cargo run --release --example box_stack
+  cargo run --release --example box_stack -- --view 1 --out target/from_the_side";
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    tell(run(&Options::parse()))
 }
 
-fn run(options: &Options) -> Result<()> {
-    set_random_seed(options.seed);
-    let data = Arc::new(HullData::new());
-    let seed = u64::from(options.seed);
-    let mut studio = Studio::new(scene::LiftedBox, scene::cameras()?, scene::bounds()?, seed, &data)?;
-    let pixel_size = data.at(0.0)?.pixel_size(&scene::top());
-    let mut simulation = Simulation::new(&data, pixel_size, Motion::Held)?;
-    scene::stack(&mut simulation)?;
-    let frames = options.frames.map_or(usize::MAX, |frames| frames as usize).min(studio.frames());
-    let view = view_of(&studio, options.view.as_deref())?;
-    let film =
-        FilmOptions { out: &options.out, name: "box_stack", frames, view: (!options.no_gif).then_some(view) };
-    let progress = progress_bar(frames);
-    let text = run_film(&film, &mut studio, &data, &mut simulation, &mut |summary| {
-        progress.set_message(summary);
-        progress.inc(1);
-    })?;
-    progress.finish_and_clear();
-
-    // The reader may have closed the pipe.
-    let _ = std::io::stdout().write_all(text.as_bytes());
-    Ok(())
-}
-
-fn progress_bar(frames: usize) -> ProgressBar {
-    let style =
-        ProgressStyle::with_template("{bar:32} frame {pos}/{len}  {elapsed} (about {eta} left)  {msg}");
-    let bar = ProgressBar::new(frames as u64);
-    style.map_or(bar.clone(), |style| bar.with_style(style))
+fn run(options: &Options) -> Result<String> {
+    let filmed = Filmed {
+        scenario: scene::LiftedBox,
+        cameras: scene::cameras()?,
+        bounds: scene::bounds()?,
+        place: scene::top(),
+        motion: Motion::Held,
+        name: "box_stack",
+        out: "target/demo",
+    };
+    shared::film(filmed, &options.film, scene::stack)
 }

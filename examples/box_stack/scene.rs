@@ -30,6 +30,10 @@ const GRAZING: [(f64, f64); 7] =
 
 const IMAGE: (u32, u32) = (640, 480);
 
+/// Distance of the grazing cameras from the middle, in metres, and their horizontal angle of view, in radians.
+const DISTANCE: f64 = 3.0;
+const FIELD: f64 = 0.46;
+
 /// The real box, lifted and tilted.
 pub struct LiftedBox;
 
@@ -75,8 +79,8 @@ pub fn cameras() -> Result<Vec<Camera>> {
     let target = Point3::new(0.0, 0.0, 0.4);
     let grazing = GRAZING.iter().enumerate().map(|(i, &(azimuth, height))| {
         let (sin, cos) = azimuth.to_radians().sin_cos();
-        let eye = Point3::new(3.0 * cos, 3.0 * sin, height);
-        Camera::look_at(format!("grazing{i}"), IMAGE, 0.46, eye, target, Vector3::z())
+        let eye = Point3::new(DISTANCE * cos, DISTANCE * sin, height);
+        Camera::look_at(format!("grazing{i}"), IMAGE, FIELD, eye, target, Vector3::z())
     });
     let (eye, target) = (Point3::new(-0.55, -3.05, 1.6), Point3::new(0.38, 0.0, 0.52));
     let overview = Camera::look_at("overview", IMAGE, 0.66, eye, target, Vector3::z());

@@ -9,61 +9,41 @@
 
 mod options;
 mod scene;
+#[path = "../shared/mod.rs"]
+mod shared;
 
 use clap::Parser;
 use image::GrayImage;
-use indicatif::{ProgressBar, ProgressStyle};
 use ode_visual_hull::Result;
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::set_random_seed;
 use ode_visual_hull::synthetic::coverage;
-use ode_visual_hull_film::{
-    FRAME_RATE, FilmOptions, Pace, SimulatedBody, Simulation, Story, Studio, run_film, run_paced, view_of,
-};
+use ode_visual_hull_film::{FRAME_RATE, Pace, SimulatedBody, Simulation, run_paced};
 use options::Options;
-use std::io::Write;
+use shared::{Filmed, progress_bar, tell};
 use std::process::ExitCode;
 use std::sync::Arc;
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    set_random_seed(options.seed);
-    let text = if options.pace { pace(&options) } else { film(&options) };
-    match text {
-        Ok(text) => {
-            // The reader may have closed the pipe.
-            let _ = std::io::stdout().write_all(text.as_bytes());
-            ExitCode::SUCCESS
-        }
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    tell(if options.pace { pace(&options) } else { film(&options) })
 }
 
 fn film(options: &Options) -> Result<String> {
-    let data = Arc::new(HullData::new());
-    let seed = u64::from(options.seed);
-    let mut studio = Studio::new(scene::Wanderer, scene::cameras()?, scene::bounds()?, seed, &data)?;
-    let pixel_size = data.at(0.0)?.pixel_size(&scene::middle());
-    let mut simulation = Simulation::new(&data, pixel_size, options.motion.motion())?;
-    scene::add_boxes(&mut simulation)?;
-
-    let frames = options.frames.map_or(usize::MAX, |frames| frames as usize).min(studio.frames());
-    let view = view_of(&studio, options.view.as_deref())?;
-    let view = (!options.no_gif).then_some(view);
-    let film = FilmOptions { out: &options.out, name: "figure1", frames, view };
-    let progress = progress_bar(frames, "frames");
-    let text = run_film(&film, &mut studio, &data, &mut simulation, &mut |summary| {
-        progress.set_message(summary);
-        progress.inc(1);
-    })?;
-    progress.finish_and_clear();
-    Ok(text)
+    let filmed = Filmed {
+        scenario: scene::Wanderer,
+        cameras: scene::cameras()?,
+        bounds: scene::bounds()?,
+        place: scene::middle(),
+        motion: options.motion.motion(),
+        name: "figure1",
+        out: "target/figure1",
+    };
+    shared::film(filmed, &options.film, scene::add_boxes)
 }
 
 fn pace(options: &Options) -> Result<String> {
+    set_random_seed(options.film.seed);
     let cameras = scene::cameras()?;
     let data = Arc::new(HullData::new());
     data.add_views(&cameras)?;
@@ -93,11 +73,4 @@ fn pace(options: &Options) -> Result<String> {
         cameras.len(),
         options.seconds
     ))
-}
-
-fn progress_bar(count: usize, what: &str) -> ProgressBar {
-    let style =
-        ProgressStyle::with_template("{bar:32} {prefix} {pos}/{len}  {elapsed} (about {eta} left)  {msg}");
-    let bar = ProgressBar::new(count as u64).with_prefix(what.to_string());
-    style.map_or(bar.clone(), |style| bar.with_style(style))
 }

@@ -1,8 +1,8 @@
 //! The command line.
 
+use super::shared::FilmArguments;
 use clap::{Parser, ValueEnum};
 use ode_visual_hull::hull::Motion;
-use std::path::PathBuf;
 
 /// A person among a hundred virtual boxes.
 ///
@@ -29,21 +29,8 @@ pub struct Options {
     /// With --pace: steps of the simulation a second.
     #[arg(long, value_name = "RATE", default_value_t = 120.0, help_heading = "Pace")]
     pub step_rate: f64,
-    /// Folder for the film, the table of states and the plot; it is made if it is missing.
-    #[arg(long, value_name = "DIR", default_value = "target/figure1", help_heading = "Film")]
-    pub out: PathBuf,
-    /// Camera whose view is drawn, by number from 0 or by name [default: the one that shows most].
-    #[arg(long, value_name = "CAMERA", help_heading = "Film")]
-    pub view: Option<String>,
-    /// Stop after so many frames, at 30 a second [default: all].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Film")]
-    pub frames: Option<u32>,
-    /// Write states and plot only, without a film: several times faster.
-    #[arg(long, help_heading = "Film")]
-    pub no_gif: bool,
-    /// Seed of the sensor noise and of ODE's solver: the same seed gives the same film.
-    #[arg(long, default_value_t = 1, help_heading = "Film")]
-    pub seed: u32,
+    #[command(flatten)]
+    pub film: FilmArguments,
 }
 
 /// The names of [`Motion`].

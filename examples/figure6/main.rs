@@ -7,59 +7,49 @@
 //! `cargo run --release --example figure6 -- --help` lists the options. `vhull run --stack` does the same with a recording of
 //! a real person.
 
-mod options;
 mod scene;
+#[path = "../shared/mod.rs"]
+mod shared;
 
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
 use ode_visual_hull::Result;
-use ode_visual_hull::hull::{HullData, Motion};
-use ode_visual_hull::ode::{Swept, set_random_seed};
-use ode_visual_hull_film::{FilmOptions, Simulation, Story, Studio, run_film, view_of};
-use options::Options;
-use std::io::Write;
+use ode_visual_hull::hull::Motion;
+use ode_visual_hull::ode::Swept;
+use shared::{FilmArguments, Filmed, tell};
 use std::process::ExitCode;
-use std::sync::Arc;
+
+/// A person walks up and topples a stack of virtual boxes.
+///
+/// Eight synthetic cameras watch a person of capsules, who walks through a stack of five virtual boxes. Each frame goes
+/// through all steps: colour images with sensor noise, segmentation, silhouettes, visual hull, physics.
+#[derive(Debug, Parser)]
+#[command(name = "figure6", version, after_help = EXAMPLES)]
+struct Options {
+    #[command(flatten)]
+    film: FilmArguments,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  cargo run --release --example figure6
+  cargo run --release --example figure6 -- --view 1 --out target/from_the_side";
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    tell(run(&Options::parse()))
 }
 
-fn run(options: &Options) -> Result<()> {
-    set_random_seed(options.seed);
-    let data = Arc::new(HullData::new());
-    let seed = u64::from(options.seed);
-    let mut studio = Studio::new(scene::Walker, scene::cameras()?, scene::bounds()?, seed, &data)?;
-    let pixel_size = data.at(0.0)?.pixel_size(&scene::foot());
-    let mut simulation = Simulation::new(&data, pixel_size, Motion::Interpolated)?;
-    simulation.set_swept(Swept::On);
-    scene::stack(&mut simulation)?;
-
-    let frames = options.frames.map_or(usize::MAX, |frames| frames as usize).min(studio.frames());
-    let view = view_of(&studio, options.view.as_deref())?;
-    let view = (!options.no_gif).then_some(view);
-    let film = FilmOptions { out: &options.out, name: "figure6", frames, view };
-    let progress = progress_bar(frames);
-    let text = run_film(&film, &mut studio, &data, &mut simulation, &mut |summary| {
-        progress.set_message(summary);
-        progress.inc(1);
-    })?;
-    progress.finish_and_clear();
-
-    // The reader may have closed the pipe.
-    let _ = std::io::stdout().write_all(text.as_bytes());
-    Ok(())
-}
-
-fn progress_bar(frames: usize) -> ProgressBar {
-    let style =
-        ProgressStyle::with_template("{bar:32} frame {pos}/{len}  {elapsed} (about {eta} left)  {msg}");
-    let bar = ProgressBar::new(frames as u64);
-    style.map_or(bar.clone(), |style| bar.with_style(style))
+fn run(options: &Options) -> Result<String> {
+    let filmed = Filmed {
+        scenario: scene::Walker,
+        cameras: scene::cameras()?,
+        bounds: scene::bounds()?,
+        place: scene::foot(),
+        motion: Motion::Interpolated,
+        name: "figure6",
+        out: "target/figure6",
+    };
+    shared::film(filmed, &options.film, |simulation| {
+        simulation.set_swept(Swept::On);
+        scene::stack(simulation)
+    })
 }

@@ -34,6 +34,10 @@ const AROUND: [(f64, f64); 7] =
 
 const IMAGE: (u32, u32) = (640, 480);
 
+/// Distance of the cameras around from the middle, in metres, and their horizontal angle of view, in radians.
+const DISTANCE: f64 = 3.6;
+const FIELD: f64 = 0.95;
+
 /// A person who walks through the stack.
 pub struct Walker;
 
@@ -80,11 +84,11 @@ pub fn cameras() -> Result<Vec<Camera>> {
     let target = Point3::new(0.2, 0.0, 0.85);
     let around = AROUND.iter().enumerate().map(|(i, &(azimuth, height))| {
         let (sin, cos) = azimuth.to_radians().sin_cos();
-        let eye = Point3::new(0.2 + 3.6 * cos, 3.6 * sin, height);
-        Camera::look_at(format!("around{i}"), IMAGE, 0.95, eye, target, Vector3::z())
+        let eye = Point3::new(0.2 + DISTANCE * cos, DISTANCE * sin, height);
+        Camera::look_at(format!("around{i}"), IMAGE, FIELD, eye, target, Vector3::z())
     });
     let (eye, target) = (Point3::new(0.8, -4.1, 1.6), Point3::new(0.65, 0.0, 0.75));
-    let overview = Camera::look_at("overview", IMAGE, 0.95, eye, target, Vector3::z());
+    let overview = Camera::look_at("overview", IMAGE, FIELD, eye, target, Vector3::z());
     around.chain([overview]).collect()
 }
 

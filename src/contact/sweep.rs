@@ -145,7 +145,7 @@ fn first_touch(
         let tried = around.map(|direction| (direction, contacts_at(&direction)));
         let earliest = tried.into_iter().min_by(|(_, a), (_, b)| first_of(a).total_cmp(&first_of(b)));
         match earliest {
-            Some((direction, contacts)) if first_of(&contacts) + same_time < first_of(&best) => {
+            Some((direction, contacts)) if first_of(&contacts) < first_of(&best) => {
                 (outwards, best) = (direction, contacts);
             }
             _ => angle *= 0.5,

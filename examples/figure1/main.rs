@@ -8,69 +8,61 @@
 //! `cargo run --release --example figure1 -- --help` lists the options.
 
 mod options;
+mod pace;
+#[path = "../shared/recording.rs"]
+mod recording;
 mod scene;
 #[path = "../shared/mod.rs"]
 mod shared;
 
 use clap::Parser;
-use image::GrayImage;
+use nalgebra::Point3;
 use ode_visual_hull::Result;
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::set_random_seed;
-use ode_visual_hull::synthetic::coverage;
-use ode_visual_hull_film::{FRAME_RATE, Pace, SimulatedBody, Simulation, run_paced};
+use ode_visual_hull_film::Simulation;
 use options::Options;
-use shared::{Filmed, progress_bar, tell};
+use shared::{Filmed, tell};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
+/// Seconds for which the first frame of a recording is held, so that the boxes fall.
+const HOLD: f64 = 1.2;
+
+/// The name of the film, and the folder for it.
+const NAMES: (&str, &str) = ("figure1", "target/figure1");
+
 fn main() -> ExitCode {
     let options = Options::parse();
-    tell(if options.pace { pace(&options) } else { film(&options) })
+    tell(match (&options.recording.recording, options.pace) {
+        (None, false) => film(&options),
+        (Some(dir), false) => film_recording(&options, dir),
+        (_, true) => pace::pace(&options),
+    })
 }
 
 fn film(options: &Options) -> Result<String> {
+    let (name, out) = NAMES;
     let filmed = Filmed {
         scenario: scene::Wanderer,
         cameras: scene::cameras()?,
         bounds: scene::bounds()?,
         place: scene::middle(),
         motion: options.motion.motion(),
-        name: "figure1",
-        out: "target/figure1",
+        name,
+        out,
     };
     shared::film(filmed, &options.film, scene::add_boxes)
 }
 
-fn pace(options: &Options) -> Result<String> {
+fn film_recording(options: &Options, dir: &Path) -> Result<String> {
     set_random_seed(options.film.seed);
-    let cameras = scene::cameras()?;
     let data = Arc::new(HullData::new());
-    data.add_views(&cameras)?;
-    data.set_bounds(scene::bounds()?)?;
-
-    let frames = (scene::PERIOD * FRAME_RATE).round() as usize;
-    let progress = progress_bar(frames, "masks drawn");
-    let masks_of = |k: usize| -> Vec<GrayImage> {
-        progress.inc(1);
-        let subject = scene::Wanderer::walked(k as f64 / FRAME_RATE);
-        cameras.iter().map(|camera| coverage(camera, &subject)).collect()
-    };
-    let masks: Vec<Vec<GrayImage>> = (0..frames).map(masks_of).collect();
-    progress.finish_and_clear();
-
-    let mut simulation = Simulation::new(&data, scene::PIXEL, options.motion.motion())?;
-    scene::add_boxes(&mut simulation)?;
-    let pace = Pace { frame_rate: FRAME_RATE, step_rate: options.step_rate, seconds: options.seconds };
-    let report = run_paced(&masks, &data, &mut simulation, &pace)?;
-    let samples =
-        |one: &SimulatedBody| one.shape.sample(scene::MIN_FEATURE).map(|samples| samples.points().len());
-    let samples = simulation.bodies().iter().map(samples).collect::<Result<Vec<usize>>>()?;
-    let (least, most) = (samples.iter().min().unwrap_or(&0), samples.iter().max().unwrap_or(&0));
-    Ok(format!(
-        "{} boxes of {least} to {most} samples, {} cameras, {} s\n{report}",
-        scene::BOXES,
-        cameras.len(),
-        options.seconds
-    ))
+    let mut playback = options.recording.playback(dir, HOLD, &data)?;
+    let mut simulation = Simulation::new(&data, playback.pixel_size(), options.motion.motion())?;
+    let farthest = scene::add_boxes_around(&mut simulation, playback.first())?;
+    let middle = playback.first().aabb().centre();
+    playback.show(&Point3::new(middle.x, middle.y, 0.0), farthest, 0.0);
+    shared::film_of(&mut playback, &data, &mut simulation, NAMES, &options.film)
 }

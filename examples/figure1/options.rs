@@ -1,13 +1,15 @@
 //! The command line.
 
+use super::recording::RecordingArguments;
 use super::shared::FilmArguments;
-use clap::{Parser, ValueEnum};
-use ode_visual_hull::hull::Motion;
+use clap::Parser;
+use ode_visual_hull_film::Movement;
 
 /// A person among a hundred virtual boxes.
 ///
 /// Seven synthetic cameras watch a person of capsules, who walks to and fro among the boxes. Each frame of the film goes
-/// through all steps: colour images with sensor noise, segmentation, silhouettes, visual hull, physics.
+/// through all steps: colour images with sensor noise, segmentation, silhouettes, visual hull, physics. With --recording a
+/// real person takes the place of the synthetic one; with --pace too, their masks play to and fro.
 #[derive(Debug, Parser)]
 #[command(name = "figure1", version, after_help = EXAMPLES)]
 pub struct Options {
@@ -16,7 +18,7 @@ pub struct Options {
     pub pace: bool,
     /// Which hull the boxes meet at the simulation's time.
     #[arg(long, value_enum, default_value = "interpolated")]
-    pub motion: MotionName,
+    pub motion: Movement,
     /// With --pace: how long to play by the wall clock, in seconds.
     #[arg(
         long,
@@ -31,32 +33,13 @@ pub struct Options {
     pub step_rate: f64,
     #[command(flatten)]
     pub film: FilmArguments,
-}
-
-/// The names of [`Motion`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MotionName {
-    /// The latest frame.
-    Held,
-    /// The hull between the last two frames, one frame late.
-    Interpolated,
-    /// The latest frame, moved ahead.
-    Predicted,
-}
-
-impl MotionName {
-    /// The motion of this name.
-    pub fn motion(self) -> Motion {
-        match self {
-            Self::Held => Motion::Held,
-            Self::Interpolated => Motion::Interpolated,
-            Self::Predicted => Motion::Predicted,
-        }
-    }
+    #[command(flatten)]
+    pub recording: RecordingArguments,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   cargo run --release --example figure1
   cargo run --release --example figure1 -- --pace --motion held
-  cargo run --release --example figure1 -- --view 1 --out target/from_the_side";
+  cargo run --release --example figure1 -- --view 1 --out target/from_the_side
+  cargo run --release --example figure1 -- --pace --recording my_recording --rate 60";

@@ -92,14 +92,21 @@ pub fn cameras() -> Result<Vec<Camera>> {
     around.chain([overview]).collect()
 }
 
-/// Stacks the boxes, with a gap of a millimetre.
-pub fn stack(simulation: &mut Simulation) -> Result<()> {
-    let mut top = 0.0;
+/// Stacks the boxes on `foot`, `scale` times as large as they are, with a gap of a millimetre.
+pub fn stack(simulation: &mut Simulation, foot: &Point3<f64>, scale: f64) -> Result<()> {
+    let mut top = foot.z;
     for (sides, yaw, colour) in BOXES {
+        let sides = sides * scale;
         top += 0.001;
-        let pose = Isometry3::new(vector![STACK, 0.0, top + 0.5 * sides.z], Vector3::z() * yaw);
+        let pose = Isometry3::new(vector![foot.x, foot.y, top + 0.5 * sides.z], Vector3::z() * yaw);
         simulation.add(&Shape::Box { sides }, &pose, colour)?;
         top += sides.z;
     }
     Ok(())
+}
+
+/// The width and the height of the stack.
+pub fn extent() -> (f64, f64) {
+    let width = BOXES.iter().map(|(sides, ..)| sides.x.max(sides.y)).fold(0.0, f64::max);
+    (width, BOXES.iter().map(|(sides, ..)| sides.z).sum())
 }

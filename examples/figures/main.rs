@@ -14,6 +14,7 @@ mod grip;
 mod lines;
 mod mask_filter;
 mod motion;
+mod pendulum;
 mod push;
 mod realtime;
 mod segmentation;
@@ -32,7 +33,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 18] = [
+const GROUPS: [(&str, Measure); 19] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),
@@ -51,6 +52,7 @@ const GROUPS: [(&str, Measure); 18] = [
     ("tunnel", tunnel::run_group),
     ("appear", appear::run_group),
     ("realtime", realtime::run_group),
+    ("pendulum", pendulum::run_group),
 ];
 
 fn main() -> ExitCode {

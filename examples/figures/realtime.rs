@@ -3,7 +3,7 @@
 use crate::studio::*;
 use ode_visual_hull::hull::{HullData, Motion};
 use ode_visual_hull::synthetic::coverage;
-use ode_visual_hull_film::{FRAME_RATE, Pace, PaceReport, Simulation, run_paced};
+use ode_visual_hull_film::{FRAME_RATE, Pace, PaceReport, PacedFrames, Simulation, run_paced};
 use ode_visual_hull_testing::figure::{
     Bound::{AtLeast, AtMost},
     Figure,
@@ -52,6 +52,7 @@ fn paced(motion: Motion) -> PaceReport {
 
     let mut simulation = Simulation::new(&data, scene::PIXEL, motion).expect("ODE");
     scene::add_boxes(&mut simulation).expect("boxes that can be drawn");
-    let pace = Pace { frame_rate: FRAME_RATE, step_rate: STEP_RATE, seconds: SECONDS };
-    run_paced(&film, &data, &mut simulation, &pace).expect("masks of the cameras")
+    let film = PacedFrames::in_a_loop(film, FRAME_RATE).expect("frames");
+    let pace = Pace { step_rate: STEP_RATE, seconds: SECONDS };
+    run_paced(&film, &data, &mut simulation, &pace, &mut |_, _| ()).expect("masks of the cameras")
 }

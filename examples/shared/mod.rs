@@ -7,7 +7,7 @@ use ode_visual_hull::Result;
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{Aabb, HullData, Motion};
 use ode_visual_hull::ode::set_random_seed;
-use ode_visual_hull_film::{FilmOptions, Scenario, Simulation, Story, Studio, run_film, view_of};
+use ode_visual_hull_film::{FilmOptions, Frames, Scenario, Simulation, Story, Studio, run_film, view_of};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -32,6 +32,13 @@ pub struct FilmArguments {
     /// Write states and plot only, without a film: several times faster.
     #[arg(long)]
     pub no_gif: bool,
+}
+
+impl FilmArguments {
+    /// The most frames to play.
+    pub fn most_frames(&self) -> usize {
+        self.frames.map_or(usize::MAX, |frames| frames as usize)
+    }
 }
 
 /// What a film shows, and from where.
@@ -60,14 +67,24 @@ pub fn film<S: Scenario>(
     let pixel_size = data.at(0.0)?.pixel_size(&place);
     let mut simulation = Simulation::new(&data, pixel_size, motion)?;
     add_bodies(&mut simulation)?;
+    film_of(&mut studio, &data, &mut simulation, (name, out), arguments)
+}
 
-    let frames = arguments.frames.map_or(usize::MAX, |frames| frames as usize).min(studio.frames());
-    let view = view_of(&studio, arguments.view.as_deref())?;
+/// Makes the film of `capture`, whose first frame `data` has published, with the bodies of `simulation`.
+pub fn film_of(
+    capture: &mut (impl Frames + Story),
+    data: &HullData,
+    simulation: &mut Simulation,
+    (name, out): (&str, &str),
+    arguments: &FilmArguments,
+) -> Result<String> {
+    let frames = arguments.most_frames().min(capture.frames());
+    let view = view_of(capture, arguments.view.as_deref())?;
     let view = (!arguments.no_gif).then_some(view);
     let out = arguments.out.clone().unwrap_or_else(|| out.into());
     let options = FilmOptions { out: &out, name, frames, view };
     let progress = progress_bar(frames, "frame");
-    let text = run_film(&options, &mut studio, &data, &mut simulation, &mut |summary| {
+    let text = run_film(&options, capture, data, simulation, &mut |summary| {
         progress.set_message(summary);
         progress.inc(1);
     })?;

@@ -12,6 +12,7 @@
 //! Without the feature `ode`, which is on by default, there is no simulation and no log: captures remain, and
 //! pictures of bodies whose poses come from elsewhere.
 
+mod arguments;
 #[cfg(feature = "ode")]
 mod body_shape;
 mod capture;
@@ -25,6 +26,8 @@ mod paced;
 mod plot;
 mod ray_cast;
 #[cfg(feature = "ode")]
+mod recorded;
+#[cfg(feature = "ode")]
 mod run;
 mod sensor;
 #[cfg(feature = "ode")]
@@ -36,13 +39,22 @@ mod subject_speed;
 mod summary;
 mod window;
 
+pub use arguments::{
+    Movement, UnseenPolicy, VolumeOptions, numbers, parse_bounds, parse_frames, parse_positive, parse_rate,
+    shown_frames,
+};
 pub use capture::{FRAME_RATE, Frames, Story, view_of};
 pub use compositor::{Compositor, Drawn, Real};
 pub use film::Film;
 #[cfg(feature = "ode")]
 pub use log::{Entry, Log};
 #[cfg(feature = "ode")]
-pub use paced::{Pace, PaceReport, Tally, run_paced};
+pub use paced::{Pace, PaceReport, PacedFrames, Tally, run_paced};
+#[cfg(feature = "ode")]
+pub use recorded::{
+    ASSUMED_RATE, BackgroundImages, FrameTime, FrameTimes, Playback, PlaybackOptions, RecordedHulls,
+    check_subject, ground, in_the_way,
+};
 #[cfg(feature = "ode")]
 pub use run::{FilmOptions, run_film};
 #[cfg(feature = "ode")]

@@ -5,12 +5,12 @@ mod placement;
 mod silhouettes;
 
 use crate::Outcome;
-use crate::arguments::{HintOptions, RIG, VolumeOptions, numbers, parse_positive, print_notes};
-use crate::recorded_hulls::RecordedHulls;
+use crate::arguments::{HintOptions, RIG, print_notes};
 use nalgebra::Point3;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::{RecordedHulls, VolumeOptions, numbers, parse_positive};
 use std::path::{Path, PathBuf};
 
 /// Report on a rig and on the silhouettes of a recording, and list problems to fix.

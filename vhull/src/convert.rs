@@ -1,10 +1,11 @@
 //! `vhull convert`: a rig file from a calibration of any known format.
 
 use crate::Outcome;
-use crate::arguments::{HintOptions, numbers, parse_positive, print_notes};
+use crate::arguments::{HintOptions, print_notes};
 use crate::output::make_folder_of;
 use nalgebra::Vector2;
 use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::{numbers, parse_positive};
 use std::path::PathBuf;
 
 /// Write a calibration of any known format as a rig file.

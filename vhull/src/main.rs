@@ -1,14 +1,11 @@
 //! `vhull`: from calibrated cameras to a visual hull. Each subcommand has a file of its own.
 
 mod arguments;
-mod background_images;
 mod check;
 mod convert;
-mod frame_times;
 mod mesh;
 mod output;
 mod progress;
-mod recorded_hulls;
 mod run;
 mod segment;
 mod synth;

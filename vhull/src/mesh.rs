@@ -4,12 +4,12 @@ mod field;
 mod surface;
 
 use crate::Outcome;
-use crate::arguments::{VolumeOptions, open_recording, parse_frames, parse_length, shown_frames};
+use crate::arguments::{open_recording, parse_length};
 use crate::output::make_folder_of;
 use crate::progress;
-use crate::recorded_hulls::RecordedHulls;
 use field::SignedField;
 use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::{RecordedHulls, VolumeOptions, parse_frames, shown_frames};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use surface::Surface;

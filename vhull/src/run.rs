@@ -1,23 +1,19 @@
 //! `vhull run`: virtual bodies and a recorded subject in one simulation.
 
-mod movement;
-mod obstacle;
 mod placement;
-mod playback;
-mod timeline;
 
-use crate::arguments::{VolumeOptions, numbers, parse_frames, parse_rate};
-use crate::frame_times::ASSUMED_RATE;
+use crate::arguments::open_recording;
 use crate::{Outcome, progress};
 use clap::ValueEnum;
-use movement::Movement;
 use nalgebra::{Isometry3, Vector3};
 use ode_visual_hull::hull::HullData;
 use ode_visual_hull::ode::set_random_seed;
 use ode_visual_hull::shape::Shape;
 use ode_visual_hull::{Error, Result};
-use ode_visual_hull_film::{FilmOptions, Simulation, Story, run_film, view_of};
-use playback::Playback;
+use ode_visual_hull_film::{
+    ASSUMED_RATE, FilmOptions, Movement, Playback, PlaybackOptions, Simulation, Story, VolumeOptions, ground,
+    in_the_way, numbers, parse_frames, parse_rate, run_film, view_of,
+};
 use std::io::Write;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -116,7 +112,15 @@ const GAP: f64 = 0.001;
 pub fn run(options: &Options) -> Result<Outcome> {
     set_random_seed(options.seed);
     let data = Arc::new(HullData::new());
-    let mut playback = Playback::open(options, &data)?;
+    let played = PlaybackOptions {
+        frames: options.frames.clone(),
+        rate: options.rate,
+        hold: options.hold,
+        linger: options.linger,
+        volume: options.volume,
+    };
+    let dir = &options.recording;
+    let mut playback = Playback::new(open_recording(dir)?, dir, &played, &data)?;
     let view = view_of(&playback, options.view.as_deref())?;
     let mut simulation = Simulation::new(&data, playback.pixel_size(), options.motion.motion())?;
     let placed = match options.stack {
@@ -188,8 +192,8 @@ fn stack(
 ) -> Result<String> {
     let side = options.side.unwrap_or(0.2);
     let (foot, found) = match options.at {
-        Some([x, y]) => (obstacle::ground(playback.first(), x, y), "on the subject or the floor there"),
-        None => match obstacle::in_the_way(playback.sampled_hulls(), side, side * count as f64) {
+        Some([x, y]) => (ground(playback.first(), x, y), "on the subject or the floor there"),
+        None => match in_the_way(playback.sampled_hulls(), side, side * count as f64) {
             Some(foot) => (foot, "on the floor, in the subject's way"),
             None => {
                 let places = placement::poses(data, 1, side, playback.pixel_size())?;
@@ -213,7 +217,7 @@ fn stack(
         simulation.add(&Shape::cube(side), &pose, COLOURS[i % COLOURS.len()])?;
     }
 
-    playback.show_stack(&foot, side, side * count as f64);
+    playback.show(&foot, side, side * count as f64);
     Ok(format!("{count} boxes stand at ({:.2}, {:.2}, {:.2}) m, {found}", foot.x, foot.y, foot.z))
 }
 

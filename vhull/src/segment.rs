@@ -4,7 +4,7 @@ mod empty_room;
 mod masks;
 mod tally;
 
-use crate::arguments::{open_recording, parse_frames, parse_rate};
+use crate::arguments::open_recording;
 use crate::{Outcome, progress};
 use clap::ValueEnum;
 use empty_room::EmptyRoom;
@@ -16,6 +16,7 @@ use ode_visual_hull::segment::{
     ChromaKey, CleanPlate, Key, Learning, RunningGaussian, Segmenter, Thresholds,
 };
 use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::{parse_frames, parse_rate};
 use std::ops::Range;
 use std::path::PathBuf;
 use tally::Tally;

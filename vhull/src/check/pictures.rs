@@ -1,15 +1,13 @@
 //! Overlays of each view's silhouette and the hull on the view's image.
 
-use crate::background_images::BackgroundImages;
-use crate::frame_times::FrameTimes;
 use crate::output::make_folder;
 use crate::progress;
-use crate::recorded_hulls::RecordedHulls;
 use image::{GrayImage, Rgb, RgbImage};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::Hull;
 use ode_visual_hull::silhouette::SUBJECT;
 use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::{BackgroundImages, FrameTimes, RecordedHulls};
 use std::path::Path;
 
 /// Colour of the part of the silhouette that the hull fills.

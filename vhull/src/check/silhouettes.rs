@@ -2,7 +2,6 @@
 
 use super::{Options, Report};
 use crate::progress;
-use crate::recorded_hulls::RecordedHulls;
 use ode_visual_hull::Result;
 use ode_visual_hull::hull::{EmptyReason, Hull, HullData};
 use ode_visual_hull::pipeline::publish_masks;
@@ -10,6 +9,7 @@ use ode_visual_hull::rig::{PoseConvention, Rig};
 use ode_visual_hull_check::{
     EpipolarTangency, SilhouetteCoherence, ViewShift, silhouette_coherence, total_coherence,
 };
+use ode_visual_hull_film::RecordedHulls;
 
 /// Step between the pixels, and between the rows, whose rays are intersected with the hull.
 const STEP: usize = 4;

@@ -1,6 +1,6 @@
 //! Finds a place on the floor where a stack stands in the way of a moving subject.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::{Aabb, Hull};
 use std::sync::Arc;
@@ -44,7 +44,7 @@ pub fn in_the_way(hulls: &[Arc<Hull>], side: f64, height: f64) -> Option<Point3<
 /// The highest point of `hull` at `(x, y)`, else the floor.
 pub fn ground(hull: &Hull, x: f64, y: f64) -> Point3<f64> {
     let top = hull.aabb().max.z + 0.01;
-    let ray = Ray { origin: Point3::new(x, y, top), direction: -nalgebra::Vector3::z() };
+    let ray = Ray { origin: Point3::new(x, y, top), direction: -Vector3::z() };
     let entry = hull.ray_cast(&ray).and_then(|(entry, _)| entry);
     Point3::new(x, y, entry.map_or(0.0, |entry| (top - entry.t).max(0.0)))
 }

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 /// A recording with masks, and a [`HullData`] with its cameras that builds the hulls.
 pub struct RecordedHulls {
+    /// The recording.
     pub recording: Recording,
     data: HullData,
 }
@@ -33,6 +34,9 @@ impl RecordedHulls {
     }
 
     /// Reads the masks of `frame` and builds their hull.
+    ///
+    /// # Errors
+    /// No such frame, or masks that cannot be read.
     pub fn hull(&self, frame: u32) -> Result<Arc<Hull>> {
         // Frames may be requested in any order: all get time 0, so that each replaces the one before.
         publish_masks(&self.data, &self.recording.masks(frame)?, 0.0)
@@ -62,7 +66,7 @@ impl RecordedHulls {
 }
 
 /// At most `max_count` of the indices below `count`, evenly spread from the first to the last.
-pub fn evenly_spaced(count: usize, max_count: usize) -> impl Iterator<Item = usize> {
+pub(super) fn evenly_spaced(count: usize, max_count: usize) -> impl Iterator<Item = usize> {
     let chosen = count.min(max_count);
     (0..chosen).map(move |k| k * (count - 1) / (chosen - 1).max(1))
 }

@@ -31,6 +31,9 @@ pub type FrameTime = (u32, f64);
 
 impl BackgroundImages {
     /// Opens the images of the camera at index `camera`, from the one nearest to frame `first` on.
+    ///
+    /// # Errors
+    /// Images that cannot be opened.
     pub fn open(
         recording: &Recording,
         camera: usize,
@@ -53,6 +56,9 @@ impl BackgroundImages {
     }
 
     /// The image nearest in time to the frame, or the frame's mask. Frames must be requested in the order of time.
+    ///
+    /// # Errors
+    /// An image or a mask that cannot be read.
     pub fn at(&mut self, recording: &Recording, (frame, time): FrameTime) -> Result<RgbImage> {
         if let Some(images) = &mut self.images {
             let nearest = images.nearest(time)?;

@@ -1,11 +1,12 @@
 //! A recording as a capture: its first frame is held for a while, then it plays at its own pace.
 
-use super::Options;
+use super::background_images::{BackgroundImages, FrameTime};
+use super::frame_times::FrameTimes;
+use super::hulls::{RecordedHulls, evenly_spaced};
 use super::timeline::{Publication, Timeline};
-use crate::arguments::{open_recording, shown_frames};
-use crate::background_images::{BackgroundImages, FrameTime};
-use crate::frame_times::FrameTimes;
-use crate::recorded_hulls::{RecordedHulls, evenly_spaced};
+use crate::arguments::{VolumeOptions, shown_frames};
+use crate::capture::{FRAME_RATE, Frames, Story};
+use crate::window::Window;
 use image::{GrayImage, RgbImage};
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::{Camera, Ray};
@@ -14,7 +15,7 @@ use ode_visual_hull::pipeline::publish_masks;
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::synthetic::Hit;
 use ode_visual_hull::{Error, Result};
-use ode_visual_hull_film::{FRAME_RATE, Frames, Story, Window};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,6 +24,21 @@ const MARGIN: f64 = 0.4;
 
 /// Number of frames whose hulls are made beforehand, to know where the subject will be.
 const SAMPLED_FRAMES: usize = 24;
+
+/// What of a recording is played, and how.
+#[derive(Debug, Clone, Default)]
+pub struct PlaybackOptions {
+    /// The numbers of the frames; all by default.
+    pub frames: Option<Range<u32>>,
+    /// Images a second; by default as the recording says, else [`ASSUMED_RATE`](super::ASSUMED_RATE).
+    pub rate: Option<f64>,
+    /// Seconds for which the first frame is held.
+    pub hold: f64,
+    /// Seconds for which the last frame is held.
+    pub linger: f64,
+    /// Where the subject is.
+    pub volume: VolumeOptions,
+}
 
 /// A recording that is played.
 pub struct Playback {
@@ -44,19 +60,20 @@ pub struct Playback {
 }
 
 impl Playback {
-    /// Opens the recording, adds its cameras to `data` and publishes its first frame.
-    pub fn open(options: &Options, data: &HullData) -> Result<Self> {
-        let dir = &options.recording;
-        let recording = open_recording(dir)?;
+    /// Adds the cameras of `recording`, which was opened in folder `dir`, to `data` and publishes its first frame.
+    ///
+    /// # Errors
+    /// No masks, or none of the wanted frames; an empty hull in the first one; masks or times that cannot be read.
+    pub fn new(recording: Recording, dir: &Path, options: &PlaybackOptions, data: &HullData) -> Result<Self> {
         let frame_times = FrameTimes::of(&recording, options.rate)?;
         options.volume.prepare(data, recording.rig())?;
         let recorded = RecordedHulls::new(recording, dir, &options.volume)?;
-        let frames = frames_of(&recorded.recording, &frame_times, options)?;
+        let frames = frames_of(&recorded.recording, &frame_times, options.frames.as_ref())?;
 
         // The hulls of some frames show where the subject will be.
         let sampled = evenly_spaced(frames.len(), SAMPLED_FRAMES);
         let sampled_hulls = sampled.map(|k| recorded.hull(frames[k].0)).collect::<Result<Vec<_>>>()?;
-        check_hull(dir, frames[0].0, &sampled_hulls[0])?;
+        check_subject(dir, frames[0].0, &sampled_hulls[0])?;
 
         let times: Vec<f64> = frames.iter().map(|&(_, time)| time).collect();
         let shown = sampled_hulls.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
@@ -107,18 +124,22 @@ impl Playback {
         &self.sampled_hulls
     }
 
-    /// Lets the film show a stack too.
-    pub fn show_stack(&mut self, foot: &Point3<f64>, side: f64, height: f64) {
+    /// Lets the film show bodies too that stand within `width` of `foot`, up to `height` above it.
+    pub fn show(&mut self, foot: &Point3<f64>, width: f64, height: f64) {
         let top = foot + Vector3::z() * height;
-        self.shown = self.shown.union(&Aabb::of_points([foot, &top]).grown(side));
+        self.shown = self.shown.union(&Aabb::of_points([foot, &top]).grown(width));
     }
 }
 
 /// The recorded frames to play; at least one.
-fn frames_of(recording: &Recording, frame_times: &FrameTimes, options: &Options) -> Result<Vec<FrameTime>> {
+fn frames_of(
+    recording: &Recording,
+    frame_times: &FrameTimes,
+    wanted: Option<&Range<u32>>,
+) -> Result<Vec<FrameTime>> {
     let all = recording.frames();
     let (first, last) = (all[0], all[all.len() - 1]);
-    let wanted = options.frames.clone().unwrap_or(0..u32::MAX);
+    let wanted = wanted.cloned().unwrap_or(0..u32::MAX);
     let moments = all.iter().copied().zip(frame_times.times.iter().copied());
     let frames: Vec<FrameTime> = moments.filter(|(frame, _)| wanted.contains(frame)).collect();
     if frames.is_empty() {
@@ -130,7 +151,11 @@ fn frames_of(recording: &Recording, frame_times: &FrameTimes, options: &Options)
     Ok(frames)
 }
 
-fn check_hull(dir: &Path, frame: u32, hull: &Hull) -> Result<()> {
+/// Checks that there is a subject in `frame` of the recording in folder `dir`, whose hull is `hull`.
+///
+/// # Errors
+/// The hull is empty.
+pub fn check_subject(dir: &Path, frame: u32, hull: &Hull) -> Result<()> {
     let Some(why) = hull.empty_reason() else { return Ok(()) };
     let problem = format!(
         "expected a subject in frame {frame}, found an empty hull ({why:?}); set --bounds, or --unseen abstain where no \

@@ -1,10 +1,11 @@
 //! Which recorded frame is published at which time of the film.
 
-use ode_visual_hull_film::{FRAME_RATE, STEPS_PER_SECOND};
+use crate::capture::FRAME_RATE;
+use crate::simulation::STEPS_PER_SECOND;
 
 /// The times of recorded frames, by index, on the clock of the film.
 #[derive(Debug)]
-pub struct Timeline {
+pub(super) struct Timeline {
     /// When each frame becomes current, in seconds of the film.
     starts: Vec<f64>,
     /// The time between frames on average, in seconds.
@@ -14,15 +15,15 @@ pub struct Timeline {
 
 /// A recorded frame, by index, and the time at which it is published, in seconds of the film.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Publication {
-    pub frame: usize,
-    pub time: f64,
+pub(super) struct Publication {
+    pub(super) frame: usize,
+    pub(super) time: f64,
 }
 
 impl Timeline {
     /// The first frame is held for `hold` seconds. Then frames follow at their `times`, of which there has to be at
     /// least one. The last frame is current for as long as the others on average, and then for `linger` seconds more.
-    pub fn new(times: &[f64], hold: f64, linger: f64) -> Self {
+    pub(super) fn new(times: &[f64], hold: f64, linger: f64) -> Self {
         let starts: Vec<f64> = times.iter().map(|time| hold + time - times[0]).collect();
         let steps = starts.len() - 1;
         let period = if steps == 0 { 1.0 / FRAME_RATE } else { (starts[steps] - hold) / steps as f64 };
@@ -34,7 +35,7 @@ impl Timeline {
     ///
     /// While the first or the last frame is held it is published again and again, as cameras do when a subject stands
     /// still. So its motion ends, and what leads to the second frame is as fast as it was, however long the hold.
-    pub fn at(&self, time: f64) -> Publication {
+    pub(super) fn at(&self, time: f64) -> Publication {
         let soon = time + 0.5 / STEPS_PER_SECOND;
         let frame = self.starts.partition_point(|&start| start <= soon).max(1) - 1;
         let start = self.starts[frame];
@@ -50,24 +51,24 @@ impl Timeline {
     }
 
     /// The frame that starts nearest to `time`.
-    pub fn nearest(&self, time: f64) -> usize {
+    pub(super) fn nearest(&self, time: f64) -> usize {
         let later = self.starts.partition_point(|&start| start < time).min(self.starts.len() - 1);
         let is_earlier = |&earlier: &usize| time - self.starts[earlier] < self.starts[later] - time;
         later.checked_sub(1).filter(is_earlier).unwrap_or(later)
     }
 
     /// The time between frames on average, in seconds.
-    pub fn period(&self) -> f64 {
+    pub(super) fn period(&self) -> f64 {
         self.period
     }
 
     /// From the first frame's start to the last one's end, in seconds.
-    pub fn duration(&self) -> f64 {
+    pub(super) fn duration(&self) -> f64 {
         self.starts[self.starts.len() - 1] - self.starts[0] + self.period
     }
 
     /// The number of frames of the film.
-    pub fn film_frames(&self) -> usize {
+    pub(super) fn film_frames(&self) -> usize {
         (((self.starts[0] + self.duration() + self.linger) * FRAME_RATE).round() as usize).max(1)
     }
 }

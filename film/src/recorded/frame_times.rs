@@ -19,6 +19,9 @@ pub struct FrameTimes {
 
 impl FrameTimes {
     /// Reads the times of the recording; a given `rate`, in images per second, takes precedence.
+    ///
+    /// # Errors
+    /// Times that cannot be read, or a camera's video that cannot be opened.
     pub fn of(recording: &Recording, rate: Option<f64>) -> Result<Self> {
         let streaming = StreamOptions { rate, ..StreamOptions::default() };
         if let Some(times) = recording.frame_times(&streaming)? {

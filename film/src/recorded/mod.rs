@@ -1,0 +1,14 @@
+//! Recordings of a real subject: played as a capture, and the hulls of single frames.
+
+mod background_images;
+mod frame_times;
+mod hulls;
+mod obstacle;
+mod playback;
+mod timeline;
+
+pub use background_images::{BackgroundImages, FrameTime};
+pub use frame_times::{ASSUMED_RATE, FrameTimes};
+pub use hulls::RecordedHulls;
+pub use obstacle::{ground, in_the_way};
+pub use playback::{Playback, PlaybackOptions, check_subject};

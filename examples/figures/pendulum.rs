@@ -58,7 +58,8 @@ pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     for (direction, name) in [(Vector3::x(), "carried"), (Vector3::z(), "lifted")] {
         progress(&format!("a box is {name} by a plate that swings"));
         let Latency { by_phase, by_stamps } = latency(&cameras, &direction);
-        // A surface that approaches a body gives it its speed over some depth, which is a lag.
+        // Lifted, the box takes on the speed of the surface over some depth, and that speed is the mean of the last tenth of a
+        // second: it lags behind the surface that its stamps tell.
         let is_bounded = direction == Vector3::x();
         let difference = (by_phase - by_stamps).abs();
         figures.push(match is_bounded {
@@ -122,8 +123,7 @@ fn latency(cameras: &[Camera], direction: &Vector3<f64>) -> Latency {
     let (mut seen, _) = play(cameras, &frames, Motion::Interpolated, SECONDS);
     seen.retain(|one| one.at > PERIOD);
 
-    // A step moves the box to where the surface is at its end.
-    let age = |one: &Seen| one.at - (one.hull + 1.0 / STEP_RATE);
+    let age = |one: &Seen| one.at - one.hull;
     let by_stamps = seen.iter().map(age).sum::<f64>() / seen.len() as f64;
     Latency { by_phase: 1e3 * lag_of_sine(&seen, direction), by_stamps: 1e3 * by_stamps }
 }

@@ -24,8 +24,10 @@ const SCALES: [f64; 6] = [2.0, 1.0, 0.5, 0.25, 0.15, 0.1];
 /// Part of the equations' weight that pulls directions in which no edge moves to rest.
 const DAMPING: f64 = 1e-3;
 
-/// Speeds below this count as rest, in m/s: the noise of a mask's edge is as fast.
+/// Speeds below this count as rest, in m/s, where edges deviate by this much or more, in metres, since noise looks as fast;
+/// where they deviate less, in proportion.
 const DEAD_BAND: f64 = 0.1;
+const NOISY: f64 = 3e-4;
 
 /// The greatest speed, in m/s, that is believed.
 pub(crate) const MAX_SPEED: f64 = 20.0;
@@ -37,6 +39,9 @@ struct Equation {
     speed: f64,
     /// The time over which the speed is the mean.
     seconds: f64,
+    /// By how much it is faster now, as the last frame shows, and the time of that.
+    gained: f64,
+    period: f64,
 }
 
 /// The velocity of the real surface near a point.
@@ -44,6 +49,8 @@ struct Equation {
 pub(crate) struct SurfaceVelocity {
     /// In m/s, in the hull's frame.
     pub(crate) velocity: Vector3<f64>,
+    /// Its mean over the last tenth of a second: less noisy, but late where the surface accelerates.
+    pub(crate) mean: Vector3<f64>,
     /// The standard deviation of the edges around the point from where they would be if they all moved so, in metres: how noisy the
     /// masks are.
     pub(crate) deviation: f64,
@@ -55,8 +62,10 @@ impl Hull {
     /// [`Motion`](super::Motion) know how their silhouettes move, and only until they stand still because the next frame is
     /// late, by half the time between frames.
     ///
-    /// It is the mean over the last tenth of a second, or over the last two frames where they are farther apart. Speeds
-    /// below 0.1 m/s are zero, and none exceeds 20 m/s.
+    /// It is that of the hull's time: the mean over the last tenth of a second, or over the last two frames where they are
+    /// farther apart, and what the last frame shows that it has gained since, as far as masks so noisy tell. Speeds that may
+    /// be noise are zero: those below 0.1 m/s where the edges deviate by 0.3 mm or more, less where they deviate less. None
+    /// exceeds 20 m/s.
     pub fn velocity(&self, p: &Point3<f64>) -> Option<Vector3<f64>> {
         self.surface_velocity(p).map(|found| found.velocity)
     }
@@ -73,14 +82,18 @@ impl Hull {
                 break;
             }
         }
-        let velocity = solve(&equations)?;
-        let speed = velocity.norm();
+        let (mean, gained) = solve(&equations)?;
+        let speed = mean.norm();
         if !speed.is_finite() || speed > MAX_SPEED {
             return None;
         }
-        let deviation = deviation(&mut equations, &velocity);
-        let velocity = if speed < DEAD_BAND { Vector3::zeros() } else { velocity };
-        Some(SurfaceVelocity { velocity, deviation })
+        let deviation = deviation(&mut equations, &mean);
+        let velocity = mean + believed(gained, deviation / equations[0].period);
+        if velocity.norm() < DEAD_BAND * (deviation / NOISY).min(1.0) {
+            let rest = Vector3::zeros();
+            return Some(SurfaceVelocity { velocity: rest, mean: rest, deviation });
+        }
+        Some(SurfaceVelocity { velocity, mean, deviation })
     }
 }
 
@@ -108,8 +121,13 @@ impl View {
             let along = along / pixel.depth;
             let scale = along.norm();
             if scale > 0.0 {
-                let (direction, speed, seconds) = (along / scale, shift.speed / scale, shift.seconds);
-                equations.push(Equation { direction, speed, seconds });
+                equations.push(Equation {
+                    direction: along / scale,
+                    speed: shift.speed / scale,
+                    seconds: shift.seconds,
+                    gained: shift.gained / scale,
+                    period: shift.period,
+                });
             }
         }
     }
@@ -141,23 +159,33 @@ fn deviation(equations: &mut [Equation], velocity: &Vector3<f64>) -> f64 {
     FROM_THIRD * error(at_third) / std::f64::consts::SQRT_2
 }
 
-/// The velocity that fits most equations, by weighted least squares whose weights follow from the last solution.
-fn solve(equations: &[Equation]) -> Option<Vector3<f64>> {
+/// The part of `gained` that is believed, where noise moves an edge by `noise` m/s in a frame: half of what is as fast.
+fn believed(gained: Vector3<f64>, noise: f64) -> Vector3<f64> {
+    let signal = gained.norm_squared();
+    if signal > 0.0 { gained * (signal / (signal + noise * noise)) } else { gained }
+}
+
+/// The velocity that fits most equations, by weighted least squares whose weights follow from the last solution, and what it
+/// has gained, by the same weights.
+fn solve(equations: &[Equation]) -> Option<(Vector3<f64>, Vector3<f64>)> {
     if equations.len() < 3 {
         return None;
     }
-    let mut velocity: Option<Vector3<f64>> = None;
+    let mut solution: Option<(Vector3<f64>, Vector3<f64>)> = None;
     for scale in SCALES {
-        let (mut matrix, mut right, mut total) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
-        for Equation { direction, speed, .. } in equations {
-            let error = velocity.map_or(0.0, |velocity| (direction.dot(&velocity) - speed) / scale);
+        let (mut matrix, mut right, mut right_of_gain, mut total) =
+            (Matrix3::zeros(), Vector3::zeros(), Vector3::zeros(), 0.0);
+        for Equation { direction, speed, gained, .. } in equations {
+            let error = solution.map_or(0.0, |(velocity, _)| (direction.dot(&velocity) - speed) / scale);
             let weight = 1.0 / (1.0 + error * error);
             matrix += direction * direction.transpose() * weight;
             right += direction * (speed * weight);
+            right_of_gain += direction * (gained * weight);
             total += weight;
         }
         matrix += Matrix3::identity() * (DAMPING * total);
-        velocity = Some(matrix.cholesky()?.solve(&right));
+        let factors = matrix.cholesky()?;
+        solution = Some((factors.solve(&right), factors.solve(&right_of_gain)));
     }
-    velocity
+    solution
 }

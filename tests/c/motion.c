@@ -205,7 +205,7 @@ static void a_tray_carries_a_cube_by_the_velocity_of_its_surface(void) {
   const Subject tray = {{0.2, 0.2, 0.02}, {-0.2, 0, -0.02}, {0.5, 0, 0}};
   const Outcome carried = simulate(&tray, -0.2, top, -0.3, 1, 0.4), left = simulate(&tray, -0.2, top, -0.3, 0, 0.3);
 
-  /* Friction gives it the tray's speed after 0.06 s, and the velocity is that of 0.05 s ago: a tenth of a second's
+  /* Friction gives it the tray's speed after 0.06 s, and the velocity is at most that of 0.05 s ago, a tenth of a second's
      mean. So it falls back by 0.016 and 0.025 m at most. From 0.31 s on its speed is the tray's, up to errors of 3%. */
   CHECK(fabs(carried.speed - 0.5) < 0.03 * 0.5);
   CHECK(carried.x < carried.shown && carried.x > carried.shown - 0.041);

@@ -116,17 +116,6 @@ impl HullGeom {
         state.lost_views.begin_anew();
     }
 
-    /// Which hull the geom shows at the simulation's time.
-    pub(super) fn motion(&self) -> Motion {
-        self.lock().motion
-    }
-
-    /// Sets [`Self::motion`], from the next frame or time on.
-    pub(super) fn set_motion(&self, motion: Motion) {
-        let mut state = self.lock();
-        (state.motion, state.warped_for) = (motion, None);
-    }
-
     /// Sets the simulation's time in seconds.
     ///
     /// # Errors
@@ -148,36 +137,6 @@ impl HullGeom {
             self.step_size.tell(time - last);
         }
         Ok(())
-    }
-
-    /// How contacts are made.
-    pub(super) fn settings(&self) -> Settings {
-        self.lock().settings
-    }
-
-    /// Changes how contacts are made.
-    pub(super) fn change_settings(&self, change: impl FnOnce(&mut Settings)) {
-        change(&mut self.lock().settings);
-    }
-
-    /// Whether the geom collides with what it will meet within the next step.
-    pub(super) fn swept(&self) -> Swept {
-        self.lock().swept
-    }
-
-    /// Sets [`Self::swept`].
-    pub(super) fn set_swept(&self, swept: Swept) {
-        self.lock().swept = swept;
-    }
-
-    /// The diameter in metres of the thinnest real feature that must not pass between a body's samples.
-    pub(super) fn min_feature(&self) -> f64 {
-        self.lock().min_feature
-    }
-
-    /// Sets [`Self::min_feature`].
-    pub(super) fn set_min_feature(&self, diameter: f64) {
-        self.lock().min_feature = diameter;
     }
 
     /// The frame in force, `None` before the first.
@@ -355,6 +314,7 @@ pub(super) unsafe fn pose(geom: dGeomID) -> Isometry3<f64> {
 }
 
 mod look_ahead;
+mod settings;
 mod velocity;
 
 use velocity::Velocities;

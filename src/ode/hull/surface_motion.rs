@@ -96,7 +96,7 @@ pub(in crate::ode) unsafe fn surface_motion(
     stepsize: f64,
     friction_direction: Option<Vector3<f64>>,
 ) -> Option<SurfaceMotion> {
-    let Touching { position, normal, depth, seconds } = touching;
+    let Touching { position, normal, seconds, .. } = touching;
     let hulls = geoms.map(class::find_current);
     let is_first = hulls[0].is_some();
     let hull = hulls.into_iter().flatten().next()?;
@@ -111,19 +111,21 @@ pub(in crate::ode) unsafe fn surface_motion(
         // A contact that has not begun lies where the body will touch.
         let way = (free_velocity(body, position, stepsize) - free_velocity(hull_body, position, stepsize))
             * *seconds;
-        let still = SurfaceVelocity { velocity: Vector3::zeros(), deviation: 0.0 };
+        let still = SurfaceVelocity { velocity: Vector3::zeros(), mean: Vector3::zeros(), deviation: 0.0 };
         let found = hull.velocity(hull_geom, &(position + way));
         (found.or((*seconds > 0.0).then_some(still))?, hull_body, body)
     };
-    let SurfaceVelocity { velocity: of_surface, deviation } = of_surface;
+    let SurfaceVelocity { velocity, mean, deviation } = of_surface;
+    // Normals may deviate from unit length by what `attach` allows.
+    let normal = normal.normalize();
+    let out_of_hull = if is_first { -normal } else { normal };
+    // Depth corrects a normal velocity that is late, and nothing corrects noise; along the surface it is the other way round.
+    let of_surface = velocity + out_of_hull * out_of_hull.dot(&(mean - velocity));
 
     // SAFETY: the caller vouches for the bodies.
     let slip = unsafe {
         free_velocity(body, position, stepsize) - free_velocity(hull_body, position, stepsize) - of_surface
     };
-    // Normals may deviate from unit length by what `attach` allows.
-    let normal = normal.normalize();
-    let out_of_hull = if is_first { -normal } else { normal };
     let along = slip - out_of_hull * out_of_hull.dot(&slip);
     let first = friction_direction.unwrap_or_else(|| {
         let length = along.norm();
@@ -135,45 +137,101 @@ pub(in crate::ode) unsafe fn surface_motion(
     let is_hull_first_body = !hull_body.is_null() && (is_first || body.is_null());
     let (sign, into_first) = if is_hull_first_body { (-1.0, -out_of_hull) } else { (1.0, out_of_hull) };
     let second = into_first.cross(&first);
-    let outwards = of_surface.dot(&out_of_hull);
-    let soft_depth = (SOFT_DEVIATIONS * deviation).clamp(SOFT_DEPTHS[0], SOFT_DEPTHS[1]);
     // SAFETY: the caller vouches for the geom.
-    let soft_depth = soft_depth.min(SOFT_PART * unsafe { half_extent(other) });
-    let soft_depth = (SOFT_SECONDS * outwards).clamp(0.0, soft_depth);
-    let half = 0.5 * soft_depth;
-    let part = if *depth < half { depth / half } else { 1.0 };
-    let mut normal_velocity = part * outwards;
-    // In a long step a fast surface would pass the soft depth, and the body's other side.
-    let gap = seconds * (-slip.dot(&out_of_hull)).max(0.0);
-    let has_begun = *seconds == 0.0;
-    let approach = if has_begun { half - depth } else { gap } / stepsize;
-    if hull.swept() == Swept::On && approach > 0.0 && approach.is_finite() {
-        let allowed = outwards - approach;
-        normal_velocity = if has_begun { normal_velocity.max(allowed) } else { allowed };
-    }
-    if !body.is_null() && *depth < soft_depth {
-        // SAFETY: the caller vouches for the bodies.
-        let most =
-            unsafe { most_without_overtaking([body, hull_body], position, &out_of_hull, outwards, stepsize) };
-        let hard = ((depth - half) / half).max(0.0);
-        let capped = normal_velocity.min(most);
-        normal_velocity = capped + hard * (normal_velocity - capped);
-    }
-    let soft_depth = if soft_depth > 0.0 {
-        // SAFETY: the caller vouches for the bodies.
-        let erp = unsafe { error_reduction([body, hull_body]) };
-        soft_depth.max(depth - CORRECTED * of_surface.norm() * stepsize / erp)
-    } else {
-        0.0
+    let half_extent = unsafe { half_extent(other) };
+    let soft_depth = (SOFT_DEVIATIONS * deviation).clamp(SOFT_DEPTHS[0], SOFT_DEPTHS[1]);
+    let soft_depth = soft_depth.min(SOFT_PART * half_extent);
+    let outwards = of_surface.dot(&out_of_hull);
+    let normal = NormalMotion {
+        touching,
+        out_of_hull,
+        outwards,
+        inwards: -slip.dot(&out_of_hull),
+        soft_depth: (SOFT_SECONDS * outwards).clamp(0.0, soft_depth),
+        bodies: [body, hull_body],
+        stepsize,
     };
+    // SAFETY: the caller vouches for the bodies.
+    let (normal_velocity, uncorrected) =
+        unsafe { (normal.velocity(hull.swept() == Swept::On), normal.uncorrected_depth(of_surface.norm())) };
     Some(SurfaceMotion {
         velocity: of_surface,
         friction_direction: first,
         surface_velocity: [first, second].map(|direction| sign * of_surface.dot(&direction)),
         normal_velocity,
-        soft_depth,
-        approach: if has_begun { 0.0 } else { approach },
+        soft_depth: uncorrected,
+        approach: if *seconds == 0.0 { 0.0 } else { normal.approach() },
     })
+}
+
+/// A contact with a surface that moves, along its normal.
+struct NormalMotion<'t> {
+    touching: &'t Touching,
+    out_of_hull: Vector3<f64>,
+    /// The velocity of the surface out of the hull, and that of the body against the surface, m/s.
+    outwards: f64,
+    inwards: f64,
+    /// In metres; none where the surface does not move outwards.
+    soft_depth: f64,
+    /// That of the geom that touches the hull, and that of the hull.
+    bodies: [dBodyID; 2],
+    stepsize: f64,
+}
+
+impl NormalMotion<'_> {
+    /// How fast the body may approach the surface so that it ends the step within the first half of the soft depth.
+    fn approach(&self) -> f64 {
+        let Touching { depth, seconds, .. } = self.touching;
+        let gap = seconds * self.inwards.max(0.0);
+        let way = if *seconds == 0.0 { 0.5 * self.soft_depth - depth } else { gap };
+        way / self.stepsize
+    }
+
+    /// The velocity that the body takes on.
+    ///
+    /// # Safety
+    /// The bodies are null or living.
+    unsafe fn velocity(&self, is_swept: bool) -> f64 {
+        let Touching { position, depth, seconds, .. } = self.touching;
+        let half = 0.5 * self.soft_depth;
+        let part = if *depth < half { depth / half } else { 1.0 };
+        let mut velocity = part * self.outwards;
+        // In a long step a fast surface would pass the soft depth, and the body's other side.
+        let approach = self.approach();
+        if is_swept && approach > 0.0 && approach.is_finite() {
+            let allowed = self.outwards - approach;
+            velocity = if *seconds == 0.0 { velocity.max(allowed) } else { allowed };
+        }
+        if !self.bodies[0].is_null() && *depth < self.soft_depth {
+            // SAFETY: the caller vouches for the bodies.
+            let most = unsafe {
+                most_without_overtaking(
+                    self.bodies,
+                    position,
+                    &self.out_of_hull,
+                    self.outwards,
+                    self.stepsize,
+                )
+            };
+            let hard = ((depth - half) / half).max(0.0);
+            let capped = velocity.min(most);
+            velocity = capped + hard * (velocity - capped);
+        }
+        velocity
+    }
+
+    /// The part of the depth that is not corrected, where the surface moves at `speed`.
+    ///
+    /// # Safety
+    /// The bodies are null or living.
+    unsafe fn uncorrected_depth(&self, speed: f64) -> f64 {
+        if self.soft_depth == 0.0 {
+            return 0.0;
+        }
+        // SAFETY: the caller vouches for the bodies.
+        let erp = unsafe { error_reduction(self.bodies) };
+        self.soft_depth.max(self.touching.depth - CORRECTED * speed * self.stepsize / erp)
+    }
 }
 
 /// Fills the motion of the surface into a contact of ODE, and returns whether there was one. A friction direction that

@@ -31,6 +31,9 @@ pub(crate) struct EdgeShift {
     pub(crate) speed: f64,
     /// The time in seconds over which it is the mean.
     pub(crate) seconds: f64,
+    /// By how much it is faster now than in the mean, in pixels a second, and over how long that was measured.
+    pub(crate) gained: f64,
+    pub(crate) period: f64,
 }
 
 impl MotionChain {
@@ -56,22 +59,29 @@ impl MotionChain {
         let (u, v) = (u - back * flow[0], v - back * flow[1]);
         let normal = normal_at(&latest.later, u, v)?;
 
-        let (mut from_u, mut from_v) = (u, v);
-        for motion in &self.motions {
-            let flow = motion.flow.between().at(from_u, from_v);
-            (from_u, from_v) = (from_u + flow[0], from_v + flow[1]);
-        }
-
         let now = latest.later.0.sample(u, v);
-        let before = oldest.earlier.0.sample(from_u, from_v);
-        if now.abs() > LARGEST_ERROR || before.abs() > LARGEST_ERROR {
-            return None;
-        }
-        let along = (u - from_u) * normal[0] + (v - from_v) * normal[1] + before - now;
+        let along = |[from_u, from_v]: [f32; 2], motion: &MaskMotion| {
+            let before = motion.earlier.0.sample(from_u, from_v);
+            let along = (u - from_u) * normal[0] + (v - from_v) * normal[1] + before - now;
+            (now.abs().max(before.abs()) <= LARGEST_ERROR).then_some(f64::from(along))
+        };
+        let follow = |[u, v]: [f32; 2], motion: &Arc<MaskMotion>| {
+            let flow = motion.flow.between().at(u, v);
+            [u + flow[0], v + flow[1]]
+        };
+        let before = follow([u, v], latest);
+        let first = self.motions[1..].iter().fold(before, follow);
+        let speed = along(first, oldest)? / self.seconds;
+        // The speed grows from the middle of all motions to that of the latest one, and on to now.
+        let gained = along(before, latest).map_or(0.0, |along| along / self.period - speed);
+        let to_latest = 0.5 * (self.seconds - self.period);
+        let to_now = to_latest + (0.5 - f64::from(back).max(0.0)) * self.period;
         Some(EdgeShift {
             normal: Vector2::new(f64::from(normal[0]), f64::from(normal[1])),
-            speed: f64::from(along) / self.seconds,
+            speed,
             seconds: self.seconds,
+            gained: if to_latest > 0.0 { gained * to_now / to_latest } else { 0.0 },
+            period: self.period,
         })
     }
 }

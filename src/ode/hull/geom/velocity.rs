@@ -47,6 +47,7 @@ impl HullGeom {
             velocities.found.push((p, found));
             found
         })?;
-        Some(SurfaceVelocity { velocity: world_from_hull * found.velocity, ..found })
+        let (velocity, mean) = (world_from_hull * found.velocity, world_from_hull * found.mean);
+        Some(SurfaceVelocity { velocity, mean, ..found })
     }
 }

@@ -478,17 +478,32 @@ void dGeomVisualHullSetMinFeature(dGeomID g, dReal diameter);
  * if the surface bounces (dContactBounce), the body bounces at once, at its whole speed. Without a velocity of the surface
  * it counts as at rest there.
  *
- * It may be called for all contacts, also those without a hull. A body's geom inside a dGeomTransform counts as at rest
- * for the friction direction, and a hull inside one has no motion.
+ * It may be called for all contacts, also those without a hull, which stay as they are. Where the velocity of a hull's surface
+ * is not known, and always for dVisualHullMotionHeld, the friction direction alone is set, unless the mode has one. A body's
+ * geom inside a dGeomTransform counts as at rest for the friction direction, and a hull inside one has no motion.
  *
  * @param contact a contact that dCollide has filled, with its surface's mode set
  * @param stepsize the length of the next step in seconds, in which gravity and forces change how bodies slip
- * @return 1 if the contact was changed; 0 if none of its geoms is a hull in motion whose velocity is known there, unless the
- * contact has not begun; -1 if
- * the contact or one of its geoms is NULL, its position is not finite, its normal not a unit vector, or the stepsize
- * negative or not finite. For 0 and -1 the contact is as it was.
+ * @return 1 if the contact was changed; 0 if it was not; -1 if the contact or one of its geoms is NULL, its position is not
+ * finite, its normal not a unit vector, or the stepsize negative or not finite. For 0 and -1 the contact is as it was.
  */
 int dVisualHullSetContactMotion(dContact *contact, dReal stepsize);
+
+/**
+ * @brief Directs the friction of any contact, also of ODE's own geoms, along the slip of the bodies in the next step, so that
+ * it is Coulomb's. Call it in the near callback, after the surface is set and before dJointCreateContact.
+ *
+ * ODE limits friction in each of two directions, which it takes from the normal alone. A body that slips between the two
+ * meets up to 1.4 times the friction, and one that is pushed between them does not begin to move. This sets dContactFDir1
+ * and contact->fdir1. A hull's surface counts as at rest: for hulls in motion use dVisualHullSetContactMotion, which directs
+ * the friction too.
+ *
+ * @param contact a contact that dCollide has filled, with its surface's mode set
+ * @param stepsize the length of the next step in seconds, in which gravity and forces change how bodies slip
+ * @return 1 if the direction was set; 0 if the mode has dContactFDir1 already, or nothing slips; -1 on failure, as for
+ * dVisualHullSetContactMotion. For 0 and -1 the contact is as it was.
+ */
+int dVisualHullSetContactFriction(dContact *contact, dReal stepsize);
 
 /**
  * @brief Sets surface samples for a geom, in place of its class's own samples or for a class that has none.

@@ -9,6 +9,7 @@ mod appear;
 mod at_rest;
 mod camera_loss;
 mod capi;
+mod coulomb;
 mod geometry;
 mod grip;
 mod lines;
@@ -33,7 +34,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 19] = [
+const GROUPS: [(&str, Measure); 20] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),
@@ -53,6 +54,7 @@ const GROUPS: [(&str, Measure); 19] = [
     ("appear", appear::run_group),
     ("realtime", realtime::run_group),
     ("pendulum", pendulum::run_group),
+    ("coulomb", coulomb::run_group),
 ];
 
 fn main() -> ExitCode {

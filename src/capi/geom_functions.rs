@@ -202,6 +202,20 @@ unsafe extern "C" fn dVisualHullSetContactMotion(contact: *mut dContact, stepsiz
 }
 
 /// # Safety
+/// `contact` is NULL or points to a contact, whose geoms are NULL or living.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn dVisualHullSetContactFriction(contact: *mut dContact, stepsize: dReal) -> c_int {
+    fenced(NONE, || {
+        let stepsize = step_size(stepsize)?;
+        // SAFETY: the caller guarantees a contact and its geoms; the body of a living geom is living.
+        unsafe {
+            let contact = arguments::contact(contact)?;
+            Ok(c_int::from(ode::set_contact_friction(contact, stepsize)))
+        }
+    })
+}
+
+/// # Safety
 /// `body` is NULL or a living geom; `points`, and `normals` where it is not NULL, are `count` vectors of three
 /// numbers, `stride` bytes apart.
 #[unsafe(no_mangle)]

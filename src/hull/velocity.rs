@@ -39,9 +39,8 @@ struct Equation {
     speed: f64,
     /// The time over which the speed is the mean.
     seconds: f64,
-    /// By how much it is faster now, as the last frame shows, and the time of that.
+    /// By how much it is faster now, as the last frame shows.
     gained: f64,
-    period: f64,
 }
 
 /// The velocity of the real surface near a point.
@@ -87,13 +86,18 @@ impl Hull {
         if !speed.is_finite() || speed > MAX_SPEED {
             return None;
         }
-        let deviation = deviation(&mut equations, &mean);
-        let velocity = mean + believed(gained, deviation / equations[0].period);
-        if velocity.norm() < DEAD_BAND * (deviation / NOISY).min(1.0) {
+        // An equation's speed is the difference of two positions.
+        let error = |equation: &Equation| {
+            (equation.direction.dot(&mean) - equation.speed) * equation.seconds / std::f64::consts::SQRT_2
+        };
+        let deviation_of_edges = deviation(&mut equations, error);
+        let error = |equation: &Equation| equation.direction.dot(&gained) - equation.gained;
+        let velocity = mean + believed(gained, deviation(&mut equations, error));
+        if velocity.norm() < DEAD_BAND * (deviation_of_edges / NOISY).min(1.0) {
             let rest = Vector3::zeros();
-            return Some(SurfaceVelocity { velocity: rest, mean: rest, deviation });
+            return Some(SurfaceVelocity { velocity: rest, mean: rest, deviation: deviation_of_edges });
         }
-        Some(SurfaceVelocity { velocity, mean, deviation })
+        Some(SurfaceVelocity { velocity, mean, deviation: deviation_of_edges })
     }
 }
 
@@ -126,7 +130,6 @@ impl View {
                     speed: shift.speed / scale,
                     seconds: shift.seconds,
                     gained: shift.gained / scale,
-                    period: shift.period,
                 });
             }
         }
@@ -145,21 +148,19 @@ fn determine_all_directions(equations: &[Equation]) -> bool {
     least > LEAST_WEIGHT * equations.len() as f64
 }
 
-/// The standard deviation of an edge's position from where the velocity leads, in metres: from the third of the edges
-/// that fit best, since many around a corner of the subject may not move as it does.
-fn deviation(equations: &mut [Equation], velocity: &Vector3<f64>) -> f64 {
+/// The standard deviation of the edges from where `error` is 0: from the third of them that fit best, since many around a
+/// corner of the subject may not move as it does.
+fn deviation(equations: &mut [Equation], error: impl Fn(&Equation) -> f64) -> f64 {
     /// The standard deviation of normally distributed numbers over the absolute value that a third of them are below.
     const FROM_THIRD: f64 = 2.322;
 
-    let error =
-        |equation: &Equation| (equation.direction.dot(velocity) - equation.speed).abs() * equation.seconds;
+    let size = |equation: &Equation| error(equation).abs();
     let third = equations.len() / 3;
-    let (_, at_third, _) = equations.select_nth_unstable_by(third, |a, b| error(a).total_cmp(&error(b)));
-    // The difference of two positions.
-    FROM_THIRD * error(at_third) / std::f64::consts::SQRT_2
+    let (_, at_third, _) = equations.select_nth_unstable_by(third, |a, b| size(a).total_cmp(&size(b)));
+    FROM_THIRD * size(at_third)
 }
 
-/// The part of `gained` that is believed, where noise moves an edge by `noise` m/s in a frame: half of what is as fast.
+/// The part of `gained` that is believed, where the edges deviate from it by `noise` m/s: half of what is as fast.
 fn believed(gained: Vector3<f64>, noise: f64) -> Vector3<f64> {
     let signal = gained.norm_squared();
     if signal > 0.0 { gained * (signal / (signal + noise * noise)) } else { gained }

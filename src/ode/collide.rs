@@ -19,6 +19,7 @@ use super::body::Body;
 use super::geom::Geom;
 use super::hull::{SurfaceMotion, Touching, contact_seconds, surface_motion};
 use super::pair_search::{near_callback, search_pairs};
+use super::slip::friction_direction;
 use super::surface::Surface;
 use super::world::World;
 use super::{check, convert, heightfield, panic};
@@ -125,25 +126,43 @@ impl World {
 
     /// Collides all pairs and attaches up to `max` contacts with this surface to each, the usual collision step. Pairs
     /// without a body, and pairs of bodies that another joint connects, get none. Contacts with a visual hull in
-    /// [`Motion`](crate::hull::Motion) move as the real surface does: see [`Pair::surface_motion`].
+    /// [`Motion`](crate::hull::Motion) move as the real surface does: see [`Pair::surface_motion`]. Friction with a visual
+    /// hull is along the slip, so that it is Coulomb's, where the surface states no direction: see
+    /// [`set_slip_friction`](Self::set_slip_friction) for other contacts, and [`Pair::slip_direction`].
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] for a surface with NaN or numbers out of range.
     pub fn default_collide(&mut self, surface: &Surface, max: usize) -> Result<()> {
         surface.to_ode()?;
-        let dt = self.last_dt;
+        let (dt, everywhere) = (self.last_dt, self.slip_friction);
         self.collide(|pair| {
             if pair.bodies() == [None, None] || pair.are_connected_excluding_contact() {
                 return;
             }
             for contact in pair.contacts(max).iter() {
-                match pair.surface_motion_along(contact, dt, surface.friction_direction) {
-                    Some(motion) => pair.attach(contact, &surface.with_motion(&motion)),
-                    None => pair.attach(contact, surface),
-                }
+                let surface = match pair.surface_motion_along(contact, dt, surface.friction_direction) {
+                    Some(motion) => surface.with_motion(&motion),
+                    None if surface.friction_direction.is_none() && (everywhere || pair.has_hull()) => {
+                        Surface { friction_direction: pair.slip_direction(contact, dt), ..*surface }
+                    }
+                    None => *surface,
+                };
+                pair.attach(contact, &surface);
             }
         })
+    }
+
+    /// Whether [`default_collide`](Self::default_collide) directs the friction of all contacts along the slip, not only of
+    /// those with a visual hull. Off by default, as in ODE.
+    pub fn slip_friction(&self) -> bool {
+        self.slip_friction
+    }
+
+    /// Sets [`slip_friction`](Self::slip_friction). A box that slides over ODE's plane then stops where Coulomb's law says, in
+    /// all directions, and one that is pushed along the diagonal of ODE's friction directions begins to move.
+    pub fn set_slip_friction(&mut self, everywhere: bool) {
+        self.slip_friction = everywhere;
     }
 
     /// Removes the contacts that the last collide attached.
@@ -210,10 +229,26 @@ impl<'c> Pair<'c> {
     /// Whether the two geoms touch. For visual hulls this is faster than computing their contacts.
     pub fn touches(&self) -> bool {
         // ODE's own colliders miss touching boxes with this flag, and read contacts that they have not written.
-        let has_hull = self.raw.iter().any(|&geom| self.world.is_hull(geom));
+        let has_hull = self.has_hull();
         // A few, since false ones of heightfields are dropped.
         let (max, flags) = if has_hull { (1, CONTACTS_UNIMPORTANT) } else { (8, 0) };
         !true_contacts(self.world, self.raw, self.geoms, max, flags).is_empty()
+    }
+
+    fn has_hull(&self) -> bool {
+        self.raw.iter().any(|&geom| self.world.is_hull(geom))
+    }
+
+    /// The unit direction in which the first body would slip over the second in the next step without friction, for
+    /// [`Surface::friction_direction`]; `None` where it would not. `dt` is the length of the step in seconds, in which gravity
+    /// and forces change how the bodies move. The surface of a hull counts as at rest: see
+    /// [`surface_motion`](Self::surface_motion) for one that moves.
+    ///
+    /// ODE limits friction in each of two directions. Where the first one is along the slip, the limit is that of Coulomb's
+    /// law; otherwise it is up to 1.4 times as large.
+    pub fn slip_direction(&self, contact: &ContactGeom, dt: f64) -> Option<Vector3<f64>> {
+        // SAFETY: both geoms are alive, since ODE has just passed them, and so are their bodies.
+        unsafe { friction_direction(self.raw, &contact.position, &contact.normal.normalize(), dt) }
     }
 
     /// How the real surface moves at a contact of this pair; `None` unless one of its geoms is a visual hull in

@@ -67,6 +67,7 @@ mod parameters;
 pub(crate) mod per_thread;
 mod raw;
 mod shape;
+mod slip;
 mod space;
 mod step;
 mod surface;
@@ -97,3 +98,4 @@ pub(crate) use hull::{
     open_class, open_class_number, set_contact_motion, set_samples, take_last_error,
 };
 pub(crate) use panic::{catch, is_fenced, take_parked as take_parked_panic};
+pub(crate) use slip::set_contact_friction;

@@ -49,6 +49,8 @@ pub struct World {
     pub(super) stopped: Vec<BodyId>,
     /// The length of the last step in seconds; 0 before the first.
     pub(super) last_dt: f64,
+    /// Whether `default_collide` directs friction along the slip at contacts without a hull too.
+    pub(super) slip_friction: bool,
     /// Declared last, so that it is dropped last: ODE stays open until all other fields are dropped.
     pub(super) ode: Ode,
 }
@@ -124,6 +126,7 @@ impl World {
             buffers: Buffers::default(),
             stopped: Vec::new(),
             last_dt: 0.0,
+            slip_friction: false,
             ode,
         })
     }

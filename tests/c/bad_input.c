@@ -255,6 +255,9 @@ static void invalid_contacts_are_refused(void) {
   CHECK_REFUSED(dVisualHullSetContactMotion(&good, -0.005), -1, "stepsize");
   CHECK_REFUSED(dVisualHullSetContactMotion(&good, NAN), -1, "stepsize");
   CHECK_REFUSED(dVisualHullSetContactMotion(&good, INFINITY), -1, "stepsize");
+  CHECK(dVisualHullSetContactFriction(&good, 0.005) == 0);
+  CHECK_REFUSED(dVisualHullSetContactFriction(NULL, 0.005), -1, "contact");
+  CHECK_REFUSED(dVisualHullSetContactFriction(&good, NAN), -1, "stepsize");
   bad = good, bad.geom.g1 = 0;
   CHECK_REFUSED(dVisualHullSetContactMotion(&bad, 0.005), -1, "g1");
   bad = good, bad.geom.g2 = 0;

@@ -331,7 +331,7 @@ static void the_friction_direction_follows_the_slip_that_the_step_brings(dVisual
   dWorldDestroy(world);
 }
 
-static void contacts_without_a_known_velocity_stay_as_they_are(dVisualHullDataID data) {
+static void contacts_without_a_known_velocity_get_a_friction_direction_at_most(dVisualHullDataID data) {
   dGeomID hull = moving_cube(data), box = dCreateBox(0, 0.2, 0.2, 0.2), other = dCreateBox(0, 0.2, 0.2, 0.2);
   dGeomID outer = dCreateGeomTransform(0);
   dContact contact, before;
@@ -362,6 +362,29 @@ static void contacts_without_a_known_velocity_stay_as_they_are(dVisualHullDataID
   dGeomDestroy(outer), dGeomDestroy(hull), dGeomDestroy(box), dGeomDestroy(other);
 }
 
+static void friction_is_along_the_slip_of_any_two_geoms(void) {
+  dWorldID world = dWorldCreate();
+  dGeomID plane = dCreatePlane(0, 0, 0, 1, 0), box = add_cube(world, 0, 0, 0, 0);
+  dBodyID body = dGeomGetBody(box);
+  dContact contact, before;
+
+  dBodySetPosition(body, 0, 0, 0.1 - 0.001);
+  contact = before = sticky_contact(box, plane);
+  CHECK(dVisualHullSetContactFriction(&contact, STEP) == 0 && memcmp(&contact, &before, sizeof contact) == 0);
+  dBodySetLinearVel(body, 0.3, -0.4, 5);
+  CHECK(dVisualHullSetContactFriction(&contact, STEP) == 1);
+  CHECK(contact.surface.mode == (before.surface.mode | dContactFDir1));
+  CHECK(fabs(contact.fdir1[0] - 0.6) < 1e-9 && fabs(contact.fdir1[1] + 0.8) < 1e-9 && fabs(contact.fdir1[2]) < 1e-9);
+
+  /* A direction that the program has chosen is kept. */
+  before = contact;
+  dBodySetLinearVel(body, 1, 0, 0);
+  CHECK(dVisualHullSetContactFriction(&contact, STEP) == 0 && memcmp(&contact, &before, sizeof contact) == 0);
+
+  dGeomDestroy(plane), dGeomDestroy(box);
+  dWorldDestroy(world);
+}
+
 int main(void) {
   dVisualHullDataID data;
   int frame;
@@ -375,7 +398,8 @@ int main(void) {
   for (frame = 0; frame < 4; frame++) film(data, &CUBE, frame * PERIOD);
   any_order_and_friction_direction_gives_the_velocity_of_the_surface(data);
   the_friction_direction_follows_the_slip_that_the_step_brings(data);
-  contacts_without_a_known_velocity_stay_as_they_are(data);
+  contacts_without_a_known_velocity_get_a_friction_direction_at_most(data);
+  friction_is_along_the_slip_of_any_two_geoms();
   dGeomVisualHullDataDestroy(data);
   dCloseVisualHull();
   dCloseODE();

@@ -5,15 +5,13 @@ use super::contact_time::contact_seconds;
 use super::swept::Swept;
 use crate::hull::SurfaceVelocity;
 use crate::ode::convert;
+use crate::ode::slip::{free_velocity, set_contact_friction, slip_direction};
 use nalgebra::{Point3, Vector3};
 use ode_sys::{
-    dBodyGetForce, dBodyGetGravityMode, dBodyGetMass, dBodyGetPointVel, dBodyGetPosition, dBodyGetWorld,
-    dBodyID, dBodyVectorFromWorld, dContact, dContactBounce, dContactFDir1, dContactMotion1, dContactMotion2,
-    dContactMotionN, dGeomGetAABB, dGeomGetBody, dGeomID, dMass, dReal, dWorldGetERP, dWorldGetGravity,
+    dBodyGetMass, dBodyGetPosition, dBodyGetWorld, dBodyID, dBodyVectorFromWorld, dContact, dContactBounce,
+    dContactFDir1, dContactMotion1, dContactMotion2, dContactMotionN, dGeomGetAABB, dGeomGetBody, dGeomID,
+    dMass, dWorldGetERP,
 };
-
-/// Slips slower than this have no direction, in m/s.
-const NO_SLIP: f64 = 1e-6;
 
 /// The least and the largest soft depth of a fast surface that moves towards a body, in metres. With less, the ridges of
 /// noisy masks hit the body one after the other, and it leaves faster than the surface, and turning. With more, it sinks in
@@ -82,8 +80,7 @@ pub(in crate::ode) struct Touching {
 }
 
 /// The motion of the surface at a contact of two geoms, in the world's frame, for a joint between the first geom's body
-/// and the second's. `None` unless one of them is a hull in motion whose velocity is known there. `friction_direction`
-/// is the first tangential direction where the caller has chosen it.
+/// and the second's. `None` unless one of them is a hull in motion whose velocity is known there. `chosen` is the first tangential direction where the caller has chosen it.
 ///
 /// ODE returns no body for a geom inside a geom transform, so that its velocity is missing in the slip. A hull inside
 /// one has no motion, since its pose in the world is not known here.
@@ -94,7 +91,7 @@ pub(in crate::ode) unsafe fn surface_motion(
     geoms: [dGeomID; 2],
     touching: &Touching,
     stepsize: f64,
-    friction_direction: Option<Vector3<f64>>,
+    chosen: Option<Vector3<f64>>,
 ) -> Option<SurfaceMotion> {
     let Touching { position, normal, seconds, .. } = touching;
     let hulls = geoms.map(class::find_current);
@@ -126,12 +123,9 @@ pub(in crate::ode) unsafe fn surface_motion(
     let slip = unsafe {
         free_velocity(body, position, stepsize) - free_velocity(hull_body, position, stepsize) - of_surface
     };
-    let along = slip - out_of_hull * out_of_hull.dot(&slip);
-    let first = friction_direction.unwrap_or_else(|| {
-        let length = along.norm();
-        let has_direction = length > NO_SLIP && length.is_finite();
-        if has_direction { along / length } else { any_perpendicular(&out_of_hull) }
-    });
+    let first = chosen
+        .or_else(|| slip_direction(&slip, &out_of_hull))
+        .unwrap_or_else(|| any_perpendicular(&out_of_hull));
 
     // ODE measures motions of its joint's first body, which is the only one where the other is the world.
     let is_hull_first_body = !hull_body.is_null() && (is_first || body.is_null());
@@ -234,8 +228,9 @@ impl NormalMotion<'_> {
     }
 }
 
-/// Fills the motion of the surface into a contact of ODE, and returns whether there was one. A friction direction that
-/// the contact has is projected onto the tangent plane; one that has no part there is replaced.
+/// Fills the motion of the surface into a contact of ODE with a hull, and returns whether it has changed the contact: where
+/// that motion is not known, the friction direction alone is filled in. A friction direction that the contact has is projected
+/// onto the tangent plane; one that has no part there is replaced.
 ///
 /// # Safety
 /// The contact's geoms are living, and so are their bodies.
@@ -245,9 +240,14 @@ pub(crate) unsafe fn set_contact_motion(contact: &mut dContact, stepsize: f64) -
     let touching = Touching { position, normal, depth, seconds };
     let has_direction = contact.surface.mode & dContactFDir1 as i32 != 0;
     let chosen = has_direction.then(|| tangent(&convert::vector(&contact.fdir1), &normal)).flatten();
+    let geoms = [contact.geom.g1, contact.geom.g2];
     // SAFETY: the caller vouches for the geoms.
-    let motion = unsafe { surface_motion([contact.geom.g1, contact.geom.g2], &touching, stepsize, chosen) };
-    let Some(motion) = motion else { return false };
+    let motion = unsafe { surface_motion(geoms, &touching, stepsize, chosen) };
+    let Some(motion) = motion else {
+        let has_hull = geoms.into_iter().any(|geom| class::find_current(geom).is_some());
+        // SAFETY: the caller vouches for the geoms.
+        return has_hull && unsafe { set_contact_friction(contact, stepsize) };
+    };
 
     contact.fdir1 = convert::ode_vector(&motion.friction_direction);
     contact.surface.mode |= (dContactFDir1 | dContactMotion1 | dContactMotion2 | dContactMotionN) as i32;
@@ -256,28 +256,6 @@ pub(crate) unsafe fn set_contact_motion(contact: &mut dContact, stepsize: f64) -
     contact.surface.motionN = motion.normal_velocity_where(bounces);
     contact.geom.depth = (contact.geom.depth - motion.soft_depth).max(0.0);
     true
-}
-
-/// The velocity of a body's point after a step without contacts; zero for the world.
-///
-/// # Safety
-/// `body` is null or a living body.
-pub(super) unsafe fn free_velocity(body: dBodyID, point: &Point3<f64>, stepsize: f64) -> Vector3<f64> {
-    if body.is_null() {
-        return Vector3::zeros();
-    }
-    let (mut velocity, mut gravity, mut mass) = ([0.0; 4], [0.0; 4], dMass::default());
-    // SAFETY: the caller vouches for the body, which belongs to a world; all arrays hold four numbers.
-    unsafe {
-        dBodyGetPointVel(body, point.x, point.y, point.z, velocity.as_mut_ptr());
-        if dBodyGetGravityMode(body) != 0 {
-            dWorldGetGravity(dBodyGetWorld(body), gravity.as_mut_ptr());
-        }
-        dBodyGetMass(body, &mut mass);
-        let force: *const dReal = dBodyGetForce(body);
-        let acceleration = convert::vector(&gravity) + convert::vector_at(force) / mass.mass;
-        convert::vector(&velocity) + acceleration * stepsize
-    }
 }
 
 /// The largest velocity of a body's point along `normal` to which an impulse there can bring it without giving the body's

@@ -1,11 +1,11 @@
 //! Contacts with a hull that will begin within the next step, so that nothing fast passes through between two collides.
 
 use super::query::{CollideContext, ContactQuery};
-use super::surface_motion::free_velocity;
 use crate::Error;
 use crate::contact::tuning::WAKE_PX;
 use crate::contact::{self, BodyMotion, SweptContact};
 use crate::ode::convert;
+use crate::ode::slip::free_velocity;
 use nalgebra::{Point3, Vector3};
 use ode_sys::{
     dBodyEnable, dBodyGetAngularVel, dBodyGetPosition, dBodyIsEnabled, dGeomGetBody, dGeomID, dReal,

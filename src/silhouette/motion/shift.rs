@@ -31,9 +31,8 @@ pub(crate) struct EdgeShift {
     pub(crate) speed: f64,
     /// The time in seconds over which it is the mean.
     pub(crate) seconds: f64,
-    /// By how much it is faster now than in the mean, in pixels a second, and over how long that was measured.
+    /// By how much it is faster now than in the mean, in pixels a second, as the latest motion shows.
     pub(crate) gained: f64,
-    pub(crate) period: f64,
 }
 
 impl MotionChain {
@@ -65,24 +64,43 @@ impl MotionChain {
             let along = (u - from_u) * normal[0] + (v - from_v) * normal[1] + before - now;
             (now.abs().max(before.abs()) <= LARGEST_ERROR).then_some(f64::from(along))
         };
-        let follow = |[u, v]: [f32; 2], motion: &Arc<MaskMotion>| {
-            let flow = motion.flow.between().at(u, v);
-            [u + flow[0], v + flow[1]]
+        let follow = |[u, v]: &mut [f32; 2], motion: &Arc<MaskMotion>| {
+            let flow = motion.flow.between().at(*u, *v);
+            [*u, *v] = [*u + flow[0], *v + flow[1]];
+            Some([*u, *v])
         };
-        let before = follow([u, v], latest);
-        let first = self.motions[1..].iter().fold(before, follow);
-        let speed = along(first, oldest)? / self.seconds;
-        // The speed grows from the middle of all motions to that of the latest one, and on to now.
-        let gained = along(before, latest).map_or(0.0, |along| along / self.period - speed);
-        let to_latest = 0.5 * (self.seconds - self.period);
-        let to_now = to_latest + (0.5 - f64::from(back).max(0.0)) * self.period;
+        let path: Vec<[f32; 2]> = self.motions.iter().scan([u, v], follow).collect();
+        let speed = along(path[path.len() - 1], oldest)? / self.seconds;
+        // How far the edge has come over the last one, two and three motions.
+        let ways: Vec<f64> =
+            path.iter().zip(&self.motions).take(3).map_while(|(&at, motion)| along(at, motion)).collect();
+        let since_middle = 0.5 - f64::from(back).max(0.0);
         Some(EdgeShift {
             normal: Vector2::new(f64::from(normal[0]), f64::from(normal[1])),
             speed,
             seconds: self.seconds,
-            gained: if to_latest > 0.0 { gained * to_now / to_latest } else { 0.0 },
-            period: self.period,
+            gained: self.latest_speed(&ways, since_middle).map_or(0.0, |latest| latest - speed),
         })
+    }
+}
+
+impl MotionChain {
+    /// The speed `since_middle` periods after the middle of the latest motion, from the ways over the last one, two and three
+    /// motions. The speed changes from motion to motion by what the last two changes have in common, so that an edge which
+    /// starts or stops at once does not seem to be faster than it is.
+    fn latest_speed(&self, ways: &[f64], since_middle: f64) -> Option<f64> {
+        let earlier = (self.seconds - self.period) / (self.motions.len() - 1).max(1) as f64;
+        let change = match ways {
+            [] => return None,
+            &[one, two, three] => {
+                let speeds = [one / self.period, (two - one) / earlier, (three - two) / earlier];
+                let changes = [speeds[0] - speeds[1], speeds[1] - speeds[2]];
+                let common = changes[0].abs().min(changes[1].abs());
+                if changes[0] * changes[1] > 0.0 { common.copysign(changes[0]) } else { 0.0 }
+            }
+            _ => 0.0,
+        };
+        Some(ways[0] / self.period + change * since_middle)
     }
 }
 

@@ -82,9 +82,7 @@ impl MotionChain {
             gained: self.latest_speed(&ways, since_middle).map_or(0.0, |latest| latest - speed),
         })
     }
-}
 
-impl MotionChain {
     /// The speed `since_middle` periods after the middle of the latest motion, from the ways over the last one, two and three
     /// motions. The speed changes from motion to motion by what the last two changes have in common, so that an edge which
     /// starts or stops at once does not seem to be faster than it is.

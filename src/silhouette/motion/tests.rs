@@ -206,6 +206,27 @@ fn an_edge_moves_along_its_normal_as_fast_as_the_subject() {
 }
 
 #[test]
+fn the_speed_of_an_edge_is_that_of_now_and_an_edge_that_starts_at_once_does_not_seem_faster() {
+    // Places along x in frames of a tenth of a second, and the speed a quarter of a frame before the last mask.
+    let accelerated = |frame: f64| 60.0 + 1.5 * frame * frame;
+    let started = |frame: f64| 70.0 + 8.0 * (frame - 2.0).max(0.0);
+    type Place<'f> = &'f dyn Fn(f64) -> f64;
+    let cases: [(Place, f64); 2] = [(&accelerated, 10.0 * 3.0 * 2.75), (&started, 80.0)];
+    for (place, expected) in cases {
+        let masks: Vec<GrayImage> = (0..4).map(|k| disc(place(f64::from(k)), 75.0, 25.0)).collect();
+        let motions = masks.windows(2).rev().map(|two| Arc::new(motion(&two[0], &two[1]))).collect();
+        let chain = MotionChain::new(motions, 0.3, 0.1);
+        let centre = Point2::new(0.75 * place(3.0) + 0.25 * place(2.0), 75.0);
+        for (side, sign) in [(25.0, 1.0), (-25.0, -1.0)] {
+            let shift = chain.edge_shift(&(centre + Vector2::x() * side), 0.25).expect("an edge");
+            // A twentieth of a pixel over 0.1 s, four times.
+            let found = sign * (shift.speed + shift.gained);
+            assert!((found - expected).abs() < 2.5, "{found} px/s, expected {expected}");
+        }
+    }
+}
+
+#[test]
 fn an_empty_mask_moves_nowhere() {
     let (nothing, something) = (GrayImage::new(SIZE.0, SIZE.1), disc(100.0, 75.0, 20.0));
     let both = motion(&nothing, &nothing);

@@ -417,7 +417,8 @@ int dGeomVisualHullPointResponse(dGeomID g, dReal x, dReal y, dReal z, dVector3 
  *
  * It is that of the hull's time: the mean over the last tenth of a second, or over the last two frames where they are
  * farther apart, and what the last frame shows that it has gained since, as far as masks so noisy tell. Speeds that may be
- * noise are 0: those below 0.1 m/s, with clean masks less. The motion of the geom itself, by its body or by dGeomSetPosition, is not part of it.
+ * noise are 0: those below 0.1 m/s, with clean masks less. The motion of the geom itself, by its body or by
+ * dGeomSetPosition, is not part of it.
  *
  * @param g the hull
  * @param v receives the velocity in metres per second, in the world's frame; 0 where it is not known

@@ -36,7 +36,7 @@ pub struct Pace {
 }
 
 /// Publishes `frames` to `data` by the wall clock, and simulates by it at the same time. The simulation's time has to be 0,
-/// and `data` without frames. `watch` is called after each step with the seconds since the start.
+/// and `data` without frames of that time or later. `watch` is called after each step with the seconds since the start.
 ///
 /// # Errors
 /// Masks that `data` refuses; a simulation that diverges. A rate that is not positive.

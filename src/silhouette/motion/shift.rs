@@ -64,22 +64,22 @@ impl MotionChain {
             let along = (u - from_u) * normal[0] + (v - from_v) * normal[1] + before - now;
             (now.abs().max(before.abs()) <= LARGEST_ERROR).then_some(f64::from(along))
         };
-        let follow = |[u, v]: &mut [f32; 2], motion: &Arc<MaskMotion>| {
-            let flow = motion.flow.between().at(*u, *v);
-            [*u, *v] = [*u + flow[0], *v + flow[1]];
-            Some([*u, *v])
-        };
-        let path: Vec<[f32; 2]> = self.motions.iter().scan([u, v], follow).collect();
-        let speed = along(path[path.len() - 1], oldest)? / self.seconds;
-        // How far the edge has come over the last one, two and three motions.
-        let ways: Vec<f64> =
-            path.iter().zip(&self.motions).take(3).map_while(|(&at, motion)| along(at, motion)).collect();
+        // How far the edge has come over the last one, two and three motions, and over all.
+        let (mut ways, mut count, mut from) = ([0.0; 3], 0, [u, v]);
+        for (k, motion) in self.motions.iter().enumerate() {
+            let flow = motion.flow.between().at(from[0], from[1]);
+            from = [from[0] + flow[0], from[1] + flow[1]];
+            if let Some(way) = along(from, motion).filter(|_| k == count && k < ways.len()) {
+                (ways[k], count) = (way, k + 1);
+            }
+        }
+        let speed = along(from, oldest)? / self.seconds;
         let since_middle = 0.5 - f64::from(back).max(0.0);
         Some(EdgeShift {
             normal: Vector2::new(f64::from(normal[0]), f64::from(normal[1])),
             speed,
             seconds: self.seconds,
-            gained: self.latest_speed(&ways, since_middle).map_or(0.0, |latest| latest - speed),
+            gained: self.latest_speed(&ways[..count], since_middle).map_or(0.0, |latest| latest - speed),
         })
     }
 

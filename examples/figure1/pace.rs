@@ -23,16 +23,17 @@ const MOST_BYTES: u64 = 2 << 30;
 pub fn pace(options: &Options) -> Result<String> {
     set_random_seed(options.film.seed);
     let data = Arc::new(HullData::new());
-    let frames = match &options.recording.recording {
-        Some(dir) => recorded(dir, options, &data)?,
-        None => walk(&data)?,
-    };
-    let mut simulation = match &options.recording.recording {
-        Some(dir) => among_recorded(dir, &frames, &data, options)?,
+    let (frames, mut simulation) = match &options.recording.recording {
+        Some(dir) => {
+            let frames = recorded(dir, options, &data)?;
+            let simulation = among_recorded(dir, &frames, &data, options)?;
+            (frames, simulation)
+        }
         None => {
+            let frames = walk(&data)?;
             let mut simulation = Simulation::new(&data, scene::PIXEL, options.motion.motion())?;
             scene::add_boxes(&mut simulation)?;
-            simulation
+            (frames, simulation)
         }
     };
 

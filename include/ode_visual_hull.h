@@ -479,6 +479,10 @@ void dGeomVisualHullSetMinFeature(dGeomID g, dReal diameter);
  * if the surface bounces (dContactBounce), the body bounces at once, at its whole speed. Without a velocity of the surface
  * it counts as at rest there.
  *
+ * The contacts of a body that the hull has pressed from opposite sides in this step or one of the last twenty, as two hands do,
+ * become soft: dContactSoftERP and dContactSoftCFM are set to those of a critically damped spring of 140 rad/s at the body's
+ * mass, unless the mode has one of them. As stiff as other contacts they would press it by thousands of times its weight.
+ *
  * It may be called for all contacts, also those without a hull, which stay as they are. Where the velocity of a hull's surface
  * is not known, and always for dVisualHullMotionHeld, the friction direction alone is set, unless the mode has one. A body's
  * geom inside a dGeomTransform counts as at rest for the friction direction, and a hull inside one has no motion.

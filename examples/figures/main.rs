@@ -12,6 +12,7 @@ mod capi;
 mod coulomb;
 mod geometry;
 mod grip;
+mod hands;
 mod lines;
 mod mask_filter;
 mod motion;
@@ -34,7 +35,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 20] = [
+const GROUPS: [(&str, Measure); 21] = [
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),
@@ -43,6 +44,7 @@ const GROUPS: [(&str, Measure); 20] = [
     ("sleepers", sleepers::run_group),
     ("stack", stack::run_group),
     ("grip", grip::run_group),
+    ("hands", hands::run_group),
     ("capi", capi::run_group),
     ("segmentation", segmentation::run_group),
     ("motion", motion::run_group),

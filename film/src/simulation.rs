@@ -241,8 +241,7 @@ impl Simulation {
         world.collide(|pair| {
             let contacts = pair.contacts(MAX_CONTACTS);
             for contact in contacts.iter() {
-                let motion = pair.surface_motion(contact, dt);
-                pair.attach(contact, &motion.map_or(surface, |motion| surface.with_motion(&motion)));
+                pair.attach(contact, &pair.surface_at(contact, &surface, dt));
             }
             if contacts.is_empty() {
                 return;

@@ -17,7 +17,7 @@ use ode_sys::{
 use super::arena::{BodyId, GeomId};
 use super::body::Body;
 use super::geom::Geom;
-use super::hull::{SurfaceMotion, Touching, contact_seconds, surface_motion};
+use super::hull::{Softness, SurfaceMotion, Touching, contact_seconds, grip_softness, surface_motion};
 use super::pair_search::{near_callback, search_pairs};
 use super::slip::friction_direction;
 use super::surface::Surface;
@@ -128,7 +128,8 @@ impl World {
     /// without a body, and pairs of bodies that another joint connects, get none. Contacts with a visual hull in
     /// [`Motion`](crate::hull::Motion) move as the real surface does: see [`Pair::surface_motion`]. Friction with a visual
     /// hull is along the slip, so that it is Coulomb's, where the surface states no direction: see
-    /// [`set_slip_friction`](Self::set_slip_friction) for other contacts, and [`Pair::slip_direction`].
+    /// [`set_slip_friction`](Self::set_slip_friction) for other contacts, and [`Pair::slip_direction`]. Contacts of bodies that
+    /// a hull presses from opposite sides are soft: see [`Pair::grip_softness`].
     ///
     /// # Errors
     ///
@@ -141,13 +142,10 @@ impl World {
                 return;
             }
             for contact in pair.contacts(max).iter() {
-                let surface = match pair.surface_motion_along(contact, dt, surface.friction_direction) {
-                    Some(motion) => surface.with_motion(&motion),
-                    None if surface.friction_direction.is_none() && (everywhere || pair.has_hull()) => {
-                        Surface { friction_direction: pair.slip_direction(contact, dt), ..*surface }
-                    }
-                    None => *surface,
-                };
+                let mut surface = pair.surface_at(contact, surface, dt);
+                if everywhere && surface.friction_direction.is_none() {
+                    surface.friction_direction = pair.slip_direction(contact, dt);
+                }
                 pair.attach(contact, &surface);
             }
         })
@@ -251,6 +249,23 @@ impl<'c> Pair<'c> {
         unsafe { friction_direction(self.raw, &contact.position, &contact.normal.normalize(), dt) }
     }
 
+    /// `surface` with all that a visual hull adds to it at a contact of this pair, as
+    /// [`World::default_collide`] does: the motion of the real surface ([`surface_motion`](Self::surface_motion)), the
+    /// direction of friction ([`slip_direction`](Self::slip_direction)), and the softness of a grip
+    /// ([`grip_softness`](Self::grip_softness)). A friction direction and a softness that it states are kept, and so is all of it
+    /// where neither geom is a hull. `dt` is the length of the next step in seconds.
+    pub fn surface_at(&self, contact: &ContactGeom, surface: &Surface, dt: f64) -> Surface {
+        if !self.has_hull() {
+            return *surface;
+        }
+        let mut found = match self.surface_motion_along(contact, dt, surface.friction_direction) {
+            Some(motion) => surface.with_motion(&motion),
+            None => *surface,
+        };
+        found.friction_direction = found.friction_direction.or_else(|| self.slip_direction(contact, dt));
+        self.grip_softness(dt).map_or(found, |softness| found.with_softness(softness))
+    }
+
     /// How the real surface moves at a contact of this pair; `None` unless one of its geoms is a visual hull in
     /// [`Motion`](crate::hull::Motion) whose velocity is known there.
     ///
@@ -258,6 +273,18 @@ impl<'c> Pair<'c> {
     /// [`Surface::with_motion`] hands the result to a contact.
     pub fn surface_motion(&self, contact: &ContactGeom, dt: f64) -> Option<SurfaceMotion> {
         self.surface_motion_along(contact, dt, None)
+    }
+
+    /// The softness of this pair's contacts, if one of its geoms is a visual hull that has pressed the other one's body from
+    /// opposite sides, as two hands do, in this collide or one of the last twenty; `None` otherwise. It is that of a critically
+    /// damped spring of 140 rad/s at the body's mass, and `dt` is the length of the next step in seconds. Ask for it after
+    /// [`contacts`](Self::contacts); [`Surface::with_softness`] hands it to a contact.
+    ///
+    /// As stiff as other contacts, two opposite sides would press a body by thousands of times its weight, and the solver's
+    /// errors would move it out from between them.
+    pub fn grip_softness(&self, dt: f64) -> Option<Softness> {
+        // SAFETY: both geoms are alive, since ODE has just passed them, and so are their bodies.
+        unsafe { grip_softness(self.raw, dt) }
     }
 
     fn surface_motion_along(

@@ -79,7 +79,7 @@ pub use body::{Body, BodyMut};
 pub use check::{MIN_SIZE, REACH};
 pub use collide::{ContactGeom, Contacts, Pair};
 pub use geom::{Geom, GeomMut, RayFlags};
-pub use hull::{HullMut, HullView, SurfaceMotion, Swept};
+pub use hull::{HullMut, HullView, Softness, SurfaceMotion, Swept};
 pub use init::{Ode, random_seed, set_random_seed};
 pub use joint::{
     AxisFrame, Joint, JointAxis, JointFeedback, JointKind, JointMut, JointParam, JointType, MotorAxis,

@@ -8,7 +8,7 @@ use ode_sys::{
 };
 
 use super::check;
-use super::hull::SurfaceMotion;
+use super::hull::{Softness, SurfaceMotion};
 use crate::{Error, Result};
 
 /// The largest cosine of the angle between a normal and a direction that counts as perpendicular to it, and the largest
@@ -109,6 +109,14 @@ impl Surface {
             soft_depth: self.soft_depth.max(motion.soft_depth),
             ..self
         }
+    }
+
+    /// This surface, as soft as a grip where it states no softness of its own.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        if self.soft_erp.is_some() || self.soft_cfm.is_some() {
+            return self;
+        }
+        Self { soft_erp: Some(softness.erp), soft_cfm: Some(softness.cfm), ..self }
     }
 
     /// The surface as ODE's structure.

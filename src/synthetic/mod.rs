@@ -32,6 +32,7 @@
 //! ```
 
 mod eye;
+mod hands;
 pub mod layout;
 mod noise;
 mod person;

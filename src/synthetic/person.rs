@@ -12,9 +12,9 @@ use std::f64::consts::TAU;
 /// The period of [`Subject::person_at`] in seconds: two steps.
 pub const PERSON_PERIOD: f64 = 1.2;
 
-const SKIN: [u8; 3] = [226, 168, 138];
+pub(super) const SKIN: [u8; 3] = [226, 168, 138];
 const HAIR: [u8; 3] = [66, 36, 26];
-const SHIRT: [u8; 3] = [205, 48, 44];
+pub(super) const SHIRT: [u8; 3] = [205, 48, 44];
 const TROUSERS: [u8; 3] = [44, 58, 164];
 const SHOES: [u8; 3] = [150, 34, 120];
 
@@ -112,7 +112,7 @@ fn arm_capsules(shoulder: Point3<f64>, upper: Vector3<f64>, lower: Vector3<f64>)
 }
 
 /// A capsule whose caps are centred at `a` and `b`.
-fn limb(a: Point3<f64>, b: Point3<f64>, radius: f64, colour: [u8; 3]) -> Placed {
+pub(super) fn limb(a: Point3<f64>, b: Point3<f64>, radius: f64, colour: [u8; 3]) -> Placed {
     let along = b - a;
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), &along)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.5 * TAU));

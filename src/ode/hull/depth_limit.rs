@@ -2,6 +2,7 @@
 //!
 //! ODE moves a body out of a contact at the depth times ERP over the step. So what depth is harmless depends on both.
 
+use super::grip::least_cosine;
 use super::query::CollideContext;
 use crate::contact::tuning::LEAVING_SPEED;
 use crate::contact::{BodyContacts, Manifold, Mode};
@@ -66,8 +67,5 @@ impl CollideContext<'_> {
 /// The square of the part of a speed that a body may have along each of several directions, so that it has at most that
 /// speed in all: between two directions that face one another it leaves a wedge, the faster the more they do.
 fn square_of_part(manifolds: &[Manifold]) -> f64 {
-    let others = |k: usize| manifolds[k + 1..].iter().map(move |second| (k, second));
-    let pairs = (0..manifolds.len()).flat_map(others);
-    let cosines = pairs.map(|(k, second)| manifolds[k].direction.dot(&second.direction));
-    0.5 * (1.0 + cosines.fold(1.0, f64::min))
+    0.5 * (1.0 + least_cosine(manifolds))
 }

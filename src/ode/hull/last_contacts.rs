@@ -48,6 +48,8 @@ pub(super) struct ContactState {
     pub(super) is_asleep: bool,
     /// `None` without contact.
     pub(super) touch: Option<Touch>,
+    /// Whether the hull presses the body from opposite sides.
+    pub(super) is_gripped: bool,
     /// The escape direction that was chosen, in the hull's frame.
     pub(super) escape: Option<Vector3<f64>>,
     /// The number of the loss of views before which the body was there, while the hull has grown over it.
@@ -64,6 +66,8 @@ struct LastContact {
     /// The [`Table::steps`] in which the body was last collided, and in which it last touched while awake.
     renewed: u64,
     touched: u64,
+    /// The [`Table::steps`] in which the hull last pressed the body from opposite sides; `None` before it did.
+    gripped: Option<u64>,
 }
 
 impl LastContacts {
@@ -75,6 +79,13 @@ impl LastContacts {
     /// How the geom at address `other` touched the hull when it was last awake.
     pub(super) fn touch(&self, other: usize) -> Option<Touch> {
         lock(&self.table).by_geom.get(&other)?.state.touch
+    }
+
+    /// Whether the hull has pressed the body of the geom at address `other` from opposite sides in the last steps.
+    pub(super) fn is_gripped(&self, other: usize) -> bool {
+        let table = lock(&self.table);
+        let gripped = table.by_geom.get(&other).and_then(|last| last.gripped);
+        gripped.is_some_and(|gripped| gripped + RECENT >= table.steps)
     }
 
     /// The [`ContactState::kept_loss`] of the geom at address `other`.
@@ -103,7 +114,8 @@ impl LastContacts {
         {
             state.touch = last.state.touch;
         }
-        table.by_geom.insert(other, LastContact { state, renewed: steps, touched });
+        let gripped = if state.is_gripped { Some(steps) } else { last.and_then(|last| last.gripped) };
+        table.by_geom.insert(other, LastContact { state, renewed: steps, touched, gripped });
     }
 
     /// A box around the bodies that touched the hull when they were last awake, in the world's frame: those that sleep,
@@ -161,7 +173,15 @@ mod tests {
 
     fn state(is_asleep: bool, depth: Option<f64>) -> ContactState {
         let touch = depth.map(|depth| Touch { depth, direction: Vector3::z() });
-        ContactState { has_body: true, is_asleep, touch, escape: None, kept_loss: None, body: AT_ORIGIN }
+        ContactState {
+            has_body: true,
+            is_asleep,
+            touch,
+            is_gripped: false,
+            escape: None,
+            kept_loss: None,
+            body: AT_ORIGIN,
+        }
     }
 
     fn depth(contacts: &LastContacts, geom: usize) -> Option<f64> {

@@ -5,6 +5,7 @@
 //!                                │            └► query ─► body_samples
 //!                                ├► geom: the frame in force, settings, last_contacts, lost_views
 //!                                ├► depth_limit, by step_size
+//!                                ├► last_contacts, by which grip softens contacts
 //!                                └► swept ─► contact::sweep, with a contact_time
 //!
 //!   programs in Rust: view ─► raw ◄─ open_class: programs that own ODE themselves
@@ -17,6 +18,7 @@ mod collider;
 mod contact_time;
 mod depth_limit;
 mod geom;
+mod grip;
 mod last_contacts;
 mod last_swept;
 mod lost_views;
@@ -34,6 +36,8 @@ mod wake;
 pub(crate) use body_samples::{clear_samples, set_samples};
 pub(crate) use contact_time::contact_seconds;
 pub(crate) use geom::take_last_error;
+pub use grip::Softness;
+pub(super) use grip::grip_softness;
 pub(crate) use open_class::{close_class, number as open_class_number, open as open_class};
 pub(crate) use raw::{RawHull, apply_latest_frame_everywhere, create_in as create_hull_in};
 pub use surface_motion::SurfaceMotion;

@@ -2,6 +2,7 @@
 
 use super::class;
 use super::contact_time::contact_seconds;
+use super::grip::soften_grip;
 use super::swept::Swept;
 use crate::hull::SurfaceVelocity;
 use crate::ode::convert;
@@ -134,7 +135,9 @@ pub(in crate::ode) unsafe fn surface_motion(
     // SAFETY: the caller vouches for the geom.
     let half_extent = unsafe { half_extent(other) };
     let soft_depth = (SOFT_DEVIATIONS * deviation).clamp(SOFT_DEPTHS[0], SOFT_DEPTHS[1]);
-    let soft_depth = soft_depth.min(SOFT_PART * half_extent);
+    // Springs hold a body between two sides; with a soft depth it would drift from the side that pushes to the other.
+    let is_gripped = hull.last_contacts.is_gripped(other as usize);
+    let soft_depth = if is_gripped { 0.0 } else { soft_depth.min(SOFT_PART * half_extent) };
     let outwards = of_surface.dot(&out_of_hull);
     let normal = NormalMotion {
         touching,
@@ -230,11 +233,24 @@ impl NormalMotion<'_> {
 
 /// Fills the motion of the surface into a contact of ODE with a hull, and returns whether it has changed the contact: where
 /// that motion is not known, the friction direction alone is filled in. A friction direction that the contact has is projected
-/// onto the tangent plane; one that has no part there is replaced.
+/// onto the tangent plane; one that has no part there is replaced. The contact of a body that the hull presses from opposite
+/// sides becomes soft.
 ///
 /// # Safety
 /// The contact's geoms are living, and so are their bodies.
 pub(crate) unsafe fn set_contact_motion(contact: &mut dContact, stepsize: f64) -> bool {
+    // SAFETY: the caller vouches for the geoms.
+    unsafe {
+        let is_softened = soften_grip(contact, stepsize);
+        fill_motion(contact, stepsize) || is_softened
+    }
+}
+
+/// Fills the velocity of the surface and the friction direction into a contact; returns whether it has changed the contact.
+///
+/// # Safety
+/// The contact's geoms are living, and so are their bodies.
+unsafe fn fill_motion(contact: &mut dContact, stepsize: f64) -> bool {
     let (position, normal) = (convert::point(&contact.geom.pos), convert::vector(&contact.geom.normal));
     let (depth, seconds) = (contact.geom.depth, contact_seconds(&contact.geom));
     let touching = Touching { position, normal, depth, seconds };

@@ -1,6 +1,7 @@
 //! Wakes sleeping bodies at which the hull's surface has moved. ODE wakes a body only through contacts with another that
 //! is awake.
 
+use super::grip;
 use super::last_contacts::{ContactState, Touch};
 use super::query::CollideContext;
 use crate::contact::tuning::WAKE_PX;
@@ -46,6 +47,7 @@ pub(super) unsafe fn record_contacts(
         has_body: !body.is_null(),
         is_asleep,
         touch,
+        is_gripped: grip::is_gripped(&found.manifolds),
         escape: found.escape,
         kept_loss,
         body: around_body,

@@ -4,10 +4,11 @@ use super::person::{SHIRT, SKIN, limb};
 use super::subject::{Placed, Subject};
 use nalgebra::{Isometry3, Point3};
 
-/// The radii of the palm, the fingers, the thumb and the forearm, in metres.
+/// The radii of the palm, the fingers, the thumb, the wrist and the forearm, in metres.
 const PALM: f64 = 0.016;
 const FINGER: f64 = 0.010;
 const THUMB: f64 = 0.011;
+const WRIST: f64 = 0.026;
 const FOREARM: f64 = 0.034;
 
 /// Heights of the fingers, from the little finger up, and how far along y they reach, in metres.
@@ -15,8 +16,8 @@ const FINGERS: [(f64, f64); 4] = [(-0.036, 0.085), (-0.012, 0.105), (0.012, 0.11
 
 impl Subject {
     /// Two hands of capsules, each a palm, four fingers, a thumb and a forearm. In their own frame, whose pose is
-    /// `world_from_hands`, the palms face each other along x at a distance of `gap` metres, the fingers point along +y, and
-    /// the thumbs up, along +z.
+    /// `world_from_hands`, the palms face each other along x at a distance of `gap` metres, the fingers point along +y, the
+    /// thumbs up, along +z, and the arms come from behind and above.
     pub fn hands(world_from_hands: &Isometry3<f64>, gap: f64) -> Self {
         Self::new(hand(-0.5 * gap, -1.0).chain(hand(0.5 * gap, 1.0)).collect()).transformed(world_from_hands)
     }
@@ -36,7 +37,8 @@ fn hand(inner: f64, side: f64) -> impl Iterator<Item = Placed> {
     });
     fingers.chain([
         part([0.002, -0.03, 0.04], [0.0, 0.03, 0.078], THUMB, SKIN),
-        part([0.0, -0.08, 0.0], [0.04, -0.16, -0.01], FOREARM, SKIN),
-        part([0.04, -0.16, -0.01], [0.14, -0.36, -0.08], FOREARM, SHIRT),
+        part([0.0, -0.07, 0.0], [0.02, -0.14, 0.03], WRIST, SKIN),
+        part([0.02, -0.14, 0.03], [0.05, -0.24, 0.10], FOREARM, SKIN),
+        part([0.05, -0.24, 0.10], [0.14, -0.44, 0.26], FOREARM, SHIRT),
     ])
 }

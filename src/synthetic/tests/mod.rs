@@ -1,5 +1,6 @@
 //! Tests of what other tests and figures rely on: exact rays, exact masks, and images that agree with them.
 
+mod hands;
 mod images;
 mod layouts;
 mod noise;

@@ -48,5 +48,5 @@ fn run(options: &Options) -> Result<String> {
         name: "box_stack",
         out: "target/demo",
     };
-    shared::film(filmed, &options.film, scene::stack)
+    Ok(shared::film(filmed, &options.film, scene::stack)?.text)
 }

@@ -53,7 +53,7 @@ fn film(options: &Options) -> Result<String> {
         name,
         out,
     };
-    shared::film(filmed, &options.film, scene::add_boxes)
+    Ok(shared::film(filmed, &options.film, scene::add_boxes)?.text)
 }
 
 fn film_recording(options: &Options, dir: &Path) -> Result<String> {
@@ -64,5 +64,5 @@ fn film_recording(options: &Options, dir: &Path) -> Result<String> {
     let farthest = scene::add_boxes_around(&mut simulation, playback.first())?;
     let middle = playback.first().aabb().centre();
     playback.show(&Point3::new(middle.x, middle.y, 0.0), farthest, 0.0);
-    shared::film_of(&mut playback, &data, &mut simulation, NAMES, &options.film)
+    Ok(shared::film_of(&mut playback, &data, &mut simulation, NAMES, &options.film)?.text)
 }

@@ -39,8 +39,9 @@ pub fn pace(options: &Options) -> Result<String> {
 
     let pace = Pace { step_rate: options.step_rate, seconds: options.seconds };
     let report = run_paced(&frames, &data, &mut simulation, &pace, &mut |_, _| ())?;
-    let samples =
-        |one: &SimulatedBody| one.shape.sample(scene::MIN_FEATURE).map(|samples| samples.points().len());
+    let samples = |one: &SimulatedBody| {
+        one.parts[0].shape.sample(scene::MIN_FEATURE).map(|samples| samples.points().len())
+    };
     let samples = simulation.bodies().iter().map(samples).collect::<Result<Vec<usize>>>()?;
     let (least, most) = (samples.iter().min().unwrap_or(&0), samples.iter().max().unwrap_or(&0));
     Ok(format!(

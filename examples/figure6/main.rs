@@ -71,10 +71,11 @@ fn film(options: &Options) -> Result<String> {
         name,
         out,
     };
-    shared::film(filmed, &options.film, |simulation| {
+    let report = shared::film(filmed, &options.film, |simulation| {
         simulation.set_swept(Swept::On);
         scene::stack(simulation, &scene::foot(), 1.0)
-    })
+    })?;
+    Ok(report.text)
 }
 
 fn film_recording(options: &Options, dir: &Path) -> Result<String> {
@@ -96,6 +97,6 @@ fn film_recording(options: &Options, dir: &Path) -> Result<String> {
     let mut simulation = Simulation::new(&data, playback.pixel_size(), Motion::Interpolated)?;
     simulation.set_swept(Swept::On);
     scene::stack(&mut simulation, &foot, scale)?;
-    let text = shared::film_of(&mut playback, &data, &mut simulation, NAMES, &options.film)?;
+    let text = shared::film_of(&mut playback, &data, &mut simulation, NAMES, &options.film)?.text;
     Ok(format!("the stack, {scale} times its size, stands at ({:.2}, {:.2}) m\n{text}", foot.x, foot.y))
 }

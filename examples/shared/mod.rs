@@ -7,7 +7,9 @@ use ode_visual_hull::Result;
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{Aabb, HullData, Motion};
 use ode_visual_hull::ode::set_random_seed;
-use ode_visual_hull_film::{FilmOptions, Frames, Scenario, Simulation, Story, Studio, run_film, view_of};
+use ode_visual_hull_film::{
+    FilmOptions, FilmReport, Frames, Scenario, Simulation, Story, Studio, run_film, view_of,
+};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -54,12 +56,12 @@ pub struct Filmed<S> {
     pub out: &'static str,
 }
 
-/// Makes the film of bodies that `add_bodies` adds, and returns the text that tells of it.
+/// Makes the film of bodies that `add_bodies` adds.
 pub fn film<S: Scenario>(
     filmed: Filmed<S>,
     arguments: &FilmArguments,
     add_bodies: impl FnOnce(&mut Simulation) -> Result<()>,
-) -> Result<String> {
+) -> Result<FilmReport> {
     set_random_seed(arguments.seed);
     let Filmed { scenario, cameras, bounds, place, motion, name, out } = filmed;
     let data = Arc::new(HullData::new());
@@ -77,19 +79,19 @@ pub fn film_of(
     simulation: &mut Simulation,
     (name, out): (&str, &str),
     arguments: &FilmArguments,
-) -> Result<String> {
+) -> Result<FilmReport> {
     let frames = arguments.most_frames().min(capture.frames());
     let view = view_of(capture, arguments.view.as_deref())?;
     let view = (!arguments.no_gif).then_some(view);
     let out = arguments.out.clone().unwrap_or_else(|| out.into());
     let options = FilmOptions { out: &out, name, frames, view };
     let progress = progress_bar(frames, "frame");
-    let text = run_film(&options, capture, data, simulation, &mut |summary| {
+    let report = run_film(&options, capture, data, simulation, &mut |summary| {
         progress.set_message(summary);
         progress.inc(1);
     })?;
     progress.finish_and_clear();
-    Ok(text)
+    Ok(report)
 }
 
 /// Prints the text, or the error.

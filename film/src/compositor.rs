@@ -32,7 +32,7 @@ const MAX_SHADE: f64 = 0.6;
 /// A body to draw.
 #[derive(Debug, Clone)]
 pub struct Drawn {
-    /// A box or a sphere; other shapes are not drawn.
+    /// A box, a sphere or a capsule; other shapes are not drawn.
     pub shape: Shape,
     /// Its pose.
     pub world_from_body: Isometry3<f64>,

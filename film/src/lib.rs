@@ -23,6 +23,8 @@ mod log;
 #[cfg(feature = "ode")]
 mod paced;
 #[cfg(feature = "ode")]
+mod part;
+#[cfg(feature = "ode")]
 mod plot;
 mod ray_cast;
 #[cfg(feature = "ode")]
@@ -30,6 +32,8 @@ mod recorded;
 #[cfg(feature = "ode")]
 mod run;
 mod sensor;
+#[cfg(feature = "ode")]
+mod simulated_body;
 #[cfg(feature = "ode")]
 mod simulation;
 mod studio;
@@ -51,13 +55,17 @@ pub use log::{Entry, Log};
 #[cfg(feature = "ode")]
 pub use paced::{Pace, PaceReport, PacedFrames, Tally, run_paced};
 #[cfg(feature = "ode")]
+pub use part::Part;
+#[cfg(feature = "ode")]
 pub use recorded::{
     ASSUMED_RATE, BackgroundImages, FrameTime, FrameTimes, Playback, PlaybackOptions, RecordedHulls,
     check_subject, ground, in_the_way,
 };
 #[cfg(feature = "ode")]
-pub use run::{FilmOptions, run_film};
+pub use run::{FilmOptions, FilmReport, run_film};
 #[cfg(feature = "ode")]
-pub use simulation::{STEPS_PER_SECOND, SimulatedBody, Simulation, State, Support, lean_deg};
+pub use simulated_body::{SimulatedBody, State, Support};
+#[cfg(feature = "ode")]
+pub use simulation::{STEPS_PER_SECOND, Simulation, lean_deg};
 pub use studio::{Scenario, Studio};
 pub use window::Window;

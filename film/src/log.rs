@@ -1,7 +1,8 @@
 //! The state of every body in every frame.
 
 use crate::body_shape;
-use crate::simulation::{SimulatedBody, Simulation, State, Support};
+use crate::simulated_body::{SimulatedBody, State, Support};
+use crate::simulation::Simulation;
 use ode_visual_hull::{Error, Result};
 use std::fmt::Write;
 use std::path::Path;
@@ -37,7 +38,7 @@ impl Log {
     /// An empty log of the bodies of `simulation` and the subject of this name.
     pub fn new(simulation: &Simulation, subject: &str) -> Self {
         let named = |(i, one): (usize, &SimulatedBody)| {
-            (format!("{} {}", body_shape::name(&one.shape), i + 1), one.colour)
+            (format!("{} {}", body_shape::name(&one.parts), i + 1), one.colour())
         };
         let bodies = simulation.bodies().iter().enumerate().map(named).collect();
         Self { subject: subject.into(), bodies, entries: Vec::new() }

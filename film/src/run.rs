@@ -32,8 +32,16 @@ pub struct FilmOptions<'s> {
     pub view: Option<usize>,
 }
 
-/// Plays `capture`, whose first frame is published to `data` already, and writes the results. Returns a table of what
-/// became of each body, and a list of the files written. `shown` is called after each frame with a short summary of it.
+/// What a film was made of.
+#[derive(Debug)]
+pub struct FilmReport {
+    /// A table of what became of each body, and a list of the files written.
+    pub text: String,
+    /// The states of all bodies in each frame.
+    pub log: Log,
+}
+
+/// Plays `capture`, whose first frame is published to `data` already, and writes the results. `shown` is called after each frame with a short summary of it.
 ///
 /// # Errors
 /// A frame that cannot be read, or a simulation that diverges: the results of the frames before are written all the
@@ -44,7 +52,7 @@ pub fn run_film(
     data: &HullData,
     simulation: &mut Simulation,
     shown: &mut dyn FnMut(String),
-) -> Result<String> {
+) -> Result<FilmReport> {
     let FilmOptions { out, name, frames, .. } = *options;
     std::fs::create_dir_all(out)
         .map_err(|e| Error::file(out, format!("expected to make this folder, found: {e}")))?;
@@ -54,7 +62,7 @@ pub fn run_film(
     let played = play(options, capture, data, simulation, (&mut film, &mut log), shown);
     if log.entries.is_empty() {
         played?;
-        return Ok(String::new());
+        return Ok(FilmReport { text: String::new(), log });
     }
 
     // What was simulated before an error is written all the same.
@@ -71,7 +79,7 @@ pub fn run_film(
     for (path, what) in written {
         text += &format!("{what:<12} {}\n", path.display());
     }
-    Ok(text)
+    Ok(FilmReport { text, log })
 }
 
 fn play(

@@ -2,24 +2,17 @@
 
 use crate::body_shape::check_drawable;
 use crate::compositor::Drawn;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3, vector};
+use crate::part::{Part, mass_of};
+use crate::simulated_body::{GRAVITY, SimulatedBody, State, Support, Touched, drawn};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::hull::{Hull, HullData, Motion};
-use ode_visual_hull::ode::{Amount, BodyId, GeomId, Mass, Ode, Shape, Surface, Swept, World};
+use ode_visual_hull::ode::{Damping, GeomId, JointKind, Ode, Shape, Surface, Swept, World};
 use ode_visual_hull::{Error, Result};
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Steps of the simulation a second.
 pub const STEPS_PER_SECOND: f64 = 240.0;
-
-/// Acceleration of falling bodies, in m/s2.
-const GRAVITY: f64 = 9.81;
-
-/// A body slower than this, in m/s, is at rest.
-pub(crate) const AT_REST: f64 = 0.02;
-
-/// Density of the bodies in kg/m3, about that of a parcel.
-const DENSITY: f64 = 120.0;
 
 /// Coefficient of friction between all surfaces.
 const FRICTION: f64 = 0.8;
@@ -31,79 +24,17 @@ const MAX_CONTACTS: usize = 8;
 /// features thinner.
 const MIN_FEATURE: f64 = 0.015;
 
-/// A virtual body.
-#[derive(Debug, Clone)]
-pub struct SimulatedBody {
-    /// A box or a sphere.
-    pub shape: Shape,
-    /// Red, green, blue.
-    pub colour: [u8; 3],
-    body: BodyId,
-    touched: Touched,
-    /// Largest depth in the hull so far, in metres.
-    pub deepest: f64,
-    /// Time of its first contact, in seconds.
-    pub first_contact: Option<f64>,
-    /// Largest speed since then, in m/s.
-    pub fastest_after_contact: f64,
-    /// Largest speed since then without what it gained by falling, in m/s: the speed that it would have at the greatest
-    /// height since it was last at rest.
-    pub fastest_without_fall: f64,
-    /// That height, in metres.
-    highest: f64,
-}
-
-/// What a body touched in the last step.
-#[derive(Debug, Clone, Default)]
-struct Touched {
-    hull: bool,
-    floor: bool,
-    /// Other bodies, by index.
-    bodies: Vec<usize>,
-}
-
-/// Pose and velocity of a body.
-#[derive(Debug, Clone, Copy)]
-pub struct State {
-    /// World from body.
-    pub pose: Isometry3<f64>,
-    /// In m/s.
-    pub linear_velocity: Vector3<f64>,
-    /// In rad/s, in the world.
-    pub angular_velocity: Vector3<f64>,
-}
-
-/// What supports a body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Support {
-    /// The real subject, directly or through other bodies.
-    Subject,
-    /// The floor, directly or through other bodies.
-    Floor,
-    /// Nothing: the body falls.
-    Nothing,
-}
-
-impl SimulatedBody {
-    /// Records the speed in m/s and the height in metres after a step.
-    fn record_speed(&mut self, speed: f64, height: f64) {
-        self.highest = if speed < AT_REST { height } else { self.highest.max(height) };
-        if self.first_contact.is_some() {
-            let by_falling = 2.0 * GRAVITY * (self.highest - height);
-            let without_fall = (speed * speed - by_falling).max(0.0).sqrt();
-            self.fastest_without_fall = self.fastest_without_fall.max(without_fall);
-            self.fastest_after_contact = self.fastest_after_contact.max(speed);
-        }
-    }
-}
-
 /// A world with its bodies.
 #[derive(Debug)]
 pub struct Simulation {
     world: World,
     hull: GeomId,
-    floor: GeomId,
     bodies: Vec<SimulatedBody>,
+    /// What is drawn and does not move.
+    fixed: Vec<Drawn>,
+    /// Of contacts between bodies, and of all others.
+    body_surface: Surface,
+    surface: Surface,
     time: f64,
     collided_at: Instant,
 }
@@ -125,11 +56,21 @@ impl Simulation {
         world.set_contact_surface_layer(0.5 * pixel_size)?;
 
         let root = world.root_space();
-        let floor = world.add_geom(root, &Shape::Plane { normal: Vector3::z(), offset: 0.0 })?;
+        world.add_geom(root, &Shape::Plane { normal: Vector3::z(), offset: 0.0 })?;
         let hull = world.add_hull(root, data)?;
         world.hull_mut(hull).set_min_feature(MIN_FEATURE)?;
         world.hull_mut(hull).set_motion(motion);
-        Ok(Self { world, hull, floor, bodies: Vec::new(), time: 0.0, collided_at: Instant::now() })
+        let surface = Surface::with_friction(FRICTION);
+        Ok(Self {
+            world,
+            hull,
+            bodies: Vec::new(),
+            fixed: Vec::new(),
+            body_surface: surface,
+            surface,
+            time: 0.0,
+            collided_at: Instant::now(),
+        })
     }
 
     /// Sets whether the hull collides with what it will meet within the next step; it does not at first.
@@ -146,31 +87,79 @@ impl Simulation {
         self.world.hull_mut(self.hull).set_min_feature(diameter)
     }
 
-    /// Adds a body at rest.
+    /// Sets friction and bounce of the contacts between virtual bodies: a friction coefficient of 0.8 and no bounce at first,
+    /// as on the floor and the subject.
+    pub fn set_body_surface(&mut self, surface: Surface) {
+        self.body_surface = surface;
+    }
+
+    /// Sets the part of their velocities that bodies lose in each step, for bodies added from now on: none at first.
     ///
     /// # Errors
-    /// A shape other than a box or a sphere, a size that is not positive, or a pose that is not finite.
-    pub fn add(&mut self, shape: &Shape, pose: &Isometry3<f64>, colour: [u8; 3]) -> Result<()> {
-        check_drawable(shape)?;
+    /// Numbers out of range.
+    pub fn set_damping(&mut self, damping: &Damping) -> Result<()> {
+        self.world.set_damping(damping)
+    }
+
+    /// Adds a body of one part at rest, of 120 kg/m3, and returns its index.
+    ///
+    /// # Errors
+    /// A shape other than a box, a sphere or a capsule, a size that is not positive, or a pose that is not finite.
+    pub fn add(&mut self, shape: &Shape, pose: &Isometry3<f64>, colour: [u8; 3]) -> Result<usize> {
+        self.add_parts(&[Part::new(shape.clone(), colour)], pose)
+    }
+
+    /// Adds a rigid body of several parts at rest, whose frame has this pose, and returns its index.
+    ///
+    /// # Errors
+    /// Parts as in [`Self::add`], a density that is not positive, or no solid part.
+    pub fn add_parts(&mut self, parts: &[Part], pose: &Isometry3<f64>) -> Result<usize> {
+        let mass = mass_of(parts)?;
+        let mass_centre = Translation3::from(mass.center());
         let body = self.world.add_body();
-        let geom = self.world.add_geom(self.world.root_space(), shape)?;
-        self.world.geom_mut(geom).set_body(Some(body))?;
+        for part in parts.iter().filter(|part| part.is_solid) {
+            let geom = self.world.add_geom(self.world.root_space(), &part.shape)?;
+            let mut geom = self.world.geom_mut(geom);
+            geom.set_body(Some(body))?;
+            geom.set_offset(&(mass_centre.inverse() * part.body_from_part))?;
+        }
 
+        let placed = pose * mass_centre;
         let mut body_mut = self.world.body_mut(body);
-        body_mut.set_mass(&Mass::of(shape, Amount::Density(DENSITY))?)?;
-        body_mut.set_pose(pose)?;
-        self.bodies.push(SimulatedBody {
-            shape: shape.clone(),
-            colour,
-            body,
-            touched: Touched::default(),
-            deepest: 0.0,
-            first_contact: None,
-            fastest_after_contact: 0.0,
-            fastest_without_fall: 0.0,
-            highest: pose.translation.z,
-        });
+        body_mut.set_mass(&mass.centred())?;
+        body_mut.set_pose(&placed)?;
+        self.bodies.push(SimulatedBody::new(parts, body, mass_centre, placed.translation.z));
+        Ok(self.bodies.len() - 1)
+    }
 
+    /// Adds what does not move, in the world's frame: solid parts are collided with, others are only drawn.
+    ///
+    /// # Errors
+    /// Parts as in [`Self::add`].
+    pub fn add_fixed(&mut self, parts: &[Part]) -> Result<()> {
+        for part in parts {
+            check_drawable(&part.shape)?;
+            if part.is_solid {
+                let geom = self.world.add_geom(self.world.root_space(), &part.shape)?;
+                self.world.geom_mut(geom).set_pose(&part.body_from_part)?;
+            }
+        }
+        self.fixed.extend(drawn(parts, Isometry3::identity()));
+        Ok(())
+    }
+
+    /// Joins two bodies, given by their indices, at their present poses; `None` is the world.
+    ///
+    /// # Errors
+    /// A body that does not exist, or a joint that ODE cannot make of these bodies.
+    pub fn join(&mut self, bodies: [Option<usize>; 2], kind: &JointKind) -> Result<()> {
+        let count = self.bodies.len();
+        if let Some(index) = bodies.into_iter().flatten().find(|&index| index >= count) {
+            return Err(Error::argument(format!(
+                "joint: expected the index of one of {count} bodies, found {index}"
+            )));
+        }
+        self.world.add_joint(bodies.map(|index| index.map(|i| self.bodies[i].id)), kind)?;
         Ok(())
     }
 
@@ -198,7 +187,7 @@ impl Simulation {
         self.world.quick_step(dt)?;
         self.time += dt;
         for one in &mut self.bodies {
-            let body = self.world.body(one.body);
+            let body = self.world.body(one.id);
             one.record_speed(body.linear_velocity().norm(), body.position().z);
         }
         match self.world.hull(self.hull).take_error() {
@@ -230,15 +219,19 @@ impl Simulation {
     /// Collides before a step of `dt` seconds: adds contacts for every pair with a body, and records what each body
     /// touches.
     fn collide(&mut self, dt: f64) -> Result<()> {
-        let Self { world, hull, floor, bodies, time, .. } = self;
+        let Self { world, hull, bodies, body_surface, surface, time, .. } = self;
         for one in bodies.iter_mut() {
             one.touched = Touched::default();
         }
 
         // Contacts with the hull carry the speed of the real surface.
         world.hull_mut(*hull).set_time(*time)?;
-        let surface = Surface::with_friction(FRICTION);
         world.collide(|pair| {
+            if pair.are_connected_excluding_contact() {
+                return;
+            }
+            let is_between_bodies = pair.bodies().iter().all(Option::is_some);
+            let surface = if is_between_bodies { *body_surface } else { *surface };
             let contacts = pair.contacts(MAX_CONTACTS);
             for contact in contacts.iter() {
                 pair.attach(contact, &pair.surface_at(contact, &surface, dt));
@@ -248,17 +241,18 @@ impl Simulation {
             }
 
             // Both bodies of the pair record what they touch.
-            let of_body = |body| bodies.iter().position(|one| one.body == body);
+            let of_body = |body| bodies.iter().position(|one| one.id == body);
             let [first, second] = pair.bodies().map(|body| body.and_then(of_body));
             let depth = contacts.iter().map(|contact| contact.depth).fold(0.0, f64::max);
             for (own, other) in [(first, second), (second, first)] {
                 let Some(one) = own.and_then(|own| bodies.get_mut(own)) else { continue };
                 one.first_contact.get_or_insert(*time);
                 one.touched.bodies.extend(other);
-                one.touched.floor |= pair.geoms().contains(floor);
                 if pair.geoms().contains(hull) {
                     one.touched.hull = true;
                     one.deepest = one.deepest.max(depth);
+                } else if other.is_none() {
+                    one.touched.floor = true;
                 }
             }
         })
@@ -290,9 +284,9 @@ impl Simulation {
     /// Poses and velocities of the bodies.
     pub fn states(&self) -> Vec<State> {
         let state = |one: &SimulatedBody| {
-            let body = self.world.body(one.body);
+            let body = self.world.body(one.id);
             State {
-                pose: body.pose(),
+                pose: body.pose() * one.mass_centre.inverse(),
                 linear_velocity: body.linear_velocity(),
                 angular_velocity: body.angular_velocity(),
             }
@@ -302,14 +296,8 @@ impl Simulation {
 
     /// What supports each body, directly or through others. A body on both subject and floor counts as on the subject.
     pub fn supports(&self) -> Vec<Support> {
-        let direct = |one: &SimulatedBody| match &one.touched {
-            Touched { hull: true, .. } => Support::Subject,
-            Touched { floor: true, .. } => Support::Floor,
-            _ => Support::Nothing,
-        };
-
         // Support spreads from body to body, by one contact in each round.
-        let mut supports: Vec<_> = self.bodies.iter().map(direct).collect();
+        let mut supports: Vec<_> = self.bodies.iter().map(|one| Support::of(&one.touched)).collect();
         for _ in 0..self.bodies.len() {
             for (i, one) in self.bodies.iter().enumerate() {
                 for &below in &one.touched.bodies {
@@ -323,14 +311,14 @@ impl Simulation {
         supports
     }
 
-    /// The bodies as they are drawn.
+    /// The bodies, and what is fixed, as they are drawn.
     pub fn drawn(&self) -> Vec<Drawn> {
-        let drawn = |(one, state): (&SimulatedBody, State)| Drawn {
-            shape: one.shape.clone(),
-            world_from_body: state.pose,
-            colour: one.colour,
+        let of_body = |(one, state): (_, State)| {
+            let one: &SimulatedBody = one;
+            drawn(&one.parts, state.pose)
         };
-        self.bodies.iter().zip(self.states()).map(drawn).collect()
+        let bodies = self.bodies.iter().zip(self.states()).flat_map(of_body);
+        bodies.chain(self.fixed.iter().cloned()).collect()
     }
 
     /// The number of bodies on each support, for the progress bar.
@@ -357,30 +345,4 @@ fn erp(motion: Motion) -> f64 {
 pub fn lean_deg(rotation: &UnitQuaternion<f64>) -> f64 {
     let up = rotation.inverse_transform_vector(&Vector3::z());
     up.amax().clamp(-1.0, 1.0).acos().to_degrees()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The largest speed without falling of a body that has these speeds, in m/s, at these heights, in metres.
-    fn without_fall(states: &[(f64, f64)]) -> f64 {
-        let mut simulation = Simulation::new(&Arc::new(HullData::new()), 0.001, Motion::Held).unwrap();
-        simulation.add(&Shape::cube(0.1), &Isometry3::translation(0.0, 0.0, 1.0), [0; 3]).unwrap();
-        let one = &mut simulation.bodies[0];
-        one.first_contact = Some(0.0);
-        states.iter().for_each(|&(speed, height)| one.record_speed(speed, height));
-        one.fastest_without_fall
-    }
-
-    #[test]
-    fn falling_adds_nothing_to_a_bodys_speed_without_falling() {
-        let fallen = |height: f64| ((2.0 * GRAVITY * (1.0 - height)).sqrt(), height);
-        assert!(without_fall(&[(0.0, 1.0), fallen(0.6), fallen(0.1)]) < 1e-6);
-
-        // A body that was thrown at 2 m/s keeps that speed while it rises, falls and lies on the floor.
-        let thrown = |height: f64| ((4.0 + 2.0 * GRAVITY * (1.0 - height)).sqrt(), height);
-        let found = without_fall(&[(0.0, 1.0), thrown(1.0), thrown(1.1), thrown(0.1), (0.0, 0.05)]);
-        assert!((found - 2.0).abs() < 1e-9, "{found}");
-    }
 }

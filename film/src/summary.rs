@@ -4,7 +4,8 @@ use crate::body_shape;
 use crate::film::Film;
 use crate::log::{Entry, Log};
 use crate::plot;
-use crate::simulation::{AT_REST, Simulation, State, Support, lean_deg};
+use crate::simulated_body::{AT_REST, State, Support};
+use crate::simulation::{Simulation, lean_deg};
 use crate::subject_speed::quantile;
 use ode_visual_hull::Result;
 use std::fmt::Write;
@@ -51,7 +52,7 @@ pub(crate) fn table(log: &Log, simulation: &Simulation, still_until: f64, subjec
     );
     let still: Vec<&Entry> = log.between(still_until - STILLNESS_SECONDS, still_until + 1e-6).collect();
     for (i, one) in simulation.bodies().iter().enumerate() {
-        let size = body_shape::lengths(&one.shape) * 100.0;
+        let size = body_shape::lengths(&one.parts) * 100.0;
         let _ = write!(text, "{:>7} {:>2.0}x{:>2.0}x{:>2.0} ", log.bodies[i].0, size.x, size.y, size.z);
         let _ = match Stillness::of(&still, i) {
             Some(s) => {

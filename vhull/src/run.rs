@@ -146,7 +146,8 @@ pub fn run(options: &Options) -> Result<Outcome> {
     bar.finish_and_clear();
     let (count, seconds) = playback.pace();
     let hull = options.motion.description(playback.period());
-    let text = format!("{placed}\n{count} recorded frames play in {seconds:.2} s\nhull: {hull}\n{}", text?);
+    let text =
+        format!("{placed}\n{count} recorded frames play in {seconds:.2} s\nhull: {hull}\n{}", text?.text);
 
     // The reader may have closed the pipe.
     let _ = std::io::stdout().write_all(text.as_bytes());

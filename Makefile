@@ -15,7 +15,7 @@ INSTALLED := $(INCLUDEDIR)/ode_visual_hull.h $(LIBDIR)/pkgconfig/ode_visual_hull
 	$(addprefix $(LIBDIR)/$(LIBRARY),.a .so .so.$(MAJOR) .so.$(VERSION))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup lib install uninstall demo demo-real test figures bench clean
+.PHONY: help setup lib install uninstall demo demo-real showcase test figures bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -27,6 +27,12 @@ demo-real: ## a real person knocks over such a stack: fetches a recording, film,
 	@scripts/setup ffmpeg python3-pip
 	cargo build --release --package vhull
 	@scripts/demo-real $(or $(CARGO_TARGET_DIR),target)
+
+SHOWCASE := domino_spiral pyramid newtons_cradle balance_bird
+
+showcase: setup ## four scenes that other engines show too, with a real finger or person: films in target/<scene>
+	cargo build --release $(addprefix --example ,$(SHOWCASE))
+	@set -e; for scene in $(SHOWCASE); do cargo run --quiet --release --example $$scene; done
 
 test: setup ## formatting, lints, documentation and all tests
 	@scripts/lints

@@ -11,6 +11,10 @@ use ode_visual_hull::synthetic::{Subject, layout};
 use ode_visual_hull_film::{FilmReport, Log, Scenario, Simulation};
 use std::process::ExitCode;
 
+/// The name of the film, which is that of the example, and the folder for it unless another is given.
+const NAME: &str = env!("CARGO_CRATE_NAME");
+const OUT: &str = concat!("target/", env!("CARGO_CRATE_NAME"));
+
 const IMAGE: (u32, u32) = (640, 480);
 
 /// The horizontal angle of view of all cameras, in radians.
@@ -22,9 +26,6 @@ const DOWNWARDS: [f64; 4] = [0.05, 0.45, 0.2, 0.6];
 
 /// A scene.
 pub struct Act {
-    /// The name of the film, and the folder for it unless another is given.
-    pub name: &'static str,
-    pub out: &'static str,
     /// What happens, for `--help`.
     pub about: &'static str,
     /// A word for the subject.
@@ -63,7 +64,7 @@ impl Act {
         add_bodies: impl FnOnce(&mut Simulation) -> Result<()>,
         claim: impl FnOnce(&Log) -> Claim,
     ) -> ExitCode {
-        let matches = Options::command().name(self.name).about(self.about).get_matches();
+        let matches = Options::command().name(NAME).about(self.about).get_matches();
         let options = Options::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
         let is_whole = options.film.frames.is_none();
         let report = match self.film(&options.film, add_bodies) {
@@ -96,8 +97,8 @@ impl Act {
             )?,
             place: self.place,
             motion: Motion::Interpolated,
-            name: self.name,
-            out: self.out,
+            name: NAME,
+            out: OUT,
             scenario: self,
         };
         shared::film(filmed, arguments, |simulation| {

@@ -6,11 +6,11 @@ mod arm;
 mod shared;
 
 use act::{Act, Claim};
-use nalgebra::{Isometry3, Point3, Vector3, vector};
+use nalgebra::{Isometry3, Vector3, point};
 use ode_visual_hull::Result;
-use ode_visual_hull::shape::Shape;
+use ode_visual_hull::ode::{Shape, Surface};
 use ode_visual_hull::synthetic::Subject;
-use ode_visual_hull_film::{Log, Simulation};
+use ode_visual_hull_film::{Entry, Log, Simulation, State};
 use std::f64::consts::TAU;
 use std::process::ExitCode;
 
@@ -27,19 +27,16 @@ const OUTER: f64 = 0.95;
 const FIRST: f64 = -0.66 * std::f64::consts::PI;
 
 fn main() -> ExitCode {
-    let first = domino(FIRST).translation.vector;
     let act = Act {
-        name: "domino_spiral",
-        out: "target/domino_spiral",
         about: "A real finger pushes the first of 72 virtual dominoes, and the last one falls.",
         who: "finger",
         subject: finger,
         still_until: 0.8,
-        end: 7.0,
-        place: Point3::from(first),
+        end: 8.0,
+        place: domino(FIRST) * point![0.0, 0.0, 0.0],
         reach: 0.45,
-        eye: Point3::new(-0.1, -2.35, 1.75),
-        target: Point3::new(0.0, -0.12, 0.0),
+        eye: point![-0.12, -2.1, 1.6],
+        target: point![-0.04, -0.1, 0.0],
     };
     act.play(add_dominoes, all_fall)
 }
@@ -47,12 +44,13 @@ fn main() -> ExitCode {
 /// A finger that pushes the first domino just below its top, and draws back.
 fn finger(time: f64) -> Result<Subject> {
     let pushed = 0.17 * arm::ease(time, 0.8, 1.4) - 0.3 * arm::ease(time, 1.4, 2.2);
-    let tip = domino(FIRST) * Point3::new(0.0, pushed - 0.12, 0.08);
+    let tip = domino(FIRST) * point![0.0, pushed - 0.12, 0.08];
     let along = domino(FIRST) * Vector3::y();
     arm::arm(tip, along - 0.2 * Vector3::z(), along - 0.5 * Vector3::z())
 }
 
 fn add_dominoes(simulation: &mut Simulation) -> Result<()> {
+    simulation.set_body_surface(Surface::with_friction(0.2));
     let mut angle = FIRST;
     for k in 0..DOMINOES {
         let turn = k as f64 / DOMINOES as f64;
@@ -69,16 +67,13 @@ fn radius(angle: f64) -> f64 {
 
 /// The pose of the domino at this angle, whose y axis leads to the next one.
 fn domino(angle: f64) -> Isometry3<f64> {
-    let place = vector![radius(angle) * angle.cos(), radius(angle) * angle.sin(), 0.5 * DOMINO.z];
-    Isometry3::new(place, Vector3::z() * angle)
+    let turn = Isometry3::rotation(Vector3::z() * angle);
+    turn * Isometry3::translation(radius(angle), 0.0, 0.5 * DOMINO.z)
 }
 
 fn all_fall(log: &Log) -> Claim {
-    let leans = |time: f64| {
-        let entry = log.between(0.0, time).last();
-        let lies = |state: &ode_visual_hull_film::State| (state.pose * Vector3::z()).z < 0.7;
-        entry.map_or(0, |entry| entry.states.iter().filter(|state| lies(state)).count())
-    };
-    let (before, after) = (leans(0.8), leans(f64::INFINITY));
+    let lies = |state: &&State| (state.pose * Vector3::z()).z < 0.7;
+    let lie_at = |entry: &Entry| entry.states.iter().filter(lies).count();
+    let [before, after] = [0, log.entries.len() - 1].map(|i| lie_at(&log.entries[i]));
     Claim { holds: before == 0 && after == DOMINOES, text: format!("{after} of {DOMINOES} dominoes fell") }
 }

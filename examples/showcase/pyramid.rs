@@ -5,7 +5,7 @@ mod act;
 mod shared;
 
 use act::{Act, Claim};
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Vector3, point};
 use ode_visual_hull::Result;
 use ode_visual_hull::shape::Shape;
 use ode_visual_hull::synthetic::{PERSON_PERIOD, Subject};
@@ -25,17 +25,15 @@ const COLOURS: [[u8; 3]; ROWS] =
 
 fn main() -> ExitCode {
     let act = Act {
-        name: "pyramid",
-        out: "target/pyramid",
         about: "A real person walks through a pyramid of 21 virtual boxes, which stands still before.",
         who: "person",
         subject: walker,
         still_until: STILL_UNTIL,
-        end: 5.0,
-        place: Point3::new(0.2, 0.0, 0.85),
+        end: 5.2,
+        place: point![0.45, 0.0, 0.85],
         reach: 1.15,
-        eye: Point3::new(2.3, -2.9, 1.7),
-        target: Point3::new(0.25, 0.0, 0.7),
+        eye: point![2.75, -3.15, 1.75],
+        target: point![0.5, 0.0, 0.6],
     };
     act.play(add_pyramid, stands_and_falls)
 }
@@ -60,21 +58,18 @@ fn add_pyramid(simulation: &mut Simulation) -> Result<()> {
 }
 
 fn stands_and_falls(log: &Log) -> Claim {
-    let height = |entry: &Entry, i: usize| entry.states[i].pose.translation.vector;
-    let moved = |from: &Entry, to: &Entry| {
-        let ways = (0..from.states.len()).map(|i| (height(to, i) - height(from, i)).norm());
-        ways.fold(0.0, f64::max)
-    };
-    let untouched = |entry: &&Entry| !entry.supports.contains(&Support::Subject);
-    let standing: Vec<&Entry> = log.between(0.5, f64::INFINITY).take_while(untouched).collect();
-    let (settled, before, end) =
+    let is_untouched = |entry: &&Entry| !entry.supports.contains(&Support::Subject);
+    let standing: Vec<&Entry> = log.between(0.5, f64::INFINITY).take_while(is_untouched).collect();
+    let (settled, touched, end) =
         (standing[0], standing[standing.len() - 1], &log.entries[log.entries.len() - 1]);
-    let (crept, thrown) = (1e3 * moved(settled, before), moved(before, end));
-    let top = end.states[end.states.len() - 1].pose.translation.z;
+
+    let place = |entry: &Entry, i: usize| entry.states[i].pose.translation.vector;
+    let ways = |from, to| (0..end.states.len()).map(move |i| (place(to, i) - place(from, i)).norm());
+    let crept = 1e3 * ways(settled, touched).fold(0.0, f64::max);
+    let thrown = ways(touched, end).filter(|&way| way > BOX.x).count();
+    let seconds = touched.time - settled.time;
     let text = format!(
-        "in {:.1} s before the touch the boxes moved by up to {crept:.2} mm; then by up to {thrown:.2} m, and the top one lies \
-         at {top:.2} m",
-        before.time - settled.time
+        "moved by {crept:.1} mm in {seconds:.1} s before the touch; then {thrown} of 21 boxes left their places"
     );
-    Claim { holds: crept < 1.0 && top < 2.0 * BOX.z, text }
+    Claim { holds: crept < 1.0 && thrown > 10, text }
 }

@@ -34,7 +34,7 @@ pub struct Simulation {
     fixed: Vec<Drawn>,
     /// Of contacts between bodies, and of all others.
     body_surface: Surface,
-    surface: Surface,
+    real_surface: Surface,
     time: f64,
     collided_at: Instant,
 }
@@ -67,7 +67,7 @@ impl Simulation {
             bodies: Vec::new(),
             fixed: Vec::new(),
             body_surface: surface,
-            surface,
+            real_surface: surface,
             time: 0.0,
             collided_at: Instant::now(),
         })
@@ -87,10 +87,14 @@ impl Simulation {
         self.world.hull_mut(self.hull).set_min_feature(diameter)
     }
 
-    /// Sets friction and bounce of the contacts between virtual bodies: a friction coefficient of 0.8 and no bounce at first,
-    /// as on the floor and the subject.
+    /// Sets friction and bounce of the contacts between virtual bodies: a friction coefficient of 0.8 and no bounce at first.
     pub fn set_body_surface(&mut self, surface: Surface) {
         self.body_surface = surface;
+    }
+
+    /// Sets friction and bounce of the contacts with the subject, the floor and what is fixed, which are alike at first.
+    pub fn set_real_surface(&mut self, surface: Surface) {
+        self.real_surface = surface;
     }
 
     /// Sets the part of their velocities that bodies lose in each step, for bodies added from now on: none at first.
@@ -219,7 +223,7 @@ impl Simulation {
     /// Collides before a step of `dt` seconds: adds contacts for every pair with a body, and records what each body
     /// touches.
     fn collide(&mut self, dt: f64) -> Result<()> {
-        let Self { world, hull, bodies, body_surface, surface, time, .. } = self;
+        let Self { world, hull, bodies, body_surface, real_surface, time, .. } = self;
         for one in bodies.iter_mut() {
             one.touched = Touched::default();
         }
@@ -231,7 +235,7 @@ impl Simulation {
                 return;
             }
             let is_between_bodies = pair.bodies().iter().all(Option::is_some);
-            let surface = if is_between_bodies { *body_surface } else { *surface };
+            let surface = if is_between_bodies { *body_surface } else { *real_surface };
             let contacts = pair.contacts(MAX_CONTACTS);
             for contact in contacts.iter() {
                 pair.attach(contact, &pair.surface_at(contact, &surface, dt));
@@ -345,4 +349,55 @@ fn erp(motion: Motion) -> f64 {
 pub fn lean_deg(rotation: &UnitQuaternion<f64>) -> f64 {
     let up = rotation.inverse_transform_vector(&Vector3::z());
     up.amax().clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+
+    const PIVOT: Point3<f64> = Point3::new(0.0, 0.0, 1.0);
+
+    fn empty_world() -> Simulation {
+        Simulation::new(&Arc::new(HullData::new()), 0.001, Motion::Held).unwrap()
+    }
+
+    #[test]
+    fn a_body_of_two_parts_falls_as_one_that_is_where_it_was_put() {
+        let mut simulation = empty_world();
+        let heavy = Part::new(Shape::Sphere { radius: 0.05 }, [0; 3]).with_density(4000.0);
+        let light = Part::rod(Point3::new(0.1, 0.0, 0.0), Point3::new(0.5, 0.0, 0.0), 0.02, [0; 3]);
+        let pose = Isometry3::new(vector![0.3, -0.2, 2.0], vector![0.4, 0.5, 0.6]);
+        simulation.add_parts(&[heavy, light], &pose).unwrap();
+        assert!((simulation.states()[0].pose.to_homogeneous() - pose.to_homogeneous()).norm() < 1e-12);
+
+        // Without contact all of it falls alike, about no axis.
+        simulation.advance(0.2).unwrap();
+        let fallen = simulation.states()[0].pose;
+        assert!(fallen.rotation.angle_to(&pose.rotation) < 1e-9);
+        let way = fallen.translation.vector - pose.translation.vector;
+        assert!(way.xy().norm() < 1e-9 && way.z < -0.19, "{way}");
+    }
+
+    #[test]
+    fn a_hinge_holds_a_ball_on_its_circle() {
+        let mut simulation = empty_world();
+        let ball = Part::new(Shape::Sphere { radius: 0.05 }, [0; 3]).with_density(1000.0);
+        let body = simulation.add_parts(&[ball], &Isometry3::translation(0.4, 0.0, 1.0)).unwrap();
+        let hinge = JointKind::Hinge { anchor: PIVOT, axis: Vector3::y() };
+        simulation.join([Some(body), None], &hinge).unwrap();
+        assert!(simulation.join([Some(1), None], &hinge).is_err());
+
+        // At the bottom, all it has fallen by is speed.
+        let mut fastest = 0.0_f64;
+        for _ in 0..120 {
+            simulation.advance(1.0 / STEPS_PER_SECOND).unwrap();
+            let State { pose, linear_velocity, .. } = simulation.states()[0];
+            assert!(((pose.translation.vector - PIVOT.coords).norm() - 0.4).abs() < 2e-3);
+            fastest = fastest.max(linear_velocity.norm());
+        }
+        // The ball's own inertia turns with it: 2 g h / (1 + 2/5 r2/h2).
+        let expected = (2.0 * GRAVITY * 0.4 / (1.0 + 0.4 * (0.05_f64 / 0.4).powi(2))).sqrt();
+        assert!((fastest / expected - 1.0).abs() < 0.02, "{fastest}, expected {expected}");
+    }
 }

@@ -54,6 +54,7 @@ fn add_bird(simulation: &mut Simulation) -> Result<()> {
         let wing =
             Isometry3::new(vector![-0.03, 0.11 * side, -0.01], vector![-0.3 * side, 0.0, -0.35 * side]);
         let below = Isometry3::translation(0.0235, 0.2 * side, -0.06);
+        parts.push(Part::rod(point![0.0, 0.19 * side, -0.037], below * Point3::origin(), 0.004, YELLOW));
         parts.push(Part::new(Shape::cuboid(0.07, 0.2, 0.006), BLUE).at(wing));
         parts.push(Part::new(Shape::Sphere { radius: 0.014 }, YELLOW).at(below).with_density(8000.0));
     }

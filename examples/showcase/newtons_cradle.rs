@@ -17,7 +17,6 @@ use std::process::ExitCode;
 const RADIUS: f64 = 0.06;
 const LENGTH: f64 = 0.5;
 const HEIGHT: f64 = 0.68;
-
 /// From one ball to the next: with a gap, so that ODE passes impulses on from ball to ball.
 const SPACING: f64 = 2.0 * RADIUS + 0.001;
 
@@ -33,8 +32,8 @@ fn main() -> ExitCode {
         end: 8.0,
         place: point![-0.4, 0.0, 0.25],
         reach: 0.35,
-        eye: point![0.25, -1.45, 0.75],
-        target: point![0.0, 0.0, 0.36],
+        eye: point![0.15, -1.75, 0.85],
+        target: point![-0.02, 0.0, 0.36],
     };
     act.play(add_cradle, outer_balls_swing)
 }
@@ -45,8 +44,9 @@ fn finger(time: f64) -> Result<Subject> {
     let (down, ahead) = (vector![-sin, 0.0, -cos], vector![cos, 0.0, -sin]);
     let away = 0.1 * (1.0 - arm::ease(time, 0.4, 0.8)) + 0.14 * arm::ease(time, 2.3, 2.45);
     let below = (RADIUS + arm::FINGER) * (0.8 * down + 0.6 * ahead) + away * down;
-    let back = vector![0.0, 0.6 * arm::ease(time, 2.45, 3.2) - 0.03, 0.0];
-    arm::arm(axis(0) + LENGTH * down + below + back, -Vector3::y(), vector![0.8, -1.0, -0.3])
+    let reach = vector![0.45, -1.0, -0.35];
+    let back = vector![0.0, -0.03, 0.0] - 0.9 * arm::ease(time, 2.45, 3.4) * reach;
+    arm::arm(axis(0) + LENGTH * down + below + back, -Vector3::y(), reach)
 }
 
 fn axis(ball: usize) -> Point3<f64> {
@@ -55,7 +55,7 @@ fn axis(ball: usize) -> Point3<f64> {
 
 fn add_cradle(simulation: &mut Simulation) -> Result<()> {
     simulation.set_body_surface(Surface { mu: 0.0, bounce: Some(1.0), ..Surface::default() });
-    let string = |y| Part::rod(Point3::origin(), point![0.0, y, LENGTH], 0.002, [240; 3]).only_drawn();
+    let string = |y| Part::rod(Point3::origin(), point![0.0, y, LENGTH], 0.003, [240; 3]).only_drawn();
     let wood = |from, to| Part::rod(from, to, 0.014, [240, 150, 60]).only_drawn();
     for ball in 0..5 {
         let steel = Part::new(Shape::Sphere { radius: RADIUS }, [70, 130, 220]).with_density(1000.0);

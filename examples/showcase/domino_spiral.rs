@@ -32,7 +32,7 @@ fn main() -> ExitCode {
         who: "finger",
         subject: finger,
         still_until: 0.8,
-        end: 8.0,
+        end: 7.0,
         place: domino(FIRST) * point![0.0, 0.0, 0.0],
         reach: 0.45,
         eye: point![-0.12, -2.1, 1.6],

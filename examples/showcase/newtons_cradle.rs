@@ -13,11 +13,11 @@ use ode_visual_hull::synthetic::Subject;
 use ode_visual_hull_film::{Entry, Log, Part, Simulation};
 use std::process::ExitCode;
 
-/// The balls' radius, their distance below their axes, and the height of these, in metres.
+/// The balls' radius, their distance below their axes, the height of these, and the distance from one to the next, in metres:
+/// with a gap, so that ODE passes impulses on from ball to ball.
 const RADIUS: f64 = 0.06;
 const LENGTH: f64 = 0.5;
 const HEIGHT: f64 = 0.68;
-/// From one ball to the next: with a gap, so that ODE passes impulses on from ball to ball.
 const SPACING: f64 = 2.0 * RADIUS + 0.001;
 
 /// How far the first ball is lifted, in radians.
@@ -63,10 +63,9 @@ fn add_cradle(simulation: &mut Simulation) -> Result<()> {
         let body = simulation.add_parts(&[steel, string(-0.15), string(0.15)], &pose)?;
         simulation.join([Some(body), None], &JointKind::Hinge { anchor: axis(ball), axis: Vector3::y() })?;
     }
-    for y in [-0.15, 0.15] {
-        let corner = |x: f64, z: f64| point![0.66 * x, y, HEIGHT * z];
-        let [a, b, c, d] = [corner(-1.0, 0.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, 0.0)];
-        simulation.add_fixed(&[wood(a, b), wood(b, c), wood(c, d)])?;
+    for (x, y) in [(-0.66, -0.15), (0.66, -0.15), (0.66, 0.15), (-0.66, 0.15)] {
+        let top = point![x, y, HEIGHT];
+        simulation.add_fixed(&[wood(top, point![x, y, 0.0]), wood(top, point![0.0, y, HEIGHT])])?;
     }
     Ok(())
 }

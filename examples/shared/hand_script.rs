@@ -23,11 +23,6 @@ impl HandScript<'_> {
     pub fn subject(&self, time: f64) -> Subject {
         Subject::hands(&self.pose(time), between(self.gaps, time)[0])
     }
-
-    /// When the hands have reached their last pose, in seconds.
-    pub fn end(&self) -> f64 {
-        self.poses.last().map_or(0.0, |(time, _)| *time)
-    }
 }
 
 /// The values at a time: those of the keys before and after it, with speed and acceleration zero at the keys.

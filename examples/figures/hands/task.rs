@@ -121,7 +121,7 @@ pub const TASKS: [Task; 5] = [LIFT, CARRY, THROW, CATCH, STACK];
 impl Task {
     /// The time at which the outcome is judged.
     pub fn end(&self) -> f64 {
-        self.script.end() + self.wait
+        self.script.poses.last().map_or(0.0, |(time, _)| *time) + self.wait
     }
 
     /// How many of the attempts have succeeded.

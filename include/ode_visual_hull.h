@@ -332,7 +332,7 @@ dGeomID dCreateVisualHull(dSpaceID space, dVisualHullDataID d);
  */
 int dGeomVisualHullUpdate(dGeomID g);
 
-/** @brief Binds a hull to another data object. Call it between two collides only. */
+/** @brief Binds a hull to another data object, and releases it: see dGeomVisualHullHold. Call it between two collides only. */
 void dGeomVisualHullSetData(dGeomID g, dVisualHullDataID d);
 
 /** @brief The data object that a hull is bound to; NULL if that was destroyed, and on failure. */
@@ -391,6 +391,31 @@ int dGeomVisualHullSetTime(dGeomID g, dReal time);
  * @param mode one of dVisualHullSwept...; the geom keeps its mode, with a message, if it is another number
  */
 void dGeomVisualHullSetSwept(dGeomID g, int mode);
+
+/**
+ * @brief Lets each body that touches a hull stick to it from the next collide on, or releases all that do. It is the paper's
+ * button (section 7): pushed, objects that the user touches stick to him until he releases it.
+ *
+ * A body that sticks moves and turns with the part of the subject that it touched, which is followed by the edges of the
+ * silhouettes within 0.15 m. dCollide returns no contacts of the two, and gives the body the velocity that takes it to its
+ * place; it does not sleep. In the first dCollide after its release it gets the velocity of the subject there, and has its
+ * contacts again. Call dGeomVisualHullSetTime, or dGeomVisualHullUpdate, before each collide: they keep the box of the hull
+ * around the bodies that stick to it. The former also tells the length of a step; it is otherwise seen from how bodies move.
+ *
+ * Geoms without a body and kinematic bodies do not stick; several geoms of one body count as one. A hull that shows nothing yet
+ * may be held too: bodies stick once they touch it. A hull may be held, or released, twice, which changes nothing.
+ * dGeomVisualHullSetData releases it.
+ *
+ * dVisualHullGetErrorMessage tells after a collide of a body that does not stick: since another hull holds it, which keeps it;
+ * since too few edges are seen around its contacts; or not any more, since something has held it back by more than 0.15 m for
+ * 0.1 s, since the program has moved it by more than 0.1 m, or since its part of the subject is not found for 0.2 s. A body
+ * that is destroyed, or is not collided with the hull in 20 frames or collides, is forgotten.
+ *
+ * @param g the hull
+ * @param on nonzero to hold, 0 to release
+ * @return 1 on success; 0 if the geom is no visual hull.
+ */
+int dGeomVisualHullHold(dGeomID g, int on);
 
 /**
  * @brief How long it takes from the time of the collide until two geoms touch, in seconds.

@@ -13,6 +13,7 @@ mod coulomb;
 mod geometry;
 mod grip;
 mod hands;
+mod hold;
 mod lines;
 mod mask_filter;
 mod motion;
@@ -35,7 +36,7 @@ use std::process::ExitCode;
 type Measure = fn(&dyn Fn(&str)) -> Vec<Figure>;
 
 /// The groups by their names on the command line.
-const GROUPS: [(&str, Measure); 21] = [
+const GROUPS: &[(&str, Measure)] = &[
     ("geometry", geometry::run_group),
     ("agreement", agreement::run_group),
     ("lines", lines::run_group),
@@ -57,11 +58,12 @@ const GROUPS: [(&str, Measure); 21] = [
     ("realtime", realtime::run_group),
     ("pendulum", pendulum::run_group),
     ("coulomb", coulomb::run_group),
+    ("hold", hold::run_group),
 ];
 
 fn main() -> ExitCode {
     let groups: Vec<String> = std::env::args().skip(1).collect();
-    let names = GROUPS.map(|(name, _)| name);
+    let names: Vec<&str> = GROUPS.iter().map(|(name, _)| *name).collect();
     if let Some(unknown) = groups.iter().find(|name| !names.contains(&name.as_str())) {
         eprintln!("usage: figures [GROUP...], groups: {}; found {unknown}", names.join(", "));
         return ExitCode::from(2);

@@ -87,6 +87,14 @@ extern "C" fn dGeomVisualHullSetSwept(g: dGeomID, mode: c_int) {
     });
 }
 
+#[unsafe(no_mangle)]
+extern "C" fn dGeomVisualHullHold(g: dGeomID, on: c_int) -> c_int {
+    fenced(FAILED, || {
+        RawHull::find(g)?.hold(on != 0);
+        Ok(OK)
+    })
+}
+
 /// # Safety
 /// `contact` is NULL or points to a contact, whose geoms are NULL or living.
 #[unsafe(no_mangle)]

@@ -20,6 +20,8 @@ mod overrule;
 mod query;
 pub mod reference;
 mod sweep;
+#[cfg(feature = "ode")]
+mod track;
 mod velocity;
 mod view;
 
@@ -33,6 +35,8 @@ pub use query::{ExitVector, NearestEdge, RayHit, Response};
 pub use sweep::Entry;
 #[cfg(feature = "ode")]
 pub(crate) use sweep::{MovingPoint, Sweep};
+#[cfg(feature = "ode")]
+pub(crate) use track::{Followed, RigidMotion, Track};
 #[cfg(feature = "ode")]
 pub(crate) use velocity::SurfaceVelocity;
 pub use view::{EdgeModel, Verdict, View};

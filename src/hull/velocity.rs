@@ -116,13 +116,8 @@ impl View {
             let point = middle(i, j);
             let Some(shift) = self.edge_shift(&point) else { continue };
 
-            // The edge point is taken to lie as deep as `p`. There, the image moves along the edge's normal by the
-            // product of this row and the velocity.
-            let projection = self.projection();
-            let (du, dv) = (point.x, point.y);
-            let row = |k: usize| projection.fixed_view::<1, 3>(k, 0).transpose();
-            let along = (row(0) - row(2) * du) * shift.normal.x + (row(1) - row(2) * dv) * shift.normal.y;
-            let along = along / pixel.depth;
+            // The edge point is taken to lie as deep as `p`.
+            let along = self.image_motion_along(pixel.depth, &point, &shift.normal);
             let scale = along.norm();
             if scale > 0.0 {
                 equations.push(Equation {

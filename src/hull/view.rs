@@ -169,6 +169,19 @@ impl View {
         self.projection.fixed_columns::<3>(0) * direction
     }
 
+    /// By how many pixels the image of a point at `image`, `depth` metres in front of the camera, moves along the unit image
+    /// direction `normal` for each metre that the point moves along x, y and z.
+    pub(super) fn image_motion_along(
+        &self,
+        depth: f64,
+        image: &Point2<f64>,
+        normal: &Vector2<f64>,
+    ) -> Vector3<f64> {
+        let row = |k: usize| self.projection.fixed_view::<1, 3>(k, 0).transpose();
+        let along = (row(0) - row(2) * image.x) * normal.x + (row(1) - row(2) * image.y) * normal.y;
+        along / depth
+    }
+
     /// The image position and depth of `p`; `None` behind the camera. The position may lie outside the image.
     pub fn project(&self, p: &Point3<f64>) -> Option<Pixel> {
         let h = self.homogeneous(p);

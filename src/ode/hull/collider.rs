@@ -45,6 +45,11 @@ pub(super) unsafe fn collide_body(
     context.settings.max_contacts = context.settings.max_contacts.min(capacity);
 
     // SAFETY: the caller vouches for the geom.
+    if unsafe { context.carry(other) } {
+        return 0;
+    }
+
+    // SAFETY: as above.
     let query = match unsafe { ContactQuery::new(other, &context) } {
         Ok(Some(query)) => query,
         Ok(None) => return 0,
@@ -68,6 +73,11 @@ pub(super) unsafe fn collide_body(
             let collided =
                 CollidedBody { geom: other, samples: &query.samples, hull_from_body: hull_from_other };
             wake::record_contacts(&context, &collided, &found, kept_loss);
+            if context.grab(other, &found) {
+                keep_scratch(&SCRATCH, found);
+                keep_scratch(&SWEPT, swept);
+                return 0;
+            }
             context.limit_depths(hull, other, &mut found);
             let (touches, most) = (!found.points.is_empty(), capacity - found.points.len());
             context.sweep(hull, other, &query, (touches, most), &mut swept);

@@ -1,5 +1,6 @@
 //! The data behind a hull geom: the data object that it is bound to, the frame in force, and its settings.
 
+use super::hold::Hold;
 use super::last_contacts::LastContacts;
 use super::last_swept::LastSwept;
 use super::lost_views::LostViews;
@@ -36,6 +37,7 @@ pub(super) struct HullGeom {
     pub(super) last_contacts: LastContacts,
     pub(super) step_size: StepSize,
     pub(super) last_swept: LastSwept,
+    pub(super) hold: Hold,
     /// Contacts of this step that are computed already; `None` while a thread uses them.
     pub(super) prefetch: Mutex<Option<Box<ContactPrefetch>>>,
     velocities: Mutex<Velocities>,
@@ -95,6 +97,7 @@ impl HullGeom {
             last_contacts: LastContacts::default(),
             step_size: StepSize::default(),
             last_swept: LastSwept::default(),
+            hold: Hold::default(),
             prefetch: Mutex::new(Some(Box::default())),
             velocities: Mutex::default(),
         }
@@ -109,8 +112,9 @@ impl HullGeom {
         self.lock().data.clone()
     }
 
-    /// Binds the geom to another data object, from the next frame on.
+    /// Binds the geom to another data object, from the next frame on. Bodies that stick to it are released.
     pub(super) fn set_data(&self, data: Arc<HullData>) {
+        self.hold.set(false);
         let mut state = self.lock();
         (state.data, state.time, state.warped_for) = (data, None, None);
         state.lost_views.begin_anew();
@@ -217,8 +221,8 @@ impl HullGeom {
         self.lock().collided_at.is_none_or(|collided_at| collided_at == pose)
     }
 
-    /// The box of the geom in the world: around the hull, and around the bodies that touched it last and may sleep, so
-    /// that the broad phase still pairs these with the hull when it has left. Never NaN, on which ODE aborts.
+    /// The box of the geom in the world: around the hull, around the bodies that touched it last and may sleep, so that the
+    /// broad phase still pairs these with the hull when it has left, and around those that stick to it. Never NaN, on which ODE aborts.
     ///
     /// # Safety
     /// `geom` is the living geom that owns this data.
@@ -237,7 +241,7 @@ impl HullGeom {
         let is_empty = hull.is_empty();
         let hull =
             if is_empty { Aabb { min: Point3::origin(), max: Point3::origin() } } else { hull.grown(reach) };
-        let touching = self.last_contacts.touching_bodies();
+        let touching = self.last_contacts.touching_bodies().union(&self.hold.bodies());
         let mut aabb = hull.transformed(&world_from_hull).union(&touching);
         // SAFETY: a geom's space is living.
         if let Some(min_level) = unsafe { hash_space::min_level_of(space) } {
@@ -260,6 +264,7 @@ impl HullGeom {
             frame: state.frame_count,
             settings: state.settings,
             swept: state.swept,
+            motion: state.motion,
             min_feature: state.min_feature,
             loss: state.lost_views.in_force(),
             hull_from_world: world_from_hull.inverse(),
@@ -291,7 +296,8 @@ pub(super) unsafe fn apply_latest_frame(geom: dGeomID, hull: &HullGeom) {
     let is_swept = hull.swept() != Swept::Off;
     // SAFETY: the caller vouches for the geom and its space.
     let speed = if is_swept { unsafe { neighbours::fastest_neighbour(geom) } } else { 0.0 };
-    if hull.look_ahead(speed) || is_new {
+    let holds = hull.hold.count();
+    if hull.look_ahead(speed) || is_new || holds {
         // SAFETY: the caller vouches that the space is not locked, where ODE would abort.
         unsafe { dGeomMoved(geom) };
     }

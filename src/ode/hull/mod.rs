@@ -6,7 +6,8 @@
 //!                                ├► geom: the frame in force, settings, last_contacts, lost_views
 //!                                ├► depth_limit, by step_size
 //!                                ├► last_contacts, by which grip softens contacts
-//!                                └► swept ─► contact::sweep, with a contact_time
+//!                                ├► swept ─► contact::sweep, with a contact_time
+//!                                └► hold ─► held_body ─► hull::Track, in place of contacts
 //!
 //!   programs in Rust: view ─► raw ◄─ open_class: programs that own ODE themselves
 //! ```
@@ -19,6 +20,8 @@ mod contact_time;
 mod depth_limit;
 mod geom;
 mod grip;
+mod held_body;
+mod hold;
 mod last_contacts;
 mod last_swept;
 mod lost_views;

@@ -6,7 +6,7 @@ use super::lost_views::Loss;
 use super::swept::Swept;
 use crate::Result;
 use crate::contact::{SampledBody, Settings};
-use crate::hull::Hull;
+use crate::hull::{Hull, Motion};
 use crate::ode::convert;
 use crate::sample::Samples;
 use nalgebra::{Isometry3, Vector3};
@@ -21,6 +21,7 @@ pub(super) struct CollideContext<'g> {
     pub(super) frame: u64,
     pub(super) settings: Settings,
     pub(super) swept: Swept,
+    pub(super) motion: Motion,
     /// The diameter in metres of the thinnest real feature that must not pass between a body's samples.
     pub(super) min_feature: f64,
     /// The views that the frame lacks; `None` where it lacks none.

@@ -8,7 +8,7 @@ use crate::hull::{Hull, HullData, Motion};
 use crate::ode::{check, convert};
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Point3, Vector3};
-use ode_sys::{dCreateGeom, dGeomID, dSpaceAdd, dSpaceID};
+use ode_sys::{dBodyID, dCreateGeom, dGeomID, dSpaceAdd, dSpaceID};
 use std::sync::Arc;
 
 /// A living hull geom.
@@ -103,6 +103,21 @@ impl RawHull {
     /// Binds the geom to other data, from its next frame on.
     pub(crate) fn set_data(&self, data: Arc<HullData>) {
         self.geom.set_data(data);
+    }
+
+    /// Whether bodies that touch the geom stick to it.
+    pub(crate) fn is_held(&self) -> bool {
+        self.geom.hold.is_on()
+    }
+
+    /// Lets bodies that touch the geom stick to it, or releases them.
+    pub(crate) fn hold(&self, on: bool) {
+        self.geom.hold.set(on);
+    }
+
+    /// Whether the body at this address, which is not followed, sticks to the geom.
+    pub(crate) fn holds(&self, body: dBodyID) -> bool {
+        self.geom.hold.holds(body as usize)
     }
 
     pub(crate) fn motion(&self) -> Motion {

@@ -5,7 +5,7 @@ use super::swept::Swept;
 use super::{body_samples, class, geom};
 use crate::contact::{BodyResponse, Mode, Settings};
 use crate::hull::{Hull, HullData, Motion};
-use crate::ode::arena::{GeomId, SpaceId};
+use crate::ode::arena::{BodyId, GeomId, SpaceId};
 use crate::ode::world::World;
 use crate::sample::Samples;
 use crate::{Error, Result};
@@ -143,6 +143,16 @@ impl HullView<'_> {
         self.hull.swept()
     }
 
+    /// Whether bodies that touch the hull stick to it: see [`HullMut::hold`].
+    pub fn is_held(&self) -> bool {
+        self.hull.is_held()
+    }
+
+    /// Whether a body sticks to the hull; `false` also for a body that is gone.
+    pub fn holds(&self, body: BodyId) -> bool {
+        self.world.bodies.find(body).is_ok_and(|&raw| self.hull.holds(raw))
+    }
+
     /// How contacts are made.
     pub fn settings(&self) -> Settings {
         self.hull.settings()
@@ -205,7 +215,8 @@ impl HullMut<'_> {
         self.view.clone()
     }
 
-    /// Binds the geom to another data object, from the next collide on.
+    /// Binds the geom to another data object, from the next collide on. Bodies that stick to the hull are released: see
+    /// [`hold`](Self::hold).
     pub fn set_data(&mut self, data: &Arc<HullData>) {
         self.view.hull.set_data(data.clone());
     }
@@ -238,6 +249,27 @@ impl HullMut<'_> {
     /// so stand still in the sweep, and where a body moves farther in a step than the work volume is large.
     pub fn set_swept(&mut self, swept: Swept) {
         self.view.hull.set_swept(swept);
+    }
+
+    /// Lets each body that touches the hull stick to it, from the next collide on, or releases all that do: the paper's button
+    /// (section 7). Holding a hull that is held already, and releasing one that is not, changes nothing.
+    ///
+    /// A body that sticks moves and turns with the part of the subject that it touched: the edges of the silhouettes within
+    /// 0.15 m of its contacts, which are followed from hull to hull. It has no contacts with the hull, and is not asleep. In each
+    /// collide it gets the velocity that takes it to its place beside them; how far it is off falls to a third in 20 ms, over
+    /// which frames that jump are spread too. With [`Motion::Held`] it goes on between two frames as the subject moved. Where no
+    /// edges are found, it goes on as it moved for 0.2 s. In the first collide after its release it gets the velocity of the
+    /// subject there, the derivative of a parabola fitted to its last 0.12 s, and its contacts are back.
+    ///
+    /// Geoms without a body and kinematic bodies do not stick; several geoms of one body count as one. A hull without a frame or
+    /// without a point may be held: bodies stick once they touch it. [`set_data`](Self::set_data) releases all, and the hull is
+    /// not held any more. If two held hulls touch a body, the first keeps it; [`HullView::take_error`] of the second tells so, and
+    /// also of a body at which too few edges are seen. Bodies that are released otherwise are told by
+    /// [`HullView::take_left_out`]: one that something holds back from its place by more than 0.15 m for 0.1 s, one that is found
+    /// more than 0.1 m from where its velocity has taken it, since the program has moved it, and one whose part of the subject is
+    /// not found any more. A body that is destroyed, or is not collided with the hull in 20 collides, is forgotten.
+    pub fn hold(&mut self, on: bool) {
+        self.view.hull.hold(on);
     }
 
     /// Sets how contacts are made.

@@ -1,0 +1,78 @@
+//! A synthetic hand that is moved and turned by known poses before cameras.
+
+use super::*;
+use crate::hull::{Aabb, Unseen, View};
+use crate::silhouette::{Border, Silhouette};
+use crate::synthetic::{Placed, Solid, Subject, Texture, coverage, layout};
+use nalgebra::{UnitQuaternion, point, vector};
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+/// The size of a pixel at the hand, in metres: 0.5 rad over 320 pixels at 2 m.
+const PIXEL: f64 = 0.0032;
+
+/// A hand about the origin: a palm of four capsules, four fingers, a thumb and a forearm.
+fn hand(pose: &Isometry3<f64>) -> Subject {
+    let capsule = |radius: f64, length: f64, place: Isometry3<f64>| {
+        Placed::new(Solid::capsule(radius, length).unwrap(), pose * place, Texture::plain([200; 3]))
+    };
+    // Capsules are along z; the hand is along x.
+    let along_x = UnitQuaternion::from_euler_angles(0.0, FRAC_PI_2, 0.0);
+    let lies = |x: f64, y: f64| Isometry3::from_parts(vector![x, y, 0.0].into(), along_x);
+    let across = [-0.033, -0.011, 0.011, 0.033];
+    let mut parts: Vec<_> = across.iter().map(|&y| capsule(0.014, 0.07, lies(-0.02, y))).collect();
+    parts.extend(across.iter().map(|&y| capsule(0.009, 0.06, lies(0.05, 1.3 * y))));
+    let aside = UnitQuaternion::from_euler_angles(FRAC_PI_2 + 0.5, 0.0, 0.0);
+    parts.push(capsule(0.011, 0.05, Isometry3::from_parts(vector![-0.03, 0.06, 0.01].into(), aside)));
+    parts.push(capsule(0.035, 0.2, lies(-0.18, 0.0)));
+    Subject::new(parts)
+}
+
+/// The hull of a subject in eight cameras.
+fn hull_of(subject: &Subject, seconds: f64) -> Hull {
+    let cameras =
+        layout::staggered(8, 2.0, &[0.1, 0.9], Point3::origin(), (320, 240), 0.5).expect("a ring of eight");
+    let views = cameras.into_iter().map(|camera| {
+        let silhouette = Silhouette::new(&coverage(&camera, subject), Border::Background);
+        View::new(Arc::new(camera), Arc::new(silhouette), None)
+    });
+    let bounds = Aabb::new(point![-0.8, -0.8, -0.8], point![0.8, 0.8, 0.8]).unwrap();
+    Hull::new(views.collect(), bounds, Unseen::Outside, seconds)
+}
+
+/// Where a ball on the palm is.
+const BALL: Point3<f64> = Point3::new(0.0, 0.0, 0.05);
+
+/// The pose of a hand at a time: it turns by 80 degrees a second and moves at 0.6 m/s.
+fn pose_at(seconds: f64) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_scaled_axis(vector![0.5, 0.3, 1.0].normalize() * (1.4 * seconds));
+    Isometry3::from_parts((vector![0.4, -0.3, 0.33] * seconds).into(), turn)
+}
+
+#[test]
+fn a_rim_lies_on_the_surface() {
+    let subject = hand(&Isometry3::identity());
+    let rim = rim::rim_around(&hull_of(&subject, 0.0), &BALL);
+    assert!(rim.len() > 100, "{}", rim.len());
+    // How far along the line of sight a point of a capsule's rim is known, seen three quarters of a pixel inside.
+    for point in &rim {
+        let near = |sign: f64| subject.contains(&(point.at - point.normal * (sign * 1.5 * PIXEL)));
+        assert!(near(1.0) && !near(-1.0), "{point:?}");
+    }
+}
+
+#[test]
+fn a_hand_that_moves_and_turns_is_followed_without_drift() {
+    let mut track = Track::begin(&hull_of(&hand(&pose_at(0.0)), 0.0), &BALL).unwrap();
+    for frame in 1..=30 {
+        let seconds = f64::from(frame) / 30.0;
+        assert_eq!(track.follow(&hull_of(&hand(&pose_at(seconds)), seconds)), Followed::Found);
+        let (true_pose, found) = (pose_at(seconds), track.pose());
+        let off = (found * BALL - true_pose * BALL).norm();
+        let turned = found.rotation.angle_to(&true_pose.rotation);
+        println!("{frame} {off:.5} {turned:.4} {:?}", track.motion());
+        // Half a pixel, and that at the end of the hand.
+        assert!(off < 0.5 * PIXEL, "{off} m after {seconds} s");
+        assert!(turned < 0.5 * PIXEL / 0.08, "{turned} rad after {seconds} s");
+    }
+}

@@ -409,7 +409,8 @@ void dGeomVisualHullSetSwept(dGeomID g, int mode);
  * dVisualHullGetErrorMessage tells after a collide of a body that does not stick: since another hull holds it, which keeps it;
  * since too few edges are seen around its contacts; or not any more, since something has held it back by more than 0.15 m for
  * 0.1 s, since the program has moved it by more than 0.1 m, or since its part of the subject is not found for 0.2 s. A body
- * that is destroyed, or is not collided with the hull in 20 frames or collides, is forgotten.
+ * that is destroyed, or is not collided with the hull in 40 calls of dGeomVisualHullSetTime or
+ * dGeomVisualHullUpdate, is forgotten.
  *
  * @param g the hull
  * @param on nonzero to hold, 0 to release

@@ -126,6 +126,15 @@ pub fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
         .ok_or_else(|| format!("expected A..B with A below B, as in 20..60, 20.. or ..60, found {text}"))
 }
 
+/// Parses a range of seconds, `A..B`, from A up to but not B. A defaults to 0, B to the end.
+pub fn parse_seconds(text: &str) -> std::result::Result<Range<f64>, String> {
+    let number = |part: &str, open: f64| if part.is_empty() { Some(open) } else { part.trim().parse().ok() };
+    let range = text.split_once("..").and_then(|(a, b)| Some(number(a, 0.0)?..number(b, f64::INFINITY)?));
+    range.filter(|range| range.start >= 0.0 && range.start.is_finite() && range.start < range.end).ok_or_else(
+        || format!("expected seconds A..B with A below B, as in 3..4.5, 3.. or ..2, found {text}"),
+    )
+}
+
 /// Formats a range of frames so that [`parse_frames`] reads it again.
 pub fn shown_frames(range: &Range<u32>) -> String {
     let end = if range.end == u32::MAX { String::new() } else { range.end.to_string() };
@@ -154,6 +163,17 @@ mod tests {
         }
         for bad in ["", "3", "7..3", "3..3", "a..b", "-1..3", "1..2..3"] {
             assert!(parse_frames(bad).unwrap_err().contains(&format!("found {bad}")), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_range_of_seconds_begins_at_0_or_later_and_before_it_ends() {
+        assert_eq!(parse_seconds("3..4.5"), Ok(3.0..4.5));
+        assert_eq!(parse_seconds("3.."), Ok(3.0..f64::INFINITY));
+        assert_eq!(parse_seconds("..2"), Ok(0.0..2.0));
+        for nonsense in ["", "3", "4..3", "3..3", "-1..2", "NaN..2", "1..NaN", "inf..", "a..b", "1..2..3"] {
+            let error = parse_seconds(nonsense).unwrap_err();
+            assert!(error.contains("as in 3..4.5") && error.ends_with(nonsense), "{error}");
         }
     }
 }

@@ -8,6 +8,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, vector};
 use ode_visual_hull::hull::{Hull, HullData, Motion};
 use ode_visual_hull::ode::{Damping, GeomId, JointKind, Ode, Shape, Surface, Swept, World};
 use ode_visual_hull::{Error, Result};
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -35,6 +36,8 @@ pub struct Simulation {
     /// Of contacts between bodies, and of all others.
     body_surface: Surface,
     real_surface: Surface,
+    /// When bodies that touch the hull stick to it, in seconds.
+    sticky: Vec<Range<f64>>,
     time: f64,
     collided_at: Instant,
 }
@@ -68,6 +71,7 @@ impl Simulation {
             fixed: Vec::new(),
             body_surface: surface,
             real_surface: surface,
+            sticky: Vec::new(),
             time: 0.0,
             collided_at: Instant::now(),
         })
@@ -76,6 +80,16 @@ impl Simulation {
     /// Sets whether the hull collides with what it will meet within the next step; it does not at first.
     pub fn set_swept(&mut self, swept: Swept) {
         self.world.hull_mut(self.hull).set_swept(swept);
+    }
+
+    /// Sets when bodies that touch the hull stick to it, in seconds of the world's time; never, at first.
+    pub fn set_sticky(&mut self, times: &[Range<f64>]) {
+        self.sticky = times.to_vec();
+    }
+
+    /// Takes the first body that did not stick to the hull, or the first thing that was left out of a sweep, since the last call.
+    pub fn take_left_out(&self) -> Option<Error> {
+        self.world.hull(self.hull).take_left_out()
     }
 
     /// Sets the diameter of the thinnest feature of the subject that must not pass through a body, in metres: 0.015 at first,
@@ -223,13 +237,14 @@ impl Simulation {
     /// Collides before a step of `dt` seconds: adds contacts for every pair with a body, and records what each body
     /// touches.
     fn collide(&mut self, dt: f64) -> Result<()> {
-        let Self { world, hull, bodies, body_surface, real_surface, time, .. } = self;
+        let Self { world, hull, bodies, sticky, body_surface, real_surface, time, .. } = self;
         for one in bodies.iter_mut() {
             one.touched = Touched::default();
         }
 
         // Contacts with the hull carry the speed of the real surface.
         world.hull_mut(*hull).set_time(*time)?;
+        world.hull_mut(*hull).hold(sticky.iter().any(|times| times.contains(time)));
         world.collide(|pair| {
             if pair.are_connected_excluding_contact() {
                 return;
@@ -259,7 +274,15 @@ impl Simulation {
                     one.touched.floor = true;
                 }
             }
-        })
+        })?;
+
+        // What sticks to the hull has no contacts with it.
+        let hull = world.hull(*hull);
+        for one in bodies.iter_mut().filter(|one| hull.holds(one.id)) {
+            one.first_contact.get_or_insert(*time);
+            one.touched.hull = true;
+        }
+        Ok(())
     }
 
     fn check_finite(&self) -> Result<()> {

@@ -10,6 +10,7 @@
 //! | [`captures`] | real recordings, where they are present |
 //! | [`degenerate_lines`] | lines on which something is zero but for rounding, held against inside tests |
 //! | [`edge_noise`] | masks whose outlines are displaced at random |
+//! | [`hand`] | a synthetic hand of capsules |
 //! | [`mask_errors`] | masks with gross errors: speckle, parts that are missing |
 //! | [`figure`], [`figure_table`] | measured numbers, their bounds, and the file that they are written to |
 //!
@@ -21,6 +22,7 @@ pub mod degenerate_lines;
 pub mod edge_noise;
 pub mod figure;
 pub mod figure_table;
+pub mod hand;
 pub mod mask_errors;
 pub mod quality;
 pub mod scene;

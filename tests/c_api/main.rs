@@ -40,7 +40,7 @@ macro_rules! programs {
     };
 }
 
-programs! { falling_box ode_habits bad_input classes copies grip late_calls motion sleepers swept threads transforms }
+programs! { falling_box ode_habits bad_input classes copies grip hold late_calls motion sleepers swept threads transforms }
 
 /// The blocks of C in the documentation.
 fn documented_code() -> Vec<String> {

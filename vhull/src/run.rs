@@ -11,8 +11,8 @@ use ode_visual_hull::ode::set_random_seed;
 use ode_visual_hull::shape::Shape;
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::{
-    ASSUMED_RATE, FilmOptions, Movement, Playback, PlaybackOptions, Simulation, Story, VolumeOptions, ground,
-    in_the_way, numbers, parse_frames, parse_rate, run_film, view_of,
+    ASSUMED_RATE, FRAME_RATE, FilmOptions, Movement, Playback, PlaybackOptions, Simulation, Story,
+    VolumeOptions, ground, in_the_way, numbers, parse_frames, parse_rate, parse_seconds, run_film, view_of,
 };
 use std::io::Write;
 use std::ops::Range;
@@ -58,6 +58,10 @@ pub struct Options {
     /// How the subject moves between its recorded frames, where they are at most 0.5 s apart.
     #[arg(long, value_enum, value_name = "MOTION", default_value_t = Movement::Interpolated, help_heading = "Film")]
     motion: Movement,
+    /// Seconds of the film in which bodies that touch the subject stick to it, from A up to but not B; either may be left out.
+    /// May be given several times.
+    #[arg(long, value_name = "A..B", value_parser = parse_seconds, help_heading = "Film")]
+    stick: Vec<Range<f64>>,
     /// Recorded frames to play, from A up to but not B; either may be left out [default: all].
     #[arg(long, value_name = "A..B", value_parser = parse_frames, help_heading = "Film")]
     frames: Option<Range<u32>>,
@@ -87,6 +91,7 @@ Examples:
   vhull run my_recording --drop mix --count 20 --side 0.08   boxes and balls
   vhull run my_recording --stack 5 --view left               the subject knocks over five boxes, seen from `left`
   vhull run my_recording --rate 60                           recorded at 60 images a second, which it does not state
+  vhull run my_recording --stick 3..4.5                      bodies stick to the subject for a while
   vhull run my_recording --stack 3 --at 0.4,-0.2             the stack stands at a given place
   vhull run my_recording --no-gif --out states               states and plot only
 
@@ -123,6 +128,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let mut playback = Playback::new(open_recording(dir)?, dir, &played, &data)?;
     let view = view_of(&playback, options.view.as_deref())?;
     let mut simulation = Simulation::new(&data, playback.pixel_size(), options.motion.motion())?;
+    simulation.set_sticky(&options.stick);
     let placed = match options.stack {
         Some(count) => stack(options, count.into(), &mut playback, &data, &mut simulation)?,
         None => drop(options, &playback, &data, &mut simulation)?,
@@ -134,6 +140,15 @@ pub fn run(options: &Options) -> Result<Outcome> {
         view: (!options.no_gif).then_some(view),
     };
 
+    let end = film.frames as f64 / FRAME_RATE;
+    if let Some(late) = options.stick.iter().find(|times| times.start >= end) {
+        return Err(Error::argument(format!(
+            "--stick: expected seconds that begin before the end of the film, at {end:.2} s, found {}..; --hold and \
+             --linger belong to the film",
+            late.start
+        )));
+    }
+
     if playback.is_rate_assumed() && playback.pace().0 > 1 {
         eprintln!(
             "note: the recording does not state its images a second; {ASSUMED_RATE} are assumed, give --rate if it has \
@@ -144,6 +159,9 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let bar = progress::bar(film.frames, "frames");
     let text = run_film(&film, &mut playback, &data, &mut simulation, &mut |_| bar.inc(1));
     bar.finish_and_clear();
+    if let Some(left_out) = simulation.take_left_out() {
+        eprintln!("note: {left_out}");
+    }
     let (count, seconds) = playback.pace();
     let hull = options.motion.description(playback.period());
     let text =

@@ -403,3 +403,23 @@ fn the_error_for_a_folder_that_cannot_be_created_says_so() {
     assert_eq!(code, Some(1));
     assert!(text.contains("expected to make this folder"), "{text}");
 }
+
+#[test]
+fn a_box_sticks_to_a_board_that_touches_it_while_it_is_told_to() {
+    let recording = record("sticky", sliding, 30);
+    let arguments = ["--stack", "1", "--at", "0,0", "--hold", "0.2", "--stick", "0..", "--no-gif"];
+    success(&recording, &[&arguments[..], &["--bounds", "-1.2,1.4,-1,1,0,1.5"]].concat());
+    let (states, board) = (states(&recording), -0.6 + 0.04 * 29.0);
+    // Half the board and half the box before the board's middle. Pixels of 9 mm, and the board's way in a step, 5 mm.
+    let (x, expected) = (states.last().unwrap()[2], board + 0.05 + 0.1);
+    assert!((x - expected).abs() < 0.025, "{x} m, expected {expected}");
+}
+
+#[test]
+fn times_to_stick_that_make_no_sense_are_refused() {
+    let recording = record("stick", table, 1);
+    let (code, error) = failure(&recording, &["--stick", "3..2"]);
+    assert!(code == Some(2) && error.contains("expected seconds A..B with A below B"), "{error}");
+    let (code, error) = failure(&recording, &["--hold", "1", "--linger", "0", "--stick", "7..8"]);
+    assert!(code != Some(0) && error.contains("begin before the end of the film"), "{error}");
+}

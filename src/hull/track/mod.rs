@@ -16,8 +16,8 @@ mod tests;
 
 use super::Hull;
 use nalgebra::{Isometry3, Point3, Vector3};
-pub(crate) use path::RigidMotion;
 use path::Path;
+pub(crate) use path::RigidMotion;
 use rim::RimPoint;
 
 /// The rim is seen anew when the part has turned by this since then, in radians: a finger's rim slides by a third of its radius.

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 /// The time over which poses are kept, in seconds. Over less, the noise of masks is not averaged out; over more, a hand does
 /// not accelerate evenly.
-const SECONDS: f64 = 0.12;
+const SECONDS: f64 = 0.1;
 
 /// The time from which on a change of the velocity is fitted, in seconds.
 const SECONDS_OF_CHANGE: f64 = 0.06;
@@ -42,7 +42,12 @@ impl RigidMotion {
     }
 
     /// The pose `seconds` later of a part whose pose is `pose`, and whose point at `centre` moves so.
-    pub(crate) fn advance(&self, pose: &Isometry3<f64>, centre: &Point3<f64>, seconds: f64) -> Isometry3<f64> {
+    pub(crate) fn advance(
+        &self,
+        pose: &Isometry3<f64>,
+        centre: &Point3<f64>,
+        seconds: f64,
+    ) -> Isometry3<f64> {
         let turn = UnitQuaternion::from_scaled_axis(self.angular * seconds);
         let centre_later = centre + self.linear * seconds;
         let arm = pose.translation.vector - centre.coords;

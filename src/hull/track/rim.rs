@@ -87,10 +87,7 @@ fn place_on_sight(hull: &Hull, view: &View, edge: &Edge, centre: &Point3<f64>) -
 }
 
 /// The edge pixels in a window that are not beside the image's border.
-pub(super) fn clear_edge_pixels(
-    silhouette: &Silhouette,
-    window: Rect,
-) -> impl Iterator<Item = (i32, i32)> {
+pub(super) fn clear_edge_pixels(silhouette: &Silhouette, window: Rect) -> impl Iterator<Item = (i32, i32)> {
     silhouette.edge_pixels_in(window.intersection(&silhouette.image().grown(-BORDER_PX)))
 }
 

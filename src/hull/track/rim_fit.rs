@@ -83,7 +83,8 @@ pub(super) fn locate(rim: &[RimPoint], hull: &Hull, predicted: &Isometry3<f64>) 
         pose = Translation3::from(moved.coords) * turn * Translation3::from(-centre.coords) * pose;
     }
 
-    let (equations, in_sight) = compare(rim, &edges, &pose, &(pose * centre_before), STEPS[STEPS.len() - 1].0);
+    let (equations, in_sight) =
+        compare(rim, &edges, &pose, &(pose * centre_before), STEPS[STEPS.len() - 1].0);
     let fitting = equations.iter().filter(|equation| equation.pixels.abs() <= FITS_PX).count();
     let is_found = fitting >= LEAST_FITTING && fitting as f64 >= LEAST_PART_FITTING * in_sight as f64;
     is_found.then_some(pose)

@@ -54,7 +54,7 @@ fn a_rim_lies_on_the_surface() {
     let subject = hand(&Isometry3::identity());
     let rim = rim::rim_around(&hull_of(&subject, 0.0), &BALL);
     assert!(rim.len() > 100, "{}", rim.len());
-    // How far along the line of sight a point of a capsule's rim is known, seen three quarters of a pixel inside.
+    // A pixel and a half: the edge is known to half a pixel, and the place on the line of sight to some millimetres.
     for point in &rim {
         let near = |sign: f64| subject.contains(&(point.at - point.normal * (sign * 1.5 * PIXEL)));
         assert!(near(1.0) && !near(-1.0), "{point:?}");
@@ -70,9 +70,51 @@ fn a_hand_that_moves_and_turns_is_followed_without_drift() {
         let (true_pose, found) = (pose_at(seconds), track.pose());
         let off = (found * BALL - true_pose * BALL).norm();
         let turned = found.rotation.angle_to(&true_pose.rotation);
-        println!("{frame} {off:.5} {turned:.4} {:?}", track.motion());
         // Half a pixel, and that at the end of the hand.
         assert!(off < 0.5 * PIXEL, "{off} m after {seconds} s");
         assert!(turned < 0.5 * PIXEL / 0.08, "{turned} rad after {seconds} s");
     }
+}
+
+#[test]
+fn a_part_that_is_out_of_sight_goes_on_as_it_moved_until_it_is_lost() {
+    let mut track = Track::begin(&hull_of(&hand(&pose_at(0.0)), 0.0), &BALL).unwrap();
+    let nothing = Subject::new(Vec::new());
+    for frame in 1..=4 {
+        let seconds = f64::from(frame) / 30.0;
+        assert_eq!(track.follow(&hull_of(&hand(&pose_at(seconds)), seconds)), Followed::Found);
+    }
+    let (before, speed) = (track.place(), track.motion().linear);
+    assert_eq!(track.follow(&hull_of(&nothing, 0.2)), Followed::Hidden);
+    // It fades a little in these 67 ms.
+    let expected = before + speed * (0.2 - 4.0 / 30.0);
+    assert!((track.place() - expected).norm() < 0.25 * (expected - before).norm());
+    assert_eq!(track.follow(&hull_of(&nothing, 0.4)), Followed::Lost);
+    assert!(Track::begin(&hull_of(&nothing, 0.0), &BALL).is_none());
+}
+
+#[test]
+fn the_motion_of_a_path_that_accelerates_evenly_is_that_of_its_end() {
+    let (acceleration, spin) = (vector![4.0, -9.0, 2.0], vector![1.0, 2.0, -0.5]);
+    let mut path = Path::default();
+    assert_eq!(path.motion(), None);
+    for step in 0..48 {
+        let seconds = f64::from(step) / 240.0;
+        let centre = Point3::from(acceleration * (0.5 * seconds * seconds));
+        path.push(seconds, centre, UnitQuaternion::from_scaled_axis(spin * seconds));
+    }
+    let motion = path.motion().unwrap();
+    // A parabola and an even turn are fitted exactly, up to rounding.
+    assert!((motion.linear - acceleration * (47.0 / 240.0)).norm() < 1e-9);
+    assert!((motion.angular - spin).norm() < 1e-9);
+}
+
+#[test]
+fn a_pose_is_advanced_about_the_point_that_moves() {
+    let motion = RigidMotion { linear: vector![1.0, 0.0, 0.0], angular: vector![0.0, 0.0, FRAC_PI_2] };
+    let centre = point![2.0, 0.0, 0.0];
+    let pose = Isometry3::translation(2.0, 1.0, 0.0);
+    let later = motion.advance(&pose, &centre, 1.0);
+    assert!((later.translation.vector - vector![2.0, 0.0, 0.0]).norm() < 1e-12);
+    assert!((motion.at(&vector![0.0, 1.0, 0.0]).linear - vector![1.0 - FRAC_PI_2, 0.0, 0.0]).norm() < 1e-12);
 }

@@ -68,7 +68,7 @@ struct State {
     min_feature: f64,
     /// The first error of the collider since it was taken last.
     error: Option<Error>,
-    /// The first thing that was left out of a sweep since it was taken last.
+    /// The first thing that was left out of a sweep, or body that does not stick, since it was taken last.
     left_out: Option<Error>,
 }
 
@@ -154,13 +154,13 @@ impl HullGeom {
         self.lock().error.get_or_insert(error);
     }
 
-    /// Records what is left out of a sweep.
+    /// Records what is left out of a sweep, or which body does not stick.
     pub(super) fn record_left_out(&self, what: Error) {
         LAST_ERROR.set(what.to_string());
         self.lock().left_out.get_or_insert(what);
     }
 
-    /// Takes the first thing that was left out of a sweep since the last call.
+    /// Takes the first thing that was left out since the last call.
     pub(super) fn take_left_out(&self) -> Option<Error> {
         self.lock().left_out.take()
     }

@@ -22,8 +22,8 @@ use ode_sys::{dBodyID, dBodyIsKinematic, dGeomGetBody, dGeomID};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
-/// Frames or collides after which a body is forgotten that was not collided since: it may have been destroyed.
-const FORGET_AFTER: u32 = 20;
+/// Frames, settings of the time and collides after which a body is forgotten that was not collided since: it may have been destroyed.
+const FORGET_AFTER: u32 = 40;
 
 /// Bodies are grabbed one at a time, so that no two hulls grab one.
 static GRABBING: Mutex<()> = Mutex::new(());
@@ -61,6 +61,11 @@ impl Hold {
     /// Whether the body at an address sticks to the hull.
     pub(super) fn holds(&self, body: usize) -> bool {
         lock(&self.0).bodies.get(&body).is_some_and(HeldBody::is_held)
+    }
+
+    /// Whether the program has not been told yet, since the hull was held, that a body does not stick.
+    fn is_first_refusal(&self, body: dBodyID) -> bool {
+        lock(&self.0).refused.insert(body as usize)
     }
 
     /// A box around the bodies, in the world's frame, and around where they may be when the box is made next; empty without any.
@@ -126,20 +131,26 @@ impl CollideContext<'_> {
         let is_elsewhere = class::all().iter().any(|(_, geom)| {
             !std::ptr::eq::<HullGeom>(geom.as_ref(), self.geom) && geom.hold.holds(body as usize)
         });
-        let refusal = if is_elsewhere {
-            "expected a body that no other hull holds, found one that sticks to another hull, which keeps it: release \
-             that one first"
-        } else if let Some(track) = Track::begin(&self.hull, &middle(found)) {
-            // SAFETY: the caller vouches for the body and the geom.
-            return unsafe { self.keep(body, other, track) };
-        } else {
-            "expected edges of silhouettes around the contact, by which the hull is followed, found too few: the body \
-             touches without sticking"
-        };
-        if lock(&self.geom.hold.0).refused.insert(body as usize) {
-            self.geom.record_error(Error::argument(format!("hold: {refusal}")));
+        if is_elsewhere {
+            if self.geom.hold.is_first_refusal(body) {
+                self.geom.record_error(Error::argument(
+                    "hold: expected a body that no other hull holds, found one that sticks to another hull, which keeps \
+                     it; release that hull first",
+                ));
+            }
+            return false;
         }
-        false
+        let Some(track) = Track::begin(&self.hull, &middle(found)) else {
+            if self.geom.hold.is_first_refusal(body) {
+                self.geom.record_left_out(Error::argument(
+                    "hold: expected edges of silhouettes around the contact, by which the hull is followed, found too \
+                     few: the body touches without sticking",
+                ));
+            }
+            return false;
+        };
+        // SAFETY: the caller vouches for the body and the geom.
+        unsafe { self.keep(body, other, track) }
     }
 
     /// Keeps a body that has just been grabbed, and moves it on with the hull. Returns whether it is held: it is not where the

@@ -169,8 +169,8 @@ impl HullView<'_> {
         self.hull.take_error()
     }
 
-    /// Takes the first thing that was left out of a sweep since the last call: see [`HullMut::set_swept`]. All else was
-    /// swept and collided.
+    /// Takes the first thing that was left out of a sweep since the last call, or the first body that a held hull has not kept:
+    /// see [`HullMut::set_swept`] and [`HullMut::hold`]. All else was swept and collided.
     pub fn take_left_out(&self) -> Option<Error> {
         self.hull.take_left_out()
     }
@@ -256,18 +256,19 @@ impl HullMut<'_> {
     ///
     /// A body that sticks moves and turns with the part of the subject that it touched: the edges of the silhouettes within
     /// 0.15 m of its contacts, which are followed from hull to hull. It has no contacts with the hull, and is not asleep. In each
-    /// collide it gets the velocity that takes it to its place beside them; how far it is off falls to a third in 20 ms, over
+    /// collide it gets the velocity that takes it to its place beside them; how far it is off falls to a third in 10 ms, over
     /// which frames that jump are spread too. With [`Motion::Held`] it goes on between two frames as the subject moved. Where no
     /// edges are found, it goes on as it moved for 0.2 s. In the first collide after its release it gets the velocity of the
-    /// subject there, the derivative of a parabola fitted to its last 0.12 s, and its contacts are back.
+    /// subject there, the derivative of a parabola fitted to its last 0.1 s, and its contacts are back.
     ///
     /// Geoms without a body and kinematic bodies do not stick; several geoms of one body count as one. A hull without a frame or
     /// without a point may be held: bodies stick once they touch it. [`set_data`](Self::set_data) releases all, and the hull is
-    /// not held any more. If two held hulls touch a body, the first keeps it; [`HullView::take_error`] of the second tells so, and
-    /// also of a body at which too few edges are seen. Bodies that are released otherwise are told by
-    /// [`HullView::take_left_out`]: one that something holds back from its place by more than 0.15 m for 0.1 s, one that is found
+    /// not held any more. If two held hulls touch a body, the first keeps it, and [`HullView::take_error`] of the second tells
+    /// so. Bodies that do not stick, or not any more, are told by [`HullView::take_left_out`]: one at which too few edges are
+    /// seen; one that something holds back from its place by more than 0.15 m for 0.1 s, one that is found
     /// more than 0.1 m from where its velocity has taken it, since the program has moved it, and one whose part of the subject is
-    /// not found any more. A body that is destroyed, or is not collided with the hull in 20 collides, is forgotten.
+    /// not found any more. A body that is destroyed, or is not collided with the hull in 40 collides, is
+    /// forgotten; [`set_time`](Self::set_time) counts as one too.
     pub fn hold(&mut self, on: bool) {
         self.view.hull.hold(on);
     }

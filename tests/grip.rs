@@ -62,7 +62,7 @@ fn a_box_between_two_sides_is_pressed_by_some_times_its_weight() {
         .iter()
         .map(|(_, of_joint)| (of_joint.forces[0] + of_joint.forces[1]).x.abs())
         .sum();
-    let weight = 9.81 * world.body(body).mass().mass();
+    let weight = 9.81 * world.body(body).mass().total();
     // Both sides, 6 mm of depth at eight contacts of 140^2 N/m a kilogram: 96 times the weight at most. With contacts as
     // stiff as others it is some ten thousand times.
     assert!(pressing > weight && pressing < 100.0 * weight, "{} times its weight", pressing / weight);

@@ -28,7 +28,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 /// Seconds for which the first frame of a recording is held, so that the boxes fall.
-const HOLD: f64 = 1.2;
+const WAIT: f64 = 1.2;
 
 /// The name of the film, and the folder for it.
 const NAMES: (&str, &str) = ("figure1", "target/figure1");
@@ -59,7 +59,7 @@ fn film(options: &Options) -> Result<String> {
 fn film_recording(options: &Options, dir: &Path) -> Result<String> {
     set_random_seed(options.film.seed);
     let data = Arc::new(HullData::new());
-    let mut playback = options.recording.playback(dir, HOLD, &data)?;
+    let mut playback = options.recording.playback(dir, WAIT, &data)?;
     let mut simulation = Simulation::new(&data, playback.pixel_size(), options.motion.motion())?;
     let farthest = scene::add_boxes_around(&mut simulation, playback.first())?;
     let middle = playback.first().aabb().centre();

@@ -24,7 +24,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 /// Seconds for which the first frame of a recording is held, so that the boxes settle.
-const HOLD: f64 = 1.0;
+const WAIT: f64 = 1.0;
 
 /// Sizes of the stack that are tried in the way of a recorded subject, as parts of its own.
 const SCALES: [f64; 4] = [1.0, 0.8, 0.6, 0.4];
@@ -81,7 +81,7 @@ fn film(options: &Options) -> Result<String> {
 fn film_recording(options: &Options, dir: &Path) -> Result<String> {
     set_random_seed(options.film.seed);
     let data = Arc::new(HullData::new());
-    let mut playback = options.recording.playback(dir, HOLD, &data)?;
+    let mut playback = options.recording.playback(dir, WAIT, &data)?;
     let (width, height) = scene::extent();
     let places = SCALES.into_iter().map(|scale| {
         let foot = in_the_way(playback.sampled_hulls(), scale * width, scale * height)?;

@@ -25,11 +25,11 @@ pub struct RecordingArguments {
 }
 
 impl RecordingArguments {
-    /// The recording in folder `dir` as a capture whose first frame is held for `hold` seconds.
-    pub fn playback(&self, dir: &Path, hold: f64, data: &HullData) -> Result<Playback> {
+    /// The recording in folder `dir` as a capture whose first frame is shown for `wait` seconds.
+    pub fn playback(&self, dir: &Path, wait: f64, data: &HullData) -> Result<Playback> {
         let options = PlaybackOptions {
             rate: self.rate,
-            hold,
+            wait,
             linger: LINGER,
             volume: self.volume,
             ..PlaybackOptions::default()

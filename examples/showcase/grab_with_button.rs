@@ -38,7 +38,7 @@ fn main() -> ExitCode {
     let about = "A virtual box sticks to a real palm while a button is held.";
     act(about, |time| Ok(HANDS.subject(time)), 7.0).play(
         |simulation| {
-            simulation.set_sticky(&[HELD]);
+            simulation.hold_during(&[HELD]);
             add_boxes(simulation)
         },
         stands_on_the_other,

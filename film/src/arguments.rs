@@ -127,7 +127,7 @@ pub fn parse_frames(text: &str) -> std::result::Result<Range<u32>, String> {
 }
 
 /// Parses a range of seconds, `A..B`, from A up to but not B. A defaults to 0, B to the end.
-pub fn parse_seconds(text: &str) -> std::result::Result<Range<f64>, String> {
+pub fn parse_times(text: &str) -> std::result::Result<Range<f64>, String> {
     let number = |part: &str, open: f64| if part.is_empty() { Some(open) } else { part.trim().parse().ok() };
     let range = text.split_once("..").and_then(|(a, b)| Some(number(a, 0.0)?..number(b, f64::INFINITY)?));
     range.filter(|range| range.start >= 0.0 && range.start.is_finite() && range.start < range.end).ok_or_else(
@@ -168,11 +168,11 @@ mod tests {
 
     #[test]
     fn a_range_of_seconds_begins_at_0_or_later_and_before_it_ends() {
-        assert_eq!(parse_seconds("3..4.5"), Ok(3.0..4.5));
-        assert_eq!(parse_seconds("3.."), Ok(3.0..f64::INFINITY));
-        assert_eq!(parse_seconds("..2"), Ok(0.0..2.0));
+        assert_eq!(parse_times("3..4.5"), Ok(3.0..4.5));
+        assert_eq!(parse_times("3.."), Ok(3.0..f64::INFINITY));
+        assert_eq!(parse_times("..2"), Ok(0.0..2.0));
         for nonsense in ["", "3", "4..3", "3..3", "-1..2", "NaN..2", "1..NaN", "inf..", "a..b", "1..2..3"] {
-            let error = parse_seconds(nonsense).unwrap_err();
+            let error = parse_times(nonsense).unwrap_err();
             assert!(error.contains("as in 3..4.5") && error.ends_with(nonsense), "{error}");
         }
     }

@@ -45,7 +45,7 @@ mod window;
 
 pub use arguments::{
     Movement, UnseenPolicy, VolumeOptions, numbers, parse_bounds, parse_frames, parse_positive, parse_rate,
-    parse_seconds, shown_frames,
+    parse_times, shown_frames,
 };
 pub use capture::{FRAME_RATE, Frames, Story, view_of};
 pub use compositor::{Compositor, Drawn, Real};

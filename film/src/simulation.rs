@@ -37,7 +37,7 @@ pub struct Simulation {
     body_surface: Surface,
     real_surface: Surface,
     /// When bodies that touch the hull stick to it, in seconds.
-    sticky: Vec<Range<f64>>,
+    held: Vec<Range<f64>>,
     time: f64,
     collided_at: Instant,
 }
@@ -71,7 +71,7 @@ impl Simulation {
             fixed: Vec::new(),
             body_surface: surface,
             real_surface: surface,
-            sticky: Vec::new(),
+            held: Vec::new(),
             time: 0.0,
             collided_at: Instant::now(),
         })
@@ -83,8 +83,8 @@ impl Simulation {
     }
 
     /// Sets when bodies that touch the hull stick to it, in seconds of the world's time; never, at first.
-    pub fn set_sticky(&mut self, times: &[Range<f64>]) {
-        self.sticky = times.to_vec();
+    pub fn hold_during(&mut self, times: &[Range<f64>]) {
+        self.held = times.to_vec();
     }
 
     /// Takes the first body that did not stick to the hull, or the first thing that was left out of a sweep, since the last call.
@@ -237,14 +237,14 @@ impl Simulation {
     /// Collides before a step of `dt` seconds: adds contacts for every pair with a body, and records what each body
     /// touches.
     fn collide(&mut self, dt: f64) -> Result<()> {
-        let Self { world, hull, bodies, sticky, body_surface, real_surface, time, .. } = self;
+        let Self { world, hull, bodies, held, body_surface, real_surface, time, .. } = self;
         for one in bodies.iter_mut() {
             one.touched = Touched::default();
         }
 
         // Contacts with the hull carry the speed of the real surface.
         world.hull_mut(*hull).set_time(*time)?;
-        world.hull_mut(*hull).hold(sticky.iter().any(|times| times.contains(time)));
+        world.hull_mut(*hull).hold(held.iter().any(|times| times.contains(time)));
         world.collide(|pair| {
             if pair.are_connected_excluding_contact() {
                 return;

@@ -12,7 +12,7 @@ use ode_visual_hull::shape::Shape;
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::{
     ASSUMED_RATE, FRAME_RATE, FilmOptions, Movement, Playback, PlaybackOptions, Simulation, Story,
-    VolumeOptions, ground, in_the_way, numbers, parse_frames, parse_rate, parse_seconds, run_film, view_of,
+    VolumeOptions, ground, in_the_way, numbers, parse_frames, parse_rate, parse_times, run_film, view_of,
 };
 use std::io::Write;
 use std::ops::Range;
@@ -60,19 +60,19 @@ pub struct Options {
     motion: Movement,
     /// Seconds of the film in which bodies that touch the subject stick to it, from A up to but not B; either may be left out.
     /// May be given several times.
-    #[arg(long, value_name = "A..B", value_parser = parse_seconds, help_heading = "Film")]
-    stick: Vec<Range<f64>>,
+    #[arg(long, value_name = "A..B", value_parser = parse_times, help_heading = "Film")]
+    hold: Vec<Range<f64>>,
     /// Recorded frames to play, from A up to but not B; either may be left out [default: all].
     #[arg(long, value_name = "A..B", value_parser = parse_frames, help_heading = "Film")]
     frames: Option<Range<u32>>,
     /// Recorded images a second [default: as frames.csv or the videos say, else 30].
     #[arg(long, value_name = "RATE", value_parser = parse_rate, help_heading = "Film")]
     rate: Option<f64>,
-    /// Seconds for which the first frame is held.
-    #[arg(long, value_name = "SECONDS", value_parser = parse_hold, default_value = "3", help_heading = "Film")]
-    hold: f64,
-    /// Seconds for which the last frame is held.
-    #[arg(long, value_name = "SECONDS", value_parser = parse_hold, default_value = "1", help_heading = "Film")]
+    /// Seconds for which the first frame is shown, so that bodies come to rest.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, default_value = "3", help_heading = "Film")]
+    wait: f64,
+    /// Seconds for which the last frame is shown.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, default_value = "1", help_heading = "Film")]
     linger: f64,
     /// Camera whose view is drawn, by name or by number from 0 [default: the nearest].
     #[arg(long, value_name = "CAMERA", help_heading = "Film")]
@@ -91,7 +91,7 @@ Examples:
   vhull run my_recording --drop mix --count 20 --side 0.08   boxes and balls
   vhull run my_recording --stack 5 --view left               the subject knocks over five boxes, seen from `left`
   vhull run my_recording --rate 60                           recorded at 60 images a second, which it does not state
-  vhull run my_recording --stick 3..4.5                      bodies stick to the subject for a while
+  vhull run my_recording --hold 3..4.5                       bodies stick to the subject for a while
   vhull run my_recording --stack 3 --at 0.4,-0.2             the stack stands at a given place
   vhull run my_recording --no-gif --out states               states and plot only
 
@@ -120,7 +120,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let played = PlaybackOptions {
         frames: options.frames.clone(),
         rate: options.rate,
-        hold: options.hold,
+        wait: options.wait,
         linger: options.linger,
         volume: options.volume,
     };
@@ -128,7 +128,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     let mut playback = Playback::new(open_recording(dir)?, dir, &played, &data)?;
     let view = view_of(&playback, options.view.as_deref())?;
     let mut simulation = Simulation::new(&data, playback.pixel_size(), options.motion.motion())?;
-    simulation.set_sticky(&options.stick);
+    simulation.hold_during(&options.hold);
     let placed = match options.stack {
         Some(count) => stack(options, count.into(), &mut playback, &data, &mut simulation)?,
         None => drop(options, &playback, &data, &mut simulation)?,
@@ -141,9 +141,9 @@ pub fn run(options: &Options) -> Result<Outcome> {
     };
 
     let end = film.frames as f64 / FRAME_RATE;
-    if let Some(late) = options.stick.iter().find(|times| times.start >= end) {
+    if let Some(late) = options.hold.iter().find(|times| times.start >= end) {
         return Err(Error::argument(format!(
-            "--stick: expected seconds that begin before the end of the film, at {end:.2} s, found {}..; --hold and \
+            "--hold: expected seconds that begin before the end of the film, at {end:.2} s, found {}..; --wait and \
              --linger belong to the film",
             late.start
         )));
@@ -249,7 +249,7 @@ fn parse_side(text: &str) -> std::result::Result<f64, String> {
     side.ok_or_else(|| format!("expected 0.05 to 2 m, found {text}"))
 }
 
-fn parse_hold(text: &str) -> std::result::Result<f64, String> {
-    let hold = text.parse().ok().filter(|hold| (0.0..=3600.0).contains(hold));
-    hold.ok_or_else(|| format!("expected 0 to 3600 s, found {text}"))
+fn parse_seconds(text: &str) -> std::result::Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=3600.0).contains(seconds));
+    seconds.ok_or_else(|| format!("expected 0 to 3600 s, found {text}"))
 }

@@ -93,7 +93,7 @@ fn states(recording: &Path) -> Vec<Vec<f64>> {
 #[test]
 fn a_box_falls_on_the_subject_and_stays() {
     let recording = record("table", table, 3);
-    let text = success(&recording, &["--count", "1", "--hold", "1.5", "--linger", "0"]);
+    let text = success(&recording, &["--count", "1", "--wait", "1.5", "--linger", "0"]);
     assert!(text.contains("fall on the subject") && text.contains("box 1"), "{text}");
 
     let states = states(&recording);
@@ -111,7 +111,7 @@ fn a_box_falls_on_the_subject_and_stays() {
 fn a_mix_alternates_boxes_and_balls_and_no_gif_writes_no_film() {
     let recording = record("mix", table, 1);
     let arguments =
-        ["--drop", "mix", "--count", "3", "--hold", "0.2", "--linger", "0", "--rate", "15", "--no-gif"];
+        ["--drop", "mix", "--count", "3", "--wait", "0.2", "--linger", "0", "--rate", "15", "--no-gif"];
     let text = success(&recording, &arguments);
     assert!(["box 1", "ball 2", "box 3"].iter().all(|name| text.contains(name)), "{text}");
     assert_eq!(states(&recording).len(), 3 * 7);
@@ -121,7 +121,7 @@ fn a_mix_alternates_boxes_and_balls_and_no_gif_writes_no_film() {
 #[test]
 fn a_moving_subject_knocks_a_stack_over_and_equal_seeds_give_equal_states() {
     let recording = record("rolling", rolling, 30);
-    let arguments = ["--stack", "3", "--hold", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
+    let arguments = ["--stack", "3", "--wait", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
     let text = success(&recording, &arguments);
     assert!(text.contains("in the subject's way"), "{text}");
 
@@ -140,7 +140,7 @@ fn a_moving_subject_knocks_a_stack_over_and_equal_seeds_give_equal_states() {
 #[test]
 fn the_summary_names_the_hull_that_collides_and_compares_speeds_in_each_motion() {
     let recording = record("motions", rolling, 30);
-    let arguments = ["--stack", "3", "--hold", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
+    let arguments = ["--stack", "3", "--wait", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
     let text = success(&recording, &arguments);
     assert!(
         text.contains("hull: interpolated between frames, one frame late (33 ms)"),
@@ -171,7 +171,7 @@ fn speeds(text: &str) -> (f64, f64) {
 fn a_hull_in_motion_pushes_a_box_as_fast_as_the_subject_moves() {
     let recording = record("push", sliding, 30);
     let arguments =
-        ["--stack", "1", "--at", "-0.2,0", "--hold", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
+        ["--stack", "1", "--at", "-0.2,0", "--wait", "0.5", "--no-gif", "--bounds", "-1.2,1.4,-1,1,0,1.5"];
     for motion in ["interpolated", "predicted"] {
         success(&recording, &[&arguments[..], &["--motion", motion]].concat());
         let states = std::fs::read_to_string(recording.join("out/states.csv")).unwrap();
@@ -190,7 +190,7 @@ fn a_hull_in_motion_pushes_a_box_as_fast_as_the_subject_moves() {
 #[test]
 fn the_summary_says_that_a_subject_stands_still() {
     let recording = record("motionless", table, 6);
-    let text = success(&recording, &["--count", "1", "--hold", "0.2", "--no-gif"]);
+    let text = success(&recording, &["--count", "1", "--wait", "0.2", "--no-gif"]);
     assert!(text.contains("speed: the subject does not move"), "{text}");
 }
 
@@ -206,7 +206,7 @@ fn the_film_shows_the_image_that_is_nearest_to_the_time_of_the_hull() {
 
     // The last still is film frame 24. Its last step begins at (24 * 8 + 7) / 240 = 0.829 s, when frame 3 has been
     // current since 0.8 s. The interpolated hull is 0.1 s older, and nearest to frame 2 of 0.7 s.
-    let arguments = ["--count", "1", "--rate", "10", "--hold", "0.5", "--linger", "0.1", "--motion"];
+    let arguments = ["--count", "1", "--rate", "10", "--wait", "0.5", "--linger", "0.1", "--motion"];
     for (motion, frame) in [("held", 3), ("interpolated", 2)] {
         success(&recording, &[&arguments[..], &[motion]].concat());
         let stills = image::open(recording.join("out/run.png")).unwrap().into_rgb8();
@@ -220,7 +220,7 @@ fn a_stack_stands_at_the_given_place_on_the_subject_or_the_floor() {
     let recording = record("at", table, 2);
     for (place, foot) in [("0.05,-0.05", TABLE_TOP), ("0.6,0.3", 0.0)] {
         let arguments =
-            ["--stack", "2", "--side", "0.1", "--hold", "0.5", "--linger", "0", "--no-gif", "--at", place];
+            ["--stack", "2", "--side", "0.1", "--wait", "0.5", "--linger", "0", "--no-gif", "--at", place];
         success(&recording, &arguments);
         let last = states(&recording).pop().unwrap();
         assert!((last[4] - foot - 0.15).abs() < 0.02, "the second box, at {place}: {last:?}");
@@ -230,7 +230,7 @@ fn a_stack_stands_at_the_given_place_on_the_subject_or_the_floor() {
 #[test]
 fn a_stack_stands_on_a_subject_that_keeps_still() {
     let recording = record("still", table, 4);
-    let arguments = ["--stack", "2", "--side", "0.15", "--hold", "0.5", "--linger", "0", "--no-gif"];
+    let arguments = ["--stack", "2", "--side", "0.15", "--wait", "0.5", "--linger", "0", "--no-gif"];
     let text = success(&recording, &arguments);
     assert!(text.contains("on the subject"), "{text}");
     assert!((states(&recording).pop().unwrap()[4] - TABLE_TOP - 0.225).abs() < 0.02);
@@ -251,7 +251,7 @@ fn film(recording: &Path, colour: &str, rate: u32, frames: u32) {
 fn bodies_are_drawn_into_the_videos_of_the_recording() {
     let recording = record("videos", table, 3);
     film(&recording, "blue", 30, 3);
-    success(&recording, &["--count", "1", "--hold", "0.2", "--frames", "1.."]);
+    success(&recording, &["--count", "1", "--wait", "0.2", "--frames", "1.."]);
     let stills = image::open(recording.join("out/run.png")).unwrap().into_rgb8();
     let [red, _, blue] = stills.get_pixel(3, 3).0;
     assert!(red < 30 && blue > 200, "{:?}", stills.get_pixel(3, 3));
@@ -260,7 +260,7 @@ fn bodies_are_drawn_into_the_videos_of_the_recording() {
     for camera in rig().cameras() {
         std::fs::write(recording.join(camera.name()).join("video.mkv"), b"no video").unwrap();
     }
-    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0"]);
+    let (code, text) = failure(&recording, &["--count", "1", "--wait", "0"]);
     assert!(code == Some(1) && text.contains("video.mkv: expected a video"), "{text}");
 
     // A video that ends before the frames that are played.
@@ -268,17 +268,17 @@ fn bodies_are_drawn_into_the_videos_of_the_recording() {
         std::fs::remove_file(recording.join(camera.name()).join("video.mkv")).unwrap();
     }
     film(&recording, "blue", 30, 1);
-    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--frames", "1.."]);
+    let (code, text) = failure(&recording, &["--count", "1", "--wait", "0", "--frames", "1.."]);
     assert!(code == Some(1) && text.contains("expected an image as frame 1"), "{text}");
     assert!(text.contains("--no-gif"), "{text}");
-    success(&recording, &["--count", "1", "--hold", "0", "--frames", "1..", "--no-gif"]);
+    success(&recording, &["--count", "1", "--wait", "0", "--frames", "1..", "--no-gif"]);
 }
 
 #[test]
 fn the_subject_moves_by_the_times_of_the_recording_whatever_the_frame_rate_of_the_film() {
     let recording = record("pace", lifted, 30);
     let play = |options: &[&str]| {
-        let arguments = [&["--count", "1", "--hold", "1", "--linger", "0", "--no-gif"], options].concat();
+        let arguments = [&["--count", "1", "--wait", "1", "--linger", "0", "--no-gif"], options].concat();
         let output = run(&recording, &arguments);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let heights: Vec<f64> = states(&recording).iter().map(|row| row[4]).collect();
@@ -315,7 +315,7 @@ fn the_subject_moves_by_the_times_of_the_recording_whatever_the_frame_rate_of_th
 #[test]
 fn only_the_given_frames_are_played() {
     let recording = record("frames", table, 6);
-    success(&recording, &["--count", "1", "--frames", "2..5", "--hold", "0", "--linger", "0.1", "--no-gif"]);
+    success(&recording, &["--count", "1", "--frames", "2..5", "--wait", "0", "--linger", "0.1", "--no-gif"]);
     assert_eq!(states(&recording).len(), 6);
     let (code, text) = failure(&recording, &["--frames", "9.."]);
     assert_eq!(code, Some(1));
@@ -363,8 +363,8 @@ fn an_invalid_command_line_exits_with_code_2_and_names_what_was_expected() {
         (&["--bounds", "1,2,3"][..], "x0,x1,y0,y1,z0,z1"),
         (&["--bounds", "1,0,0,1,0,1"], "--bounds"),
         (&["--side", "7"], "0.05 to 2 m"),
-        (&["--hold=-1"], "0 to 3600 s"),
-        (&["--hold", "NaN"], "0 to 3600 s"),
+        (&["--wait=-1"], "0 to 3600 s"),
+        (&["--wait", "NaN"], "0 to 3600 s"),
         (&["--linger", "x"], "0 to 3600 s"),
         (&["--rate", "0"], "images per second"),
         (&["--frames", "5..5"], "A below B"),
@@ -389,7 +389,7 @@ fn states_before_a_broken_mask_are_kept() {
     // 24 of the 40 frames are read beforehand to find the subject's extent; frame 21 is not one of them.
     let broken = recording.join(rig().cameras()[1].name()).join("mask/000021.png");
     std::fs::write(&broken, b"no image").unwrap();
-    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--no-gif"]);
+    let (code, text) = failure(&recording, &["--count", "1", "--wait", "0", "--no-gif"]);
     assert_eq!(code, Some(1));
     assert!(text.contains("000021.png") && text.contains("the 21 frames before"), "{text}");
     assert_eq!(states(&recording).len(), 21);
@@ -399,7 +399,7 @@ fn states_before_a_broken_mask_are_kept() {
 fn the_error_for_a_folder_that_cannot_be_created_says_so() {
     let recording = record("unwritable", table, 1);
     std::fs::write(recording.join("out"), b"a file").unwrap();
-    let (code, text) = failure(&recording, &["--count", "1", "--hold", "0", "--no-gif"]);
+    let (code, text) = failure(&recording, &["--count", "1", "--wait", "0", "--no-gif"]);
     assert_eq!(code, Some(1));
     assert!(text.contains("expected to make this folder"), "{text}");
 }
@@ -407,7 +407,7 @@ fn the_error_for_a_folder_that_cannot_be_created_says_so() {
 #[test]
 fn a_box_sticks_to_a_board_that_touches_it_while_it_is_told_to() {
     let recording = record("sticky", sliding, 30);
-    let arguments = ["--stack", "1", "--at", "0,0", "--hold", "0.2", "--stick", "0..", "--no-gif"];
+    let arguments = ["--stack", "1", "--at", "0,0", "--wait", "0.2", "--hold", "0..", "--no-gif"];
     success(&recording, &[&arguments[..], &["--bounds", "-1.2,1.4,-1,1,0,1.5"]].concat());
     let (states, board) = (states(&recording), -0.6 + 0.04 * 29.0);
     // Half the board and half the box before the board's middle. Pixels of 9 mm, and the board's way in a step, 5 mm.
@@ -418,8 +418,8 @@ fn a_box_sticks_to_a_board_that_touches_it_while_it_is_told_to() {
 #[test]
 fn times_to_stick_that_make_no_sense_are_refused() {
     let recording = record("stick", table, 1);
-    let (code, error) = failure(&recording, &["--stick", "3..2"]);
+    let (code, error) = failure(&recording, &["--hold", "3..2"]);
     assert!(code == Some(2) && error.contains("expected seconds A..B with A below B"), "{error}");
-    let (code, error) = failure(&recording, &["--hold", "1", "--linger", "0", "--stick", "7..8"]);
+    let (code, error) = failure(&recording, &["--wait", "1", "--linger", "0", "--hold", "7..8"]);
     assert!(code != Some(0) && error.contains("begin before the end of the film"), "{error}");
 }

@@ -33,7 +33,7 @@ pub struct PlaybackOptions {
     /// Images a second; by default as the recording says, else [`ASSUMED_RATE`](super::ASSUMED_RATE).
     pub rate: Option<f64>,
     /// Seconds for which the first frame is held.
-    pub hold: f64,
+    pub wait: f64,
     /// Seconds for which the last frame is held.
     pub linger: f64,
     /// Where the subject is.
@@ -47,7 +47,7 @@ pub struct Playback {
     /// The recorded frames that are played, and when.
     frames: Vec<FrameTime>,
     timeline: Timeline,
-    hold: f64,
+    wait: f64,
     /// The hulls of some frames, starting with the first frame.
     sampled_hulls: Vec<Arc<Hull>>,
     /// The part of the world that the film shows.
@@ -81,8 +81,8 @@ impl Playback {
             recording: recorded.recording,
             frame_times,
             frames,
-            timeline: Timeline::new(&times, options.hold, options.linger),
-            hold: options.hold,
+            timeline: Timeline::new(&times, options.wait, options.linger),
+            wait: options.wait,
             shown: shown.reduce(|a, b| a.union(&b)).unwrap_or(*sampled_hulls[0].aabb()).grown(MARGIN),
             sampled_hulls,
             published: None,
@@ -227,12 +227,12 @@ impl Story for Playback {
     }
 
     fn still_until(&self) -> f64 {
-        self.hold
+        self.wait
     }
 
     fn moments(&self) -> [f64; 3] {
         let end = self.frames() as f64 / FRAME_RATE;
-        [0.2, self.hold - 0.1, 0.5 * (self.hold + end)]
+        [0.2, self.wait - 0.1, 0.5 * (self.wait + end)]
     }
 
     /// The nearest camera.

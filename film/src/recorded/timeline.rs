@@ -21,12 +21,12 @@ pub(super) struct Publication {
 }
 
 impl Timeline {
-    /// The first frame is held for `hold` seconds. Then frames follow at their `times`, of which there has to be at
+    /// The first frame is shown for `wait` seconds. Then frames follow at their `times`, of which there has to be at
     /// least one. The last frame is current for as long as the others on average, and then for `linger` seconds more.
-    pub(super) fn new(times: &[f64], hold: f64, linger: f64) -> Self {
-        let starts: Vec<f64> = times.iter().map(|time| hold + time - times[0]).collect();
+    pub(super) fn new(times: &[f64], wait: f64, linger: f64) -> Self {
+        let starts: Vec<f64> = times.iter().map(|time| wait + time - times[0]).collect();
         let steps = starts.len() - 1;
-        let period = if steps == 0 { 1.0 / FRAME_RATE } else { (starts[steps] - hold) / steps as f64 };
+        let period = if steps == 0 { 1.0 / FRAME_RATE } else { (starts[steps] - wait) / steps as f64 };
         Self { starts, period, linger }
     }
 
@@ -34,7 +34,7 @@ impl Timeline {
     /// simulation.
     ///
     /// While the first or the last frame is held it is published again and again, as cameras do when a subject stands
-    /// still. So its motion ends, and what leads to the second frame is as fast as it was, however long the hold.
+    /// still. So its motion ends, and what leads to the second frame is as fast as it was, however long the wait.
     pub(super) fn at(&self, time: f64) -> Publication {
         let soon = time + 0.5 / STEPS_PER_SECOND;
         let frame = self.starts.partition_point(|&start| start <= soon).max(1) - 1;
@@ -132,8 +132,8 @@ mod tests {
 
     #[test]
     fn frames_are_published_at_the_recordings_own_pace_also_while_the_subject_is_held() {
-        for hold in [0.0, 0.3, 3.0] {
-            let published = published(&Timeline::new(&times(60.0, 4), hold, 0.5));
+        for wait in [0.0, 0.3, 3.0] {
+            let published = published(&Timeline::new(&times(60.0, 4), wait, 0.5));
             let steps = published.windows(2).map(|pair| pair[1].time - pair[0].time);
             for (step, pair) in steps.zip(published.windows(2)) {
                 assert!((step - 1.0 / 60.0).abs() < 1e-9, "{pair:?}");

@@ -15,11 +15,13 @@ mod grip;
 mod hands;
 mod hold;
 mod lines;
+mod manifolds;
 mod mask_filter;
 mod motion;
 mod pendulum;
 mod push;
 mod realtime;
+mod restitution;
 mod segmentation;
 mod sleepers;
 mod stack;
@@ -59,6 +61,8 @@ const GROUPS: &[(&str, Measure)] = &[
     ("pendulum", pendulum::run_group),
     ("coulomb", coulomb::run_group),
     ("hold", hold::run_group),
+    ("restitution", restitution::run_group),
+    ("manifolds", manifolds::run_group),
 ];
 
 fn main() -> ExitCode {

@@ -9,6 +9,7 @@
 //! | [`quality`] | the hull from pixels, compared with the analytic hull of its cameras |
 //! | [`captures`] | real recordings, where they are present |
 //! | [`degenerate_lines`] | lines on which something is zero but for rounding, held against inside tests |
+//! | [`manifolds`] | invariants of contacts on random hulls and bodies |
 //! | [`edge_noise`] | masks whose outlines are displaced at random |
 //! | [`hand`] | a synthetic hand of capsules |
 //! | [`mask_errors`] | masks with gross errors: speckle, parts that are missing |
@@ -23,6 +24,7 @@ pub mod edge_noise;
 pub mod figure;
 pub mod figure_table;
 pub mod hand;
+pub mod manifolds;
 pub mod mask_errors;
 pub mod quality;
 pub mod scene;

@@ -3,6 +3,7 @@
 
 mod bodies;
 mod recordings;
+mod surfaces;
 
 use image::{GrayImage, Luma};
 use nalgebra::{Isometry3, Matrix3, Matrix3x4, Point3, Quaternion, UnitQuaternion, Vector3, point, vector};

@@ -1,0 +1,193 @@
+//! The energy that random bodies gain where they fall on the table.
+
+use super::{Ground, beside_native, bouncing};
+use crate::studio::*;
+use nalgebra::{Isometry3, Point3, Vector3};
+use ode_visual_hull::ode::{BodyId, Shape, World};
+use ode_visual_hull::shape::Convex;
+use ode_visual_hull_testing::figure::Figure;
+use ode_visual_hull_testing::random::Random;
+use ode_visual_hull_testing::world::add_body;
+use std::sync::Arc;
+
+/// Number of drops, of which each world holds [`TOGETHER`] that do not touch one another.
+const DROPS: usize = 10_000;
+const TOGETHER: usize = 50;
+
+/// Steps a second, in turns.
+const RATES: [f64; 3] = [60.0, 120.0, 240.0];
+
+/// How long a drop lasts, in seconds: bodies fall for a third of a second and bounce once or twice.
+const SECONDS: f64 = 0.8;
+
+/// The largest coefficient of restitution.
+const MAX_RESTITUTION: f64 = 0.9;
+
+/// A body before it falls.
+#[derive(Debug, Clone)]
+struct Drop {
+    shape: Shape,
+    pose: Isometry3<f64>,
+    velocity: Vector3<f64>,
+    spin: Vector3<f64>,
+    mu: f64,
+    restitution: f64,
+}
+
+/// The largest gain of energy on the hull and on ODE's box, and the shares of the drops that gain more than a hundredth.
+pub fn figures(grounds: &[Ground; 2], progress: &dyn Fn(&str)) -> Vec<Figure> {
+    progress(&format!("the energy of {DROPS} drops"));
+    let gains = grounds.each_ref().map(gains);
+    let largest = gains.each_ref().map(|gains| gains.iter().copied().fold(0.0, f64::max));
+    let share = gains
+        .each_ref()
+        .map(|gains| gains.iter().filter(|&&gain| gain > 0.01).count() as f64 / gains.len() as f64);
+    let mut figures = Vec::from(beside_native("energy_gain_max", largest, 0.0));
+    figures.extend(beside_native("energy_gain_share", share, 0.0));
+    figures
+}
+
+/// The largest relative gain of each drop's energy.
+fn gains(ground: &Ground) -> Vec<f64> {
+    let mut random = Random(std::env::var("SEED").map_or(11, |s| s.parse().unwrap()));
+    let worlds = (0..DROPS / TOGETHER).flat_map(|world| {
+        let drops: Vec<Drop> = (0..TOGETHER).map(|_| random_drop(&mut random)).collect();
+        gains_of(ground, &drops, RATES[world % RATES.len()])
+    });
+    worlds.collect()
+}
+
+/// The largest relative gain of each of `drops`, which fall through one another.
+fn gains_of(ground: &Ground, drops: &[Drop], rate: f64) -> Vec<f64> {
+    let mut world = ground.world();
+    let bodies: Vec<BodyId> = drops.iter().map(|drop| add(&mut world, drop)).collect();
+    let energies = |world: &World| -> Vec<f64> { bodies.iter().map(|&body| energy(world, body)).collect() };
+
+    let at_start = energies(&world);
+    let mut gains = vec![0.0_f64; drops.len()];
+    let mut has_touched = vec![false; drops.len()];
+    for _ in 0..(SECONDS * rate) as usize {
+        let collided = world.collide(|pair| {
+            let body = pair.bodies().into_iter().flatten().next().expect("the ground has no pair of its own");
+            let drop = bodies.iter().position(|&other| other == body).expect("a body of this world");
+            let contacts = pair.contacts(8);
+            if let Ok(t) = std::env::var("TRACE_X") {
+                let t: f64 = t.parse().unwrap();
+                if (drops[drop].pose.translation.x - t).abs() < 1e-9 {
+                    let b = world_of(pair, body);
+                    eprintln!("{} {b}", if matches!(ground, Ground::Native) { "NATIVE" } else { "HULL" });
+                    for c in contacts.iter() {
+                        eprintln!(
+                            "    pos {:.4?} n {:.3?} depth {:.4}",
+                            c.position.coords.as_slice(),
+                            c.normal.as_slice(),
+                            c.depth
+                        );
+                    }
+                }
+            }
+            has_touched[drop] |= !contacts.is_empty();
+            for contact in contacts.iter() {
+                pair.attach(contact, &bouncing(drops[drop].mu, drops[drop].restitution));
+            }
+        });
+        collided.expect("valid contacts");
+        world.step(1.0 / rate).expect("finite states");
+
+        for (drop, energy) in energies(&world).into_iter().enumerate() {
+            if let Ok(t) = std::env::var("TRACE_X") {
+                let t: f64 = t.parse().unwrap();
+                if (drops[drop].pose.translation.x - t).abs() < 1e-9 {
+                    let b = world.body(bodies[drop]);
+                    eprintln!(
+                        "  {} p {:.4?} v {:.3?} w {:.3?} E/E0 {:.4}",
+                        if matches!(ground, Ground::Native) { "NATIVE" } else { "HULL" },
+                        b.position().coords.as_slice(),
+                        b.linear_velocity().as_slice(),
+                        b.angular_velocity().as_slice(),
+                        energy / at_start[drop]
+                    );
+                }
+            }
+            if has_touched[drop] {
+                gains[drop] = gains[drop].max(energy / at_start[drop] - 1.0);
+            }
+        }
+    }
+    if std::env::var("DEBUG_DROPS").is_ok() {
+        for (g, d) in gains.iter().zip(drops) {
+            if *g > 0.005 {
+                eprintln!(
+                    "{} rate {rate} gain {g:.4} {d:?}",
+                    if matches!(ground, Ground::Native) { "NATIVE" } else { "HULL" }
+                );
+            }
+        }
+    }
+    gains
+}
+
+fn world_of(pair: &ode_visual_hull::ode::Pair, body: BodyId) -> String {
+    let _ = (pair, body);
+    String::new()
+}
+/// Adds the body of a drop, which collides with the ground alone.
+fn add(world: &mut World, drop: &Drop) -> BodyId {
+    const GROUND: u32 = 1;
+    const BODIES: u32 = 2;
+    let ground = world.geoms().next().expect("the ground comes first");
+    world.geom_mut(ground).set_category_bits(GROUND);
+    let (body, geom) = add_body(world, &drop.shape, &drop.pose);
+    world.geom_mut(geom).set_category_bits(BODIES);
+    world.geom_mut(geom).set_collide_bits(GROUND);
+    let mut view = world.body_mut(body);
+    view.set_linear_velocity(&drop.velocity).expect("finite");
+    view.set_angular_velocity(&drop.spin).expect("finite");
+    body
+}
+
+/// The energy of a body's motion and of its height above the table's top, in joules.
+fn energy(world: &World, body: BodyId) -> f64 {
+    let body = world.body(body);
+    let (mass, spin) = (body.mass(), body.pose().rotation.inverse() * body.angular_velocity());
+    let of_motion =
+        0.5 * (mass.total() * body.linear_velocity().norm_squared() + spin.dot(&(mass.inertia() * spin)));
+    of_motion + mass.total() * 9.81 * (body.position().z - TOP)
+}
+
+/// A random body above the table.
+fn random_drop(random: &mut Random) -> Drop {
+    let shape = random_shape(random);
+    let reach = 0.15;
+    let height = TOP + reach + random.between(0.0, 0.5);
+    let place = Point3::new(random.between(-0.25, 0.25), random.between(-0.25, 0.25), height);
+    Drop {
+        shape,
+        pose: Isometry3::from_parts(place.into(), random.rotation()),
+        velocity: random.direction() * random.between(0.0, 0.5),
+        spin: random.direction() * random.between(0.0, 5.0),
+        mu: random.between(0.0, 1.0),
+        restitution: random.between(0.0, MAX_RESTITUTION),
+    }
+}
+
+/// A random shape of 6 to 30 cm.
+fn random_shape(random: &mut Random) -> Shape {
+    let radius = random.between(0.03, 0.06);
+    match random.below(5) {
+        0 => Shape::Sphere { radius },
+        1 => Shape::Capsule { radius, length: random.between(0.02, 0.15) },
+        2 => Shape::Cylinder { radius, length: random.between(0.06, 0.2) },
+        3 => Shape::Convex(Arc::new(octahedron([0; 3].map(|_| random.between(0.04, 0.1))))),
+        _ => Shape::Box { sides: Vector3::from_fn(|_, _| random.between(0.05, 0.15)) },
+    }
+}
+
+/// The octahedron with these distances of its corners from the centre, in metres.
+fn octahedron([x, y, z]: [f64; 3]) -> Convex {
+    let corners =
+        [[x, 0.0, 0.0], [-x, 0.0, 0.0], [0.0, y, 0.0], [0.0, -y, 0.0], [0.0, 0.0, z], [0.0, 0.0, -z]];
+    let faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    let faces = faces.map(|face| face.to_vec());
+    Convex::new(corners.map(|[x, y, z]| Point3::new(x, y, z)).to_vec(), &faces).expect("a convex solid")
+}

@@ -110,6 +110,22 @@ fn a_sphere_touches_at_its_lowest_point() {
 }
 
 #[test]
+fn a_ball_on_an_edge_is_pushed_through_its_centre() {
+    // The ball's centre is beyond both faces of the edge at x = 0.25 m, z = 0.2 m, and 94 mm from it.
+    let ball = sample::sphere(0.1, 0.03).unwrap();
+    for (degrees, y) in [(30.0_f64, 0.02), (40.0, -0.05), (45.0, 0.0), (50.0, 0.1), (60.0, -0.1)] {
+        let (up, out) = degrees.to_radians().sin_cos();
+        let centre = at(0.25 + 0.094 * out, y, 0.2 + 0.094 * up);
+        let found = contacts(&ball, &centre);
+        assert!(!found.is_empty());
+        for Contact { point, direction, .. } in found {
+            let off = (point + direction * 0.1).coords - centre.translation.vector;
+            assert!(off.norm() < 1e-9, "{degrees} degrees: passes {off} m by the centre");
+        }
+    }
+}
+
+#[test]
 fn a_lying_cylinder_touches_at_both_rims() {
     let roll = sample::cylinder(0.1, 0.3, 0.03).unwrap();
     let lying =

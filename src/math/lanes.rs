@@ -51,10 +51,11 @@ pub(crate) fn round_i32(x: f32) -> i32 {
     (x + 1.5 * WHOLE_F32).to_bits() as i32 - (1.5 * WHOLE_F32).to_bits() as i32
 }
 
-/// The whole number below `x`, for `0 <= x < 2^51`.
+/// The whole number below `x`, for `|x| < 2^51`.
 #[inline(always)]
 pub(crate) fn floor(x: f64) -> f64 {
-    let nearest = (x + WHOLE_F64) - WHOLE_F64;
+    // Half the range is added, so that numbers below zero are not rounded to halves.
+    let nearest = (x + 1.5 * WHOLE_F64) - 1.5 * WHOLE_F64;
     select(nearest > x, nearest - 1.0, nearest)
 }
 
@@ -62,4 +63,18 @@ pub(crate) fn floor(x: f64) -> f64 {
 #[inline(always)]
 pub(crate) fn index(x: f64) -> u32 {
     (x + WHOLE_F64).to_bits() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_whole_number_below_is_that_of_the_standard_library_on_both_sides_of_zero() {
+        // The cells above and to the left of an image begin half a pixel before it.
+        let halves = (-4000..4000).map(|k| 0.125 * f64::from(k));
+        for x in halves.chain([-1e-20, 1e-20, -0.4999999, -3e9 - 0.3, 3e9 + 0.7]) {
+            assert_eq!(floor(x), x.floor(), "{x}");
+        }
+    }
 }

@@ -75,6 +75,12 @@ impl Deref for SupportPoints {
 }
 
 impl Smooth {
+    /// Whether the surface has one normal at each of its points, so that a point on an edge of something else is touched
+    /// along that normal.
+    pub(crate) fn is_without_rim(&self) -> bool {
+        !matches!(self, Self::Cylinder { .. })
+    }
+
     /// The points of the surface farthest along the unit direction `d` (body frame), farthest first.
     ///
     /// A sphere has one point. A capsule has one, or one at either end if it lies. A cylinder has one on the rim, or

@@ -49,7 +49,7 @@ pub fn figures(grounds: &[Ground; 2], progress: &dyn Fn(&str)) -> Vec<Figure> {
 
 /// The largest relative gain of each drop's energy.
 fn gains(ground: &Ground) -> Vec<f64> {
-    let mut random = Random(std::env::var("SEED").map_or(11, |s| s.parse().unwrap()));
+    let mut random = Random(11);
     let worlds = (0..DROPS / TOGETHER).flat_map(|world| {
         let drops: Vec<Drop> = (0..TOGETHER).map(|_| random_drop(&mut random)).collect();
         gains_of(ground, &drops, RATES[world % RATES.len()])
@@ -71,21 +71,6 @@ fn gains_of(ground: &Ground, drops: &[Drop], rate: f64) -> Vec<f64> {
             let body = pair.bodies().into_iter().flatten().next().expect("the ground has no pair of its own");
             let drop = bodies.iter().position(|&other| other == body).expect("a body of this world");
             let contacts = pair.contacts(8);
-            if let Ok(t) = std::env::var("TRACE_X") {
-                let t: f64 = t.parse().unwrap();
-                if (drops[drop].pose.translation.x - t).abs() < 1e-9 {
-                    let b = world_of(pair, body);
-                    eprintln!("{} {b}", if matches!(ground, Ground::Native) { "NATIVE" } else { "HULL" });
-                    for c in contacts.iter() {
-                        eprintln!(
-                            "    pos {:.4?} n {:.3?} depth {:.4}",
-                            c.position.coords.as_slice(),
-                            c.normal.as_slice(),
-                            c.depth
-                        );
-                    }
-                }
-            }
             has_touched[drop] |= !contacts.is_empty();
             for contact in contacts.iter() {
                 pair.attach(contact, &bouncing(drops[drop].mu, drops[drop].restitution));
@@ -95,42 +80,14 @@ fn gains_of(ground: &Ground, drops: &[Drop], rate: f64) -> Vec<f64> {
         world.step(1.0 / rate).expect("finite states");
 
         for (drop, energy) in energies(&world).into_iter().enumerate() {
-            if let Ok(t) = std::env::var("TRACE_X") {
-                let t: f64 = t.parse().unwrap();
-                if (drops[drop].pose.translation.x - t).abs() < 1e-9 {
-                    let b = world.body(bodies[drop]);
-                    eprintln!(
-                        "  {} p {:.4?} v {:.3?} w {:.3?} E/E0 {:.4}",
-                        if matches!(ground, Ground::Native) { "NATIVE" } else { "HULL" },
-                        b.position().coords.as_slice(),
-                        b.linear_velocity().as_slice(),
-                        b.angular_velocity().as_slice(),
-                        energy / at_start[drop]
-                    );
-                }
-            }
             if has_touched[drop] {
                 gains[drop] = gains[drop].max(energy / at_start[drop] - 1.0);
-            }
-        }
-    }
-    if std::env::var("DEBUG_DROPS").is_ok() {
-        for (g, d) in gains.iter().zip(drops) {
-            if *g > 0.005 {
-                eprintln!(
-                    "{} rate {rate} gain {g:.4} {d:?}",
-                    if matches!(ground, Ground::Native) { "NATIVE" } else { "HULL" }
-                );
             }
         }
     }
     gains
 }
 
-fn world_of(pair: &ode_visual_hull::ode::Pair, body: BodyId) -> String {
-    let _ = (pair, body);
-    String::new()
-}
 /// Adds the body of a drop, which collides with the ground alone.
 fn add(world: &mut World, drop: &Drop) -> BodyId {
     const GROUND: u32 = 1;

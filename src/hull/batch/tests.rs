@@ -233,6 +233,45 @@ fn many_exits_have_the_bits_of_single_ones() {
     }
 }
 
+/// Moves a point to where a camera sees it in the outer half pixel of its image, at the top or on the left.
+fn moved_to_border(camera: &Camera, p: &Point3<f64>, random: &mut Random) -> Option<Point3<f64>> {
+    let at = camera.project(p)?;
+    let outer = random.between(0.0, 0.5);
+    let (u, v) = if random.below(2) == 0 { (at.u, outer) } else { (outer, at.v) };
+    camera.unproject(u, v, at.depth)
+}
+
+#[test]
+fn many_exits_from_the_outer_half_pixel_of_an_image_have_the_bits_of_single_ones() {
+    let (mut scratch, mut places, mut rays, mut exits) =
+        (Scratch::default(), Vec::new(), Vec::new(), Vec::new());
+    let mut random = Random(13);
+    let mut count = 0;
+    for (n, hull) in hulls().iter().enumerate() {
+        let points = points(hull, 1003);
+        for camera in hull.views().iter().map(View::camera) {
+            let at_border: Vec<_> =
+                points.iter().filter_map(|p| moved_to_border(camera, p, &mut random)).collect();
+            let edge = EdgeModel::Coverage;
+            hull.exit_rays(&at_border, edge, usize::MAX, &mut scratch, &mut places, &mut rays);
+
+            // Nearly parallel to the image, so that the lines stay in the outer cells for long.
+            let centre = camera.centre();
+            for ray in &mut rays {
+                let sight = (ray.point - centre).normalize();
+                ray.direction = (sight.cross(&random.direction()) + sight * 0.1).normalize();
+            }
+            hull.exits_within(&mut rays, edge, f64::INFINITY, &mut scratch, &mut exits);
+            for (exit, ray) in exits.iter().zip(&rays) {
+                let single = hull.exit(&ray.point, &ray.direction, edge);
+                assert_eq!(*exit, single, "hull {n}, {}, {}", ray.point, ray.direction);
+            }
+            count += rays.len();
+        }
+    }
+    assert!(count > 1000, "{count} rays");
+}
+
 #[test]
 fn many_exits_along_degenerate_lines_have_the_bits_of_single_ones() {
     let (mut scratch, mut places, mut rays, mut exits) =

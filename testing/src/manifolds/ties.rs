@@ -16,13 +16,21 @@ pub(super) fn of_views(hulls: [&Hull; 2], samples: &Samples, pose: &Isometry3<f6
         }
         let deciding = hulls.map(|hull| hull.nearest_edge(&point).map(|nearest| nearest.view));
         let [Some(a), Some(b)] = deciding else { return false };
-        a.name() != b.name() && iteration(hulls[0], a, &point) == iteration(hulls[0], b, &point)
+        // A view that is overruled at the point does not count.
+        let overruled =
+            hulls[0].views().iter().filter(|_| hulls[0].overrule_depth().is_some()).map(View::name);
+        a.name() != b.name()
+            && overruled.map(Some).chain([None]).any(|left_out| {
+                let [a, b] = [a, b].map(|view| iteration(hulls[0], left_out, view, &point));
+                a.is_some() && a == b
+            })
     })
 }
 
-/// The iteration of the window search (paper, section 4.2) in which the view's window first holds background.
-fn iteration(hull: &Hull, view: &View, point: &Point3<f64>) -> Option<u32> {
-    let seen = hull.views().iter().filter(|view| view.is_enabled());
+/// The iteration of the window search (paper, section 4.2) in which the view's window first holds background, where all
+/// views count but the one that is left out.
+fn iteration(hull: &Hull, left_out: Option<&str>, view: &View, point: &Point3<f64>) -> Option<u32> {
+    let seen = hull.views().iter().filter(|view| view.is_enabled() && left_out != Some(view.name()));
     let largest = seen.filter_map(|view| pixel_size(view, point)).fold(0.0, f64::max);
     let (i, j) = view.pixel(point)?;
     let (distance, growth) = (view.silhouette().distance(i, j), largest / pixel_size(view, point)?);

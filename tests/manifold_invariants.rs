@@ -1,5 +1,5 @@
-//! Contacts of random bodies in random poses on hulls of all kinds of rigs and masks: the short form of the figures
-//! `manifolds`.
+//! Contacts of random bodies in random poses on hulls of all kinds of rigs and masks: the short form of the
+//! figures `manifolds`.
 
 use ode_visual_hull_testing::manifolds::{collide_random, scenes};
 

@@ -1,17 +1,18 @@
-//! Invariants of contacts on random hulls and bodies: how many of a million contacts, and of the sets that they are in,
-//! break one.
+//! Invariants of contacts on random hulls and bodies: how many of a million contacts, and of the sets that
+//! they are in, break one.
 
 use ode_visual_hull_testing::figure::{Bound::AtMost, Figure};
 use ode_visual_hull_testing::manifolds::{collide_random, scenes};
 
-/// Number of hulls: all kinds of masks with all lenses and policies, 4 x 5 x 3, and each with views that are overruled.
+/// Number of hulls: all kinds of masks with all lenses and policies, 4 x 5 x 3, and each with views that are
+/// overruled.
 const SCENES: usize = 84;
 
 /// Number of contacts.
 const CONTACTS: usize = 1_000_000;
 
-/// `manifold_violations` of [`ode_visual_hull_testing::manifolds`], with its bound, and how often the order of views or
-/// samples decides because of a tie.
+/// `manifold_violations` of [`ode_visual_hull_testing::manifolds`], with its bound, and how often the order
+/// of views or samples decides because of a tie.
 pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("hulls");
     let scenes = scenes(SCENES, 1);

@@ -1,5 +1,6 @@
-//! Whether bodies bounce off a hull as its surface says: how high they rise after an impact, whether they gain energy, and
-//! whether their motion converges as steps get shorter; on the hull of a table and on ODE's own box in its place.
+//! Whether bodies bounce off a hull as its surface says: how high they rise after an impact, whether they
+//! gain energy, and whether their motion converges as steps get shorter; on the hull of a table and on ODE's
+//! own box in its place.
 
 mod drops;
 mod time_steps;
@@ -16,8 +17,8 @@ use std::sync::Arc;
 /// Steps a second of the drops of the coefficient of restitution.
 const RATES: [f64; 3] = [60.0, 240.0, 960.0];
 
-/// Number of heights at each rate, spread over the way of one step at the impact, since how deep a body is at its first
-/// contact depends on them.
+/// Number of heights at each rate, spread over the way of one step at the impact, since how deep a body is at
+/// its first contact depends on them.
 const HEIGHTS: u32 = 16;
 
 /// The least height of these drops, in metres.
@@ -83,9 +84,9 @@ fn bouncing(mu: f64, restitution: f64) -> Surface {
     Surface { bounce: Some(restitution), ..Surface::with_friction(mu) }
 }
 
-/// The largest difference between the height to which a body rises after its first impact, as a part of that from which
-/// it fell, and the square of the coefficient of restitution: over coefficients from 0 to 1, a ball, a cube that falls on
-/// its face, and heights.
+/// The largest difference between the height to which a body rises after its first impact, as a part of that
+/// from which it fell, and the square of the coefficient of restitution: over coefficients from 0 to 1, a
+/// ball, a cube that falls on its face, and heights.
 fn restitution_error(ground: &Ground, rate: f64) -> f64 {
     let radius = 0.06;
     let turned = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3);
@@ -105,7 +106,8 @@ fn restitution_error(ground: &Ground, rate: f64) -> f64 {
     worst
 }
 
-/// The largest height of the body's centre between its first impact and the moment when it falls again, in metres.
+/// The largest height of the body's centre between its first impact and the moment when it falls again, in
+/// metres.
 fn rise(ground: &Ground, shape: &Shape, start: &Isometry3<f64>, restitution: f64, rate: f64) -> f64 {
     let mut world = ground.world();
     let (body, _) = add_body(&mut world, shape, start);

@@ -34,8 +34,9 @@ struct Drop {
     restitution: f64,
 }
 
-/// The largest gain of energy on the hull and on ODE's box, and the shares of the drops that gain more than a hundredth: a
-/// few of ten thousand on either, since Newton's restitution at one point and friction at it may add energy in any solver.
+/// The largest gain of energy on the hull and on ODE's box, and the shares of the drops that gain more than a
+/// hundredth: a few of ten thousand on either, since Newton's restitution at one point and friction at it may
+/// add energy in any solver.
 pub fn figures(grounds: &[Ground; 2], progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress(&format!("the energy of {DROPS} drops"));
     let gains = grounds.each_ref().map(gains);

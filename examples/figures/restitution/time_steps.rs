@@ -10,13 +10,14 @@ use ode_visual_hull_testing::world::add_body;
 /// Steps a second.
 const RATES: [f64; 5] = [60.0, 120.0, 240.0, 480.0, 960.0];
 
-/// Number of drops at each rate. Their heights are spread over the way of one of the longest steps at the impact, since the
-/// error of one drop depends on when in a step it hits.
+/// Number of drops at each rate. Their heights are spread over the way of one of the longest steps at the
+/// impact, since the error of one drop depends on when in a step it hits.
 const DROPS: u32 = 64;
 
 const GRAVITY: f64 = 9.81;
 
-/// The errors at each rate, in millimetres, and `error_over_dt_falls`: 1 if both errors fall with each shorter step.
+/// The errors at each rate, in millimetres, and `error_over_dt_falls`: 1 if both errors fall with each
+/// shorter step.
 pub fn figures([hull, native]: &[Ground; 2], progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("errors over steps of 1/60 to 1/960 s");
     let mut figures = Vec::new();
@@ -38,16 +39,16 @@ pub fn figures([hull, native]: &[Ground; 2], progress: &dyn Fn(&str)) -> Vec<Fig
     figures
 }
 
-/// A world with ODE's own CFM. With a larger one contacts are the softer the shorter the step is: at 960 Hz 1e-5 takes a
-/// hundredth of an impact's impulse from a body of 1 kg, on ODE's box too.
+/// A world with ODE's own CFM. With a larger one contacts are the softer the shorter the step is: at 960 Hz
+/// 1e-5 takes a hundredth of an impact's impulse from a body of 1 kg, on ODE's box too.
 fn rigid_world(ground: &Ground) -> World {
     let mut world = ground.world();
     world.set_cfm(1e-10).expect("in range");
     world
 }
 
-/// The RMS error of the height of a ball that has bounced with a coefficient of restitution of 0.8, over drops, at the
-/// moment when it ought to be highest again, in metres.
+/// The RMS error of the height of a ball that has bounced with a coefficient of restitution of 0.8, over
+/// drops, at the moment when it ought to be highest again, in metres.
 fn bounce_error(ground: &Ground, rate: f64) -> f64 {
     const RESTITUTION: f64 = 0.8;
     const RADIUS: f64 = 0.06;

@@ -14,9 +14,9 @@ impl ContactPipeline {
     /// without a supported sample gets one escape direction for all of its samples.
     ///
     /// The manifolds of a smooth body hold its analytic support points instead of samples: on samples alone it would
-    /// roll like a polyhedron. Where those of a ball or capsule in a cluster's direction are outside, it is on an edge of
-    /// the hull, and the manifold's direction is against the mean normal of the cluster's samples: in another one, which
-    /// does not pass through a ball's centre, an impact would turn the ball and give it energy.
+    /// roll like a polyhedron. Where those of a ball or capsule in a cluster's direction are outside, it is on an
+    /// edge of the hull, and the manifold's direction is against the mean normal of the cluster's samples: in
+    /// another one, which does not pass through a ball's centre, an impact would turn the ball and give it energy.
     pub(in crate::contact) fn group_by_clusters(
         &mut self,
         hull: &Hull,
@@ -47,7 +47,8 @@ impl ContactPipeline {
                 let before = manifolds.len();
                 if let Some(smooth) = samples.smooth() {
                     manifolds.add_support(hull, smooth, hull_from_body, &direction, view);
-                    // An edge of the hull is met beside the points that face its surfaces, along the body's own normal.
+                    // An edge of the hull is met beside the points that face its surfaces, and along the body's
+                    // own normal.
                     let is_on_edge = manifolds.len() == before && touching.escape.is_none();
                     if is_on_edge && smooth.is_without_rim() {
                         let normals = clusters.members(cluster, penetrating).map(|sample| sample.normal);

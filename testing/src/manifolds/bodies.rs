@@ -109,7 +109,8 @@ impl Body {
 }
 
 impl Surface {
-    /// The L of [`l_mesh`]. Its boxes overlap in the corner, so that a face of one within the other is no surface.
+    /// The L of [`l_mesh`]. Its boxes overlap in the corner, so that a face of one within the other is no
+    /// surface.
     fn of_l(long: f64, wide: f64, thick: f64) -> Self {
         let half = |x: f64, y: f64| vector![x, y, thick] * 0.5;
         let centred = |half: Vector3<f64>| (Point3::from(half), half);
@@ -129,7 +130,8 @@ fn octahedron(corners: &Vector3<f64>) -> Convex {
     Convex::new(points, &faces.map(|face| face.to_vec())).unwrap()
 }
 
-/// An L with one corner at the origin, whose two legs are `long` and `wide` and lie along x and y; `thick` along z.
+/// An L with one corner at the origin, whose two legs are `long` and `wide` and lie along x and y; `thick`
+/// along z.
 fn l_mesh(long: f64, wide: f64, thick: f64) -> TriMesh {
     let outline = [[0.0, 0.0], [long, 0.0], [long, wide], [wide, wide], [wide, long], [0.0, long]];
     let ring = |z: f64| outline.map(|[x, y]| Point3::new(x, y, z));

@@ -45,7 +45,8 @@ pub struct Scene {
     pub hull: Arc<Hull>,
     /// Points inside it.
     pub inside: Vec<Point3<f64>>,
-    /// Whether the masks have no coverage and no view is overruled, so that the reference describes the hull exactly.
+    /// Whether the masks have no coverage and no view is overruled, so that the reference describes the hull
+    /// exactly.
     pub is_exactly_the_reference: bool,
 }
 

@@ -7,8 +7,8 @@ use ode_visual_hull::contact::{BodyContacts, Contact, Mode, Settings, collide};
 use ode_visual_hull::hull::{EdgeModel, Hull, View, reference};
 use ode_visual_hull::sample::Samples;
 
-/// One in so many contacts is held against the reference's exit, which tries every border of a pixel, and one in so many
-/// bodies is collided in other orders.
+/// One in so many contacts is held against the reference's exit, which tries every border of a pixel, and one
+/// in so many bodies is collided in other orders.
 const REFERENCE_EVERY: usize = 97;
 const ORDERS_EVERY: usize = 2;
 

@@ -1,15 +1,16 @@
-//! Invariants of contacts, tested on random hulls, bodies and poses against single queries, the reference and analytic
-//! surfaces, as MuJoCo does it for boxes.
+//! Invariants of contacts, tested on random hulls, bodies and poses against single queries, the reference and
+//! analytic surfaces, as MuJoCo does it for boxes.
 //!
-//! 1. A contact is on the body's surface, to a nanometre, and inside the hull: by the single query, and within a pixel by
-//!    the masks themselves.
-//! 2. Its depth is the exit along its direction by the single query, or the largest depth allowed if that is less. For
-//!    masks without coverage it is also the exit of [`reference`](ode_visual_hull::hull::reference).
+//! 1. A contact is on the body's surface, to a nanometre, and inside the hull: by the single query, and
+//!    within a pixel by the masks themselves.
+//! 2. Its depth is the exit along its direction by the single query, or the largest depth allowed if that is
+//!    less. For masks without coverage it is also the exit of
+//!    [`reference`](ode_visual_hull::hull::reference).
 //! 3. There are at most as many contacts as allowed; directions are unit vectors, and no manifold is empty.
-//! 4. In another order of the views the contacts are the same set, unless two views tie as the nearest edge of a sample:
-//!    then the first decides.
-//! 5. In another order of the samples, the contacts from which the reduction chooses are the same set, unless two samples
-//!    are equally deep. The reduction itself prefers the first of the deep samples.
+//! 4. In another order of the views the contacts are the same set, unless two views tie as the nearest edge
+//!    of a sample: then the first decides.
+//! 5. In another order of the samples, the contacts from which the reduction chooses are the same set, unless
+//!    two samples are equally deep. The reduction itself prefers the first of the deep samples.
 
 mod bodies;
 mod hulls;

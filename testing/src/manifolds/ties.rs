@@ -1,13 +1,13 @@
-//! Ties, in which an order decides by definition: two views whose windows reach background in the same iteration of the
-//! window search, and two samples that are equally deep.
+//! Ties, in which an order decides by definition: two views whose windows reach background in the same
+//! iteration of the window search, and two samples that are equally deep.
 
 use super::NANOMETRE;
 use nalgebra::{Isometry3, Point3};
 use ode_visual_hull::hull::{EdgeModel, Hull, View};
 use ode_visual_hull::sample::Samples;
 
-/// Whether two hulls of the same views in different orders give a sample of the body the edges of different views, and the
-/// windows of both reach background in one iteration.
+/// Whether two hulls of the same views in different orders give a sample of the body the edges of different
+/// views, and the windows of both reach background in one iteration.
 pub(super) fn of_views(hulls: [&Hull; 2], samples: &Samples, pose: &Isometry3<f64>) -> bool {
     samples.points().iter().any(|sample| {
         let point = pose * sample.point;
@@ -27,8 +27,8 @@ pub(super) fn of_views(hulls: [&Hull; 2], samples: &Samples, pose: &Isometry3<f6
     })
 }
 
-/// The iteration of the window search (paper, section 4.2) in which the view's window first holds background, where all
-/// views count but the one that is left out.
+/// The iteration of the window search (paper, section 4.2) in which the view's window first holds background,
+/// where all views count but the one that is left out.
 fn iteration(hull: &Hull, left_out: Option<&str>, view: &View, point: &Point3<f64>) -> Option<u32> {
     let seen = hull.views().iter().filter(|view| view.is_enabled() && left_out != Some(view.name()));
     let largest = seen.filter_map(|view| pixel_size(view, point)).fold(0.0, f64::max);

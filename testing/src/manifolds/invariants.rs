@@ -28,7 +28,8 @@ pub(super) fn check(
     }
     for contact in found.contacts() {
         findings.contacts += 1;
-        let by_reference = scene.is_exactly_the_reference && findings.contacts % REFERENCE_EVERY == 0;
+        let by_reference =
+            scene.is_exactly_the_reference && findings.contacts.is_multiple_of(REFERENCE_EVERY);
         if let Some(what) = violation(&scene.hull, body, pose, settings, &contact, by_reference) {
             findings.add_violation(context(&what));
         }
@@ -36,7 +37,7 @@ pub(super) fn check(
 
     if !found.points.is_empty() {
         findings.touching += 1;
-        if findings.touching % ORDERS_EVERY == 0 {
+        if findings.touching.is_multiple_of(ORDERS_EVERY) {
             check_view_order(scene, body, pose, (settings, &found), random, (findings, &context));
             check_sample_order(scene, body, pose, settings, random, (findings, &context));
         }

@@ -21,7 +21,7 @@ pub fn arm(tip: Point3<f64>, point: Vector3<f64>, reach: Vector3<f64>) -> Result
         limb(tip - point * FINGER, knuckle, FINGER, SKIN)?,
         limb(knuckle - point * 0.01, wrist, 0.033, SKIN)?,
         limb(wrist, cuff, 0.027, SKIN)?,
-        limb(cuff, cuff - reach * 2.0, 0.045, SLEEVE)?,
+        limb(cuff, cuff - reach * 4.0, 0.045, SLEEVE)?,
     ]))
 }
 

@@ -33,7 +33,7 @@ fn main() -> ExitCode {
         place: point![0.45, 0.0, 0.85],
         reach: 1.15,
         eye: point![2.75, -3.15, 1.75],
-        target: point![0.5, 0.0, 0.6],
+        target: point![0.65, 0.12, 0.6],
     };
     act.play(add_pyramid, stands_and_falls)
 }

@@ -152,7 +152,9 @@ impl HeldBody {
         self.count = 0;
 
         let way = position - self.position;
-        if !(way.norm() <= MOVED + self.velocity.norm() * LONGEST_STEP) {
+        // Not a number is nowhere near.
+        let is_near = way.norm() <= MOVED + self.velocity.norm() * LONGEST_STEP;
+        if !is_near {
             return if self.is_released { Carried::Released } else { Carried::Moved };
         }
         context.geom.step_size.see(body as usize, position, &self.velocity);

@@ -19,7 +19,7 @@ pub const HIGH: f64 = 1.5 * BOX[2];
 pub fn act(about: &'static str, subject: fn(f64) -> Result<Subject>, end: f64) -> Act {
     Act {
         about,
-        who: "hands",
+        who: "pair of hands",
         subject,
         still_until: 0.5,
         end,

@@ -90,6 +90,24 @@ enum {
   dVisualHullSweptOn = 2          /**< In addition, what it will meet has contacts with it, which have not begun. */
 };
 
+/** What a contact event tells; see dGeomVisualHullGetEvents. */
+enum {
+  dVisualHullEventBegin = 0, /**< A touch has begun. */
+  dVisualHullEventEnd = 1    /**< A touch has ended: there was no contact for the time of dGeomVisualHullSetEventWait. */
+};
+
+/** A touch of a body and a part of a hull has begun or ended; see dGeomVisualHullGetEvents. */
+typedef struct dVisualHullEvent {
+  int kind;          /**< one of dVisualHullEvent... */
+  unsigned int part; /**< the part of the hull, from 1 on */
+  dBodyID body;      /**< the body; NULL for a geom without one, also inside a dGeomTransform */
+  dGeomID geom;      /**< the geom: of several geoms of the body, that of the deepest contact */
+  dReal time;        /**< of the first or of the last contact, in seconds, by the clock of dGeomVisualHullSetTime */
+  dVector3 position; /**< of the deepest contact of the first step, or of the whole touch, in the world */
+  dVector3 normal;   /**< the unit normal of that contact, out of the hull, in the world */
+  dReal depthRate;   /**< how fast the depth grew along the normal, per second: in the first step, or the most of all */
+} dVisualHullEvent;
+
 /**
  * @brief Opens the class: takes a reference to ODE (dInitODE2), checks that ODE computes in double precision, and
  * registers the geometry class.
@@ -484,6 +502,59 @@ void dGeomVisualHullSetMaxDepth(dGeomID g, dReal depth);
  * 0.015 suits noisy masks.
  */
 void dGeomVisualHullSetMinFeature(dGeomID g, dReal diameter);
+
+/**
+ * @brief Switches contact events on or off; they are off by default. Switched off, touches that go on are forgotten
+ * without an event, and so are the events that were not fetched.
+ *
+ * @param g the hull
+ * @param on nonzero for on
+ */
+void dGeomVisualHullSetEvents(dGeomID g, int on);
+
+/**
+ * @brief Sets how long a touch waits for its next contact before it ends, in seconds; 0.1 by default, three frames of 30 a
+ * second. Within that time a mask may flicker, or a body bounce, and the touch goes on.
+ *
+ * @param g the hull
+ * @param seconds finite and not negative; otherwise the geom keeps its time, with a message
+ */
+void dGeomVisualHullSetEventWait(dGeomID g, dReal seconds);
+
+/**
+ * @brief Ends a step and fetches its contact events, the earliest first. Call it in each step, after dSpaceCollide.
+ *
+ * A touch begins with the first contact that dCollide returns for a body, or for a geom without one, and a part of the
+ * hull. It ends when there was none for the time of dGeomVisualHullSetEventWait, and its event tells the time of the last
+ * contact. So masks that flicker neither end nor double a touch. A contact that has not begun counts, at the time of
+ * dGeomVisualHullContactTime. The events and their order do not depend on which threads collide.
+ *
+ * Parts are what the cameras see as separate: pieces of the hull whose images are connected in most of the views are one
+ * part. A part keeps its number while it moves, and no other part of this geom gets it. Two parts that become one go on as
+ * the larger of them; of one that comes apart the larger piece keeps the number, and the other has its own after 0.1 s.
+ *
+ * The depth rate is the speed of the body against the surface, along the normal, before the contact acts; 0 where the two
+ * part. With dVisualHullMotionInterpolated or dVisualHullMotionPredicted the surface has its own velocity, and rests
+ * otherwise. A body that the program moves without a velocity rests too.
+ *
+ * A body that falls asleep at the hull goes on touching it where the near callback calls dCollide for it. One that is
+ * destroyed or disabled, or leaves the space, ends its touches as one that moves away; the ids in its events may be stale,
+ * so compare them before use. A new body at its address that touches the same part within the wait goes on with its touch.
+ * dGeomVisualHullSetData ends all touches, and the parts of other data have new numbers. Events that were not fetched are
+ * destroyed with the hull.
+ *
+ * Time is what dGeomVisualHullSetTime tells. Without it, each call is the end of a step whose length is known as for
+ * dGeomVisualHullSetMaxDepth, or else the time between the frames, from 0 on; then call it a second time in a step only if
+ * the first call has filled its buffer. Where no time passes, no touch can end, and dVisualHullGetErrorMessage says so.
+ *
+ * @param g the hull
+ * @param events memory for `size` events; may be NULL if `size` is 0
+ * @param size how many events fit. Those that do not fit wait for the next call, up to 65536 of them; if more are lost,
+ * dVisualHullGetErrorMessage tells how many.
+ * @return How many events were written; if `size` is 0, how many wait. -1 if events are off, if the geom is no visual hull,
+ * if `size` is negative, or if `events` is NULL and `size` is not 0; nothing is fetched then.
+ */
+int dGeomVisualHullGetEvents(dGeomID g, dVisualHullEvent *events, int size);
 
 /**
  * @brief Lets a contact move as the real surface does, so that the surface pushes bodies at its own speed and carries

@@ -9,6 +9,7 @@
 mod arguments;
 mod data;
 mod data_functions;
+mod event;
 mod fence;
 mod geom_functions;
 #[cfg(test)]

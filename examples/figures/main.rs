@@ -10,6 +10,7 @@ mod at_rest;
 mod camera_loss;
 mod capi;
 mod coulomb;
+mod events;
 mod geometry;
 mod grip;
 mod hands;
@@ -63,6 +64,7 @@ const GROUPS: &[(&str, Measure)] = &[
     ("hold", hold::run_group),
     ("restitution", restitution::run_group),
     ("manifolds", manifolds::run_group),
+    ("events", events::run_group),
 ];
 
 fn main() -> ExitCode {

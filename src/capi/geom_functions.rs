@@ -2,6 +2,7 @@
 
 use super::arguments::{finite_point, not_null, step_size, vectors, write_vector};
 use super::data::{self, DataId};
+use super::event::dVisualHullEvent;
 use super::fence::fenced;
 use super::{FAILED, NONE, OK, arguments};
 use crate::contact::Mode;
@@ -193,6 +194,45 @@ extern "C" fn dGeomVisualHullSetMaxDepth(g: dGeomID, depth: dReal) {
 #[unsafe(no_mangle)]
 extern "C" fn dGeomVisualHullSetMinFeature(g: dGeomID, diameter: dReal) {
     fenced((), || RawHull::find(g)?.set_min_feature(diameter));
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn dGeomVisualHullSetEvents(g: dGeomID, on: c_int) {
+    fenced((), || {
+        RawHull::find(g)?.set_events(on != 0);
+        Ok(())
+    });
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn dGeomVisualHullSetEventWait(g: dGeomID, seconds: dReal) {
+    fenced((), || RawHull::find(g)?.set_event_wait(seconds));
+}
+
+/// # Safety
+/// `events` is NULL or points to writable memory for `size` events.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn dGeomVisualHullGetEvents(
+    g: dGeomID,
+    events: *mut dVisualHullEvent,
+    size: c_int,
+) -> c_int {
+    fenced(NONE, || {
+        let (hull, size) = (RawHull::find(g)?, arguments::count(size, c_int::MAX, "size")?);
+        if events.is_null() && size > 0 {
+            return Err(Error::argument(format!(
+                "events: expected memory for {size} events, found NULL; pass a size of 0 to count those that wait"
+            )));
+        }
+
+        let mut written = 0;
+        let waiting = hull.fetch_events(size, |event| {
+            // SAFETY: the caller guarantees memory for `size` events, and no more are fetched.
+            unsafe { events.add(written).write(event.into()) };
+            written += 1;
+        })?;
+        Ok(if size == 0 { waiting } else { written } as c_int)
+    })
 }
 
 /// # Safety

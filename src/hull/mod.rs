@@ -17,6 +17,8 @@ mod live;
 mod many;
 mod motion;
 mod overrule;
+#[cfg(feature = "ode")]
+mod parts;
 mod query;
 pub mod reference;
 mod sweep;
@@ -31,6 +33,8 @@ pub(crate) use batch::{ExitRay, Scratch};
 pub use live::{HullData, MaskFilter};
 pub use many::{Inside, PointResponse, Workspace};
 pub use motion::Motion;
+#[cfg(feature = "ode")]
+pub(crate) use parts::{AT_SURFACE, NEAR_SURFACE, PartId, Parts};
 pub use query::{ExitVector, NearestEdge, RayHit, Response};
 pub use sweep::Entry;
 #[cfg(feature = "ode")]

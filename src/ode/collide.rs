@@ -110,9 +110,10 @@ impl World {
     pub fn collide(&mut self, mut visit: impl FnMut(&Pair<'_>)) -> Result<()> {
         self.ode.ensure_thread_data()?;
         self.clear_contacts();
+        self.begin_event_steps();
         self.apply_latest_frames();
 
-        search_pairs(self, None, &mut visit, |data| {
+        let searched = search_pairs(self, None, &mut visit, |data| {
             for (_, space) in self.spaces.iter() {
                 // SAFETY: the space is alive; the search guarantees the rest.
                 unsafe { dSpaceCollide(space.raw, data, Some(near_callback)) };
@@ -121,7 +122,9 @@ impl World {
                 // SAFETY: both are geoms or spaces of this world; the search guarantees the rest.
                 unsafe { dSpaceCollide2(first, second, data, Some(near_callback)) };
             }
-        })
+        });
+        self.identify_touchers();
+        searched
     }
 
     /// Collides all pairs and attaches up to `max` contacts with this surface to each, the usual collision step. Pairs

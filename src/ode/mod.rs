@@ -79,7 +79,7 @@ pub use body::{Body, BodyMut};
 pub use check::{MIN_SIZE, REACH};
 pub use collide::{ContactGeom, Contacts, Pair};
 pub use geom::{Geom, GeomMut, RayFlags};
-pub use hull::{HullMut, HullView, Softness, SurfaceMotion, Swept};
+pub use hull::{HullEvent, HullEventKind, HullEvents, HullMut, HullView, Softness, SurfaceMotion, Swept};
 pub use init::{Ode, random_seed, set_random_seed};
 pub use joint::{
     AxisFrame, Joint, JointAxis, JointFeedback, JointKind, JointMut, JointParam, JointType, MotorAxis,
@@ -94,7 +94,7 @@ pub use crate::shape::{Convex, Heightfield, Shape, TriMesh};
 pub use ode_sys;
 
 pub(crate) use hull::{
-    RawHull, apply_latest_frame_everywhere, clear_samples, close_class, contact_seconds, create_hull_in,
+    RawHull, TouchEvent, apply_latest_frame_everywhere, clear_samples, close_class, contact_seconds, create_hull_in,
     open_class, open_class_number, set_contact_motion, set_samples, take_last_error,
 };
 pub(crate) use panic::{catch, is_fenced, take_parked as take_parked_panic};

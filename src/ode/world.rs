@@ -51,6 +51,8 @@ pub struct World {
     pub(super) last_dt: f64,
     /// Whether `default_collide` directs friction along the slip at contacts without a hull too.
     pub(super) slip_friction: bool,
+    /// Whether a hull has ever recorded events.
+    pub(super) has_events: Cell<bool>,
     /// Declared last, so that it is dropped last: ODE stays open until all other fields are dropped.
     pub(super) ode: Ode,
 }
@@ -126,6 +128,7 @@ impl World {
             buffers: Buffers::default(),
             stopped: Vec::new(),
             last_dt: 0.0,
+            has_events: Cell::new(false),
             slip_friction: false,
             ode,
         })

@@ -8,6 +8,8 @@
 pub(crate) mod bit_image;
 mod boundary;
 mod cell_distance;
+#[cfg(feature = "ode")]
+mod components;
 mod contact_edge;
 mod distance;
 mod edge;
@@ -32,6 +34,8 @@ mod transposed;
 mod undistort;
 
 pub use crate::math::rect::Rect;
+#[cfg(feature = "ode")]
+pub(crate) use components::{Component, Components, Label};
 pub(crate) use contact_edge::compute_edges;
 pub(crate) use distance::NO_EDGE;
 pub use edge::Edge;
@@ -230,6 +234,18 @@ impl Silhouette {
             Some(is_subject) => is_subject,
             None => self.border == Border::Unknown && !self.image.contains(i, j),
         }
+    }
+
+    /// Whether the 32 pixels of row `j` from column `i` on are subject, the first in the lowest bit. Bits of pixels beyond
+    /// the image may be set.
+    #[cfg(feature = "ode")]
+    fn subject_word(&self, i: i32, j: i32) -> u32 {
+        let crop = self.crop.rect();
+        if !crop.contains(i, j) {
+            return (0..32).fold(0, |word, k| word | u32::from(self.is_subject(i + k, j)) << k);
+        }
+        let within = u32::try_from(crop.x1 - i).unwrap_or(0).min(32);
+        self.crop.rows_from(i, j).row(0) & u32::MAX >> (32 - within)
     }
 
     /// Whether the crop lies within the image, so that a line out of the subject meets background before the image's

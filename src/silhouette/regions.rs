@@ -3,11 +3,11 @@
 use super::bit_image::{BitImage, WORD};
 
 /// The set pixels `start..end` of a row.
-#[derive(Debug, Clone, Copy)]
-struct Run {
-    row: u32,
-    start: u32,
-    end: u32,
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Run {
+    pub(crate) row: u32,
+    pub(crate) start: u32,
+    pub(crate) end: u32,
 }
 
 /// The regions of a binary image, in reused buffers.
@@ -40,6 +40,14 @@ impl Regions {
     pub(crate) fn fill_holes(&mut self, bits: &mut BitImage, area_px: u32) {
         self.find(bits, u64::MAX, 0);
         self.flip(bits, |regions, root| !regions.at_border[root] && regions.areas[root] < area_px);
+    }
+
+    /// The runs of the set pixels, row-major, each with the index of its region's first run. Diagonal neighbours are
+    /// connected.
+    #[cfg(feature = "ode")]
+    pub(crate) fn runs_by_region(&mut self, bits: &BitImage) -> impl Iterator<Item = (Run, usize)> {
+        self.find(bits, 0, 1);
+        (0..self.runs.len()).map(|k| (self.runs[k], self.root(k)))
     }
 
     /// Finds the regions of the set pixels of `bits ^ invert`. Runs of neighbouring rows are connected if they share a

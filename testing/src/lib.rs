@@ -5,6 +5,7 @@
 //! | [`random`] | one repeatable random generator |
 //! | [`scene`] | a table that is its own visual hull, with cameras and masks |
 //! | `world` (feature `ode`) | worlds of ODE on that table |
+//! | `touches` (feature `ode`) | scripted touches of bodies with the parts of a hull whose masks flicker |
 //! | `trajectories` (feature `ode`) | the motion of bodies on a hull, compared with that on ODE's box |
 //! | [`quality`] | the hull from pixels, compared with the analytic hull of its cameras |
 //! | [`captures`] | real recordings, where they are present |
@@ -28,6 +29,8 @@ pub mod manifolds;
 pub mod mask_errors;
 pub mod quality;
 pub mod scene;
+#[cfg(feature = "ode")]
+pub mod touches;
 #[cfg(feature = "ode")]
 pub mod trajectories;
 #[cfg(feature = "ode")]

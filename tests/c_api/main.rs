@@ -40,7 +40,9 @@ macro_rules! programs {
     };
 }
 
-programs! { falling_box ode_habits bad_input classes copies grip hold late_calls motion sleepers swept threads transforms }
+programs! {
+    falling_box ode_habits bad_input classes copies events grip hold late_calls motion sleepers swept threads transforms
+}
 
 /// The blocks of C in the documentation.
 fn documented_code() -> Vec<String> {
@@ -73,4 +75,24 @@ fn the_near_callback_for_a_moving_subject_serves_a_subject_at_rest_too() {
     let height = documented_height("documented_motion", &program);
     // As above: without motion the callback gives plain contacts.
     assert!((height - 0.3).abs() < 0.002, "{height}");
+}
+
+#[test]
+fn the_events_in_the_documentation_tell_of_the_fall() {
+    let code = documented_code();
+    let replaced = [
+        ("int main(void) {", format!("{}\nint main(void) {{\n  dGeomID hull;", code[3])),
+        ("dCreateVisualHull(space, data);", "hull = dCreateVisualHull(space, data); dGeomVisualHullSetEvents(hull, 1);".into()),
+        ("dSpaceCollide(space, 0, near_callback);", "dGeomVisualHullSetTime(hull, 0.005 * k); dSpaceCollide(space, 0, near_callback); print_events(hull);".into()),
+    ];
+    let program = replaced.iter().fold(code[0].clone(), |code, (from, to)| {
+        assert!(code.contains(from), "{from}");
+        code.replace(from, to)
+    });
+    let source = scratch().join("documented_events.c");
+    std::fs::write(&source, program).unwrap();
+    let output = Program::build_from("documented_events", &[source], Language::C99, Linkage::Shared).run();
+    // It falls 0.2 m, for 0.2 s, and hits the table at 2 m/s.
+    assert_eq!(output.matches("a body").count(), 1, "{output}");
+    assert!(output.contains("0.20 s: a body touches part 1, 2.0 m/s"), "{output}");
 }

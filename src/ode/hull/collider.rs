@@ -84,6 +84,8 @@ pub(super) unsafe fn collide_body(
         }
     }
 
+    // SAFETY: the caller vouches for the geoms, and ODE for their bodies.
+    unsafe { context.record_touch(hull, other, &found, &swept) };
     let world_from_hull = context.hull_from_world.inverse();
     let to_come = swept.iter().map(|&SweptContact { point, direction, seconds, .. }| {
         (Contact { point, direction, depth: 0.0 }, side_of(seconds))

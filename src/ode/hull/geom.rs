@@ -41,6 +41,7 @@ pub(super) struct HullGeom {
     /// Contacts of this step that are computed already; `None` while a thread uses them.
     pub(super) prefetch: Mutex<Option<Box<ContactPrefetch>>>,
     velocities: Mutex<Velocities>,
+    events: Mutex<EventRecorder>,
 }
 
 #[derive(Debug)]
@@ -66,6 +67,8 @@ struct State {
     has_still_views: bool,
     /// In metres.
     min_feature: f64,
+    /// Whether contacts are recorded as events.
+    has_events: bool,
     /// The first error of the collider since it was taken last.
     error: Option<Error>,
     /// The first thing that was left out of a sweep, or body that does not stick, since it was taken last.
@@ -89,6 +92,7 @@ impl HullGeom {
             swept_reach: 0.0,
             has_still_views: false,
             min_feature: MIN_FEATURE,
+            has_events: false,
             error: None,
             left_out: None,
         };
@@ -100,6 +104,7 @@ impl HullGeom {
             hold: Hold::default(),
             prefetch: Mutex::new(Some(Box::default())),
             velocities: Mutex::default(),
+            events: Mutex::default(),
         }
     }
 
@@ -115,9 +120,12 @@ impl HullGeom {
     /// Binds the geom to another data object, from the next frame on. Bodies that stick to it are released.
     pub(super) fn set_data(&self, data: Arc<HullData>) {
         self.hold.set(false);
-        let mut state = self.lock();
-        (state.data, state.time, state.warped_for) = (data, None, None);
-        state.lost_views.begin_anew();
+        {
+            let mut state = self.lock();
+            (state.data, state.time, state.warped_for) = (data, None, None);
+            state.lost_views.begin_anew();
+        }
+        self.end_touches();
     }
 
     /// Sets the simulation's time in seconds.
@@ -140,6 +148,8 @@ impl HullGeom {
         if let Some(last) = state.time.replace(time) {
             self.step_size.tell(time - last);
         }
+        drop(state);
+        self.set_event_time(time);
         Ok(())
     }
 
@@ -266,6 +276,7 @@ impl HullGeom {
             swept: state.swept,
             motion: state.motion,
             min_feature: state.min_feature,
+            has_events: state.has_events,
             loss: state.lost_views.in_force(),
             hull_from_world: world_from_hull.inverse(),
             geom: self,
@@ -293,6 +304,9 @@ impl State {
 /// `geom` is the living geom that owns `hull`, and no space that it is in is being collided.
 pub(super) unsafe fn apply_latest_frame(geom: dGeomID, hull: &HullGeom) {
     let is_new = hull.swap_frame();
+    if is_new {
+        hull.follow_parts();
+    }
     let is_swept = hull.swept() != Swept::Off;
     // SAFETY: the caller vouches for the geom and its space.
     let speed = if is_swept { unsafe { neighbours::fastest_neighbour(geom) } } else { 0.0 };
@@ -319,10 +333,12 @@ pub(super) unsafe fn pose(geom: dGeomID) -> Isometry3<f64> {
     Isometry3::from_parts(convert::vector(&position).into(), UnitQuaternion::from_rotation_matrix(&rotation))
 }
 
+mod events;
 mod look_ahead;
 mod settings;
 mod velocity;
 
+use events::EventRecorder;
 use velocity::Velocities;
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 //!                                ├► depth_limit, by step_size
 //!                                ├► last_contacts, by which grip softens contacts
 //!                                ├► swept ─► contact::sweep, with a contact_time
+//!                                ├► events, by hull::parts
 //!                                └► hold ─► held_body ─► hull::Track, in place of contacts
 //!
 //!   programs in Rust: view ─► raw ◄─ open_class: programs that own ODE themselves
@@ -18,6 +19,8 @@ mod class;
 mod collider;
 mod contact_time;
 mod depth_limit;
+mod event_view;
+mod events;
 mod geom;
 mod grip;
 mod held_body;
@@ -38,6 +41,9 @@ mod wake;
 
 pub(crate) use body_samples::{clear_samples, set_samples};
 pub(crate) use contact_time::contact_seconds;
+pub use event_view::{HullEvent, HullEvents};
+pub use events::HullEventKind;
+pub(crate) use events::TouchEvent;
 pub(crate) use geom::take_last_error;
 pub use grip::Softness;
 pub(super) use grip::grip_softness;

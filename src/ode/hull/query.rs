@@ -24,6 +24,8 @@ pub(super) struct CollideContext<'g> {
     pub(super) motion: Motion,
     /// The diameter in metres of the thinnest real feature that must not pass between a body's samples.
     pub(super) min_feature: f64,
+    /// Whether contacts are recorded as events.
+    pub(super) has_events: bool,
     /// The views that the frame lacks; `None` where it lacks none.
     pub(super) loss: Option<Arc<Loss>>,
     pub(super) hull_from_world: Isometry3<f64>,

@@ -1,5 +1,6 @@
 //! A hull geom by ODE's own id: queries and settings, whether a [`World`](super::super::World) or the program owns it.
 
+use super::events::TouchEvent;
 use super::geom::{self, HullGeom};
 use super::swept::Swept;
 use super::{body_samples, class};
@@ -207,6 +208,29 @@ impl RawHull {
     /// Sets whether the geom collides with what it will meet within the next step, from its next frame or time on.
     pub(crate) fn set_swept(&self, swept: Swept) {
         self.geom.set_swept(swept);
+    }
+
+    pub(crate) fn has_events(&self) -> bool {
+        self.geom.has_events()
+    }
+
+    pub(crate) fn set_events(&self, on: bool) {
+        self.geom.set_events(on);
+    }
+
+    pub(crate) fn event_wait(&self) -> f64 {
+        self.geom.event_wait()
+    }
+
+    pub(crate) fn set_event_wait(&self, seconds: f64) -> Result<()> {
+        check::not_negative("event wait of the hull", seconds)?;
+        self.geom.set_event_wait(seconds);
+        Ok(())
+    }
+
+    /// Passes up to `most` events to `fetch`, and returns how many remain.
+    pub(crate) fn fetch_events(&self, most: usize, fetch: impl FnMut(TouchEvent)) -> Result<usize> {
+        self.geom.fetch_events(most, fetch)
     }
 
     pub(crate) fn set_mode(&self, mode: Mode) {

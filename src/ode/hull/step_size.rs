@@ -34,8 +34,13 @@ struct Known {
 impl StepSize {
     /// The length of the steps, in seconds; `None` before one was told or seen, as in programs that only query contacts.
     pub(super) fn seconds(&self) -> Option<f64> {
+        self.unbounded_seconds().map(|seconds| seconds.min(LONGEST_STEP))
+    }
+
+    /// [`Self::seconds`], also where they are more than is believed of a clock.
+    pub(super) fn unbounded_seconds(&self) -> Option<f64> {
         let known = lock(&self.0);
-        known.told.or(known.seen).map(|seconds| seconds.min(LONGEST_STEP))
+        known.told.or(known.seen)
     }
 
     /// Records the length in seconds that the program has told.

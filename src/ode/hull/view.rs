@@ -118,8 +118,8 @@ impl World {
 /// A hull geom, for queries in world coordinates. They refer to the frame in force, which is that of the last collide.
 #[derive(Debug, Clone)]
 pub struct HullView<'w> {
-    world: &'w World,
-    hull: RawHull,
+    pub(super) world: &'w World,
+    pub(super) hull: RawHull,
 }
 
 impl HullView<'_> {
@@ -206,7 +206,7 @@ impl HullView<'_> {
 /// A hull geom, for changes.
 #[derive(Debug)]
 pub struct HullMut<'w> {
-    view: HullView<'w>,
+    pub(super) view: HullView<'w>,
 }
 
 impl HullMut<'_> {

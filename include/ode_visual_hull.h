@@ -543,9 +543,10 @@ void dGeomVisualHullSetEventWait(dGeomID g, dReal seconds);
  * dGeomVisualHullSetData ends all touches, and the parts of other data have new numbers. Events that were not fetched are
  * destroyed with the hull.
  *
- * Time is what dGeomVisualHullSetTime tells. Without it, each call is the end of a step whose length is known as for
- * dGeomVisualHullSetMaxDepth, or else the time between the frames, from 0 on; then call it a second time in a step only if
- * the first call has filled its buffer. Where no time passes, no touch can end, and dVisualHullGetErrorMessage says so.
+ * Time is what dGeomVisualHullSetTime tells, which ends the step before too. Without it, each call is the end of a step
+ * whose length is known as for dGeomVisualHullSetMaxDepth, or else the time between the frames, from 0 on; then call it a
+ * second time in a step only if the first call has filled its buffer. Where no time passes, no touch can end, and
+ * dVisualHullGetErrorMessage says so.
  *
  * @param g the hull
  * @param events memory for `size` events; may be NULL if `size` is 0

@@ -194,7 +194,11 @@ fn the_depth_rate_is_the_speed_of_the_surface_against_a_body_at_rest() {
     }
     assert_eq!(summary(&events), [(Begin, Some(body), 1)]);
     // The hull is a frame late. Velocities from masks without noise are wrong by less than a tenth.
-    assert!((events[0].time - 0.04 / 0.6 - 1.0 / 30.0).abs() < 1.0 / 240.0 + PIXEL / 0.6, "{}", events[0].time);
+    assert!(
+        (events[0].time - 0.04 / 0.6 - 1.0 / 30.0).abs() < 1.0 / 240.0 + PIXEL / 0.6,
+        "{}",
+        events[0].time
+    );
     assert!((events[0].depth_rate - 0.6).abs() < 0.06, "{}", events[0].depth_rate);
 }
 
@@ -206,7 +210,8 @@ fn events_of_a_fall(first: usize) -> Vec<HullEvent> {
         // The order in which bodies are made is that in which they are collided.
         let k = (first + k) % 12;
         let place = point![0.2 * (k as f64).cos(), 0.2 * (k as f64).sin(), TOP + 0.1 + 0.12 * k as f64];
-        let pose = at(place.x, place.y, place.z) * UnitQuaternion::from_euler_angles(0.3 * k as f64, 0.4, 0.5);
+        let pose =
+            at(place.x, place.y, place.z) * UnitQuaternion::from_euler_angles(0.3 * k as f64, 0.4, 0.5);
         let shape = if k % 2 == 0 { cube(0.1) } else { Shape::Sphere { radius: 0.05 } };
         add_body(&mut world, &shape, &pose);
     }
@@ -218,7 +223,8 @@ fn events_have_the_same_bits_in_each_run() {
     let numbers = |events: &[HullEvent]| -> Vec<_> {
         let bits = |event: &HullEvent| {
             let vectors = [event.position.coords, event.normal];
-            let numbers = vectors.iter().flat_map(|v| v.iter().copied()).chain([event.time, event.depth_rate]);
+            let numbers =
+                vectors.iter().flat_map(|v| v.iter().copied()).chain([event.time, event.depth_rate]);
             (event.kind, event.part, numbers.map(f64::to_bits).collect::<Vec<_>>())
         };
         events.iter().map(bits).collect()

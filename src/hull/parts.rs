@@ -79,12 +79,14 @@ impl Parts {
     /// `reach` pixels. `None` where there is none in any view.
     pub(crate) fn part_at(&mut self, hull: &Hull, p: &Point3<f64>, reach: i32) -> Option<PartId> {
         let views = hull.views.iter().zip(&self.views);
-        let point: Vec<Option<&Track>> = views.map(|(view, tracks)| component_at(view, tracks, p, reach)).collect();
+        let point: Vec<Option<&Track>> =
+            views.map(|(view, tracks)| component_at(view, tracks, p, reach)).collect();
         if point.iter().all(Option::is_none) {
             return None;
         }
 
-        let agreements = self.known.iter().enumerate().filter_map(|(k, part)| Some((part.agreement(&point)?, k)));
+        let agreements =
+            self.known.iter().enumerate().filter_map(|(k, part)| Some((part.agreement(&point)?, k)));
         let best = agreements.max_by_key(|(agreement, k)| (*agreement, std::cmp::Reverse(*k)));
         if let Some((_, k)) = best {
             self.known[k].learn(&point);

@@ -94,8 +94,8 @@ pub use crate::shape::{Convex, Heightfield, Shape, TriMesh};
 pub use ode_sys;
 
 pub(crate) use hull::{
-    RawHull, TouchEvent, apply_latest_frame_everywhere, clear_samples, close_class, contact_seconds, create_hull_in,
-    open_class, open_class_number, set_contact_motion, set_samples, take_last_error,
+    RawHull, TouchEvent, apply_latest_frame_everywhere, clear_samples, close_class, contact_seconds,
+    create_hull_in, open_class, open_class_number, set_contact_motion, set_samples, take_last_error,
 };
 pub(crate) use panic::{catch, is_fenced, take_parked as take_parked_panic};
 pub(crate) use slip::set_contact_friction;

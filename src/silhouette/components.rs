@@ -186,7 +186,8 @@ mod tests {
             let count = reference.iter().copied().max().unwrap_or(0) as usize;
             assert_eq!(found.all().len(), count);
             for (label, component) in found.all().iter().enumerate() {
-                let pixels = reference.enumerate_pixels().filter(|(_, _, Luma([n]))| *n as usize == label + 1);
+                let pixels =
+                    reference.enumerate_pixels().filter(|(_, _, Luma([n]))| *n as usize == label + 1);
                 let rects = pixels.map(|(i, j, _)| Rect::window(i as i32, j as i32, 0));
                 let (area, rect) =
                     rects.fold((0, Rect::EMPTY), |(area, rect), pixel| (area + 1, rect.union(&pixel)));

@@ -4,6 +4,7 @@
 use crate::edge_noise::displace_edge;
 use crate::mask_errors::{bitten, speckled};
 use crate::random::Random;
+use crate::scene::publish;
 use image::{GrayImage, Luma};
 use nalgebra::{Isometry3, Point2, Point3, Vector3, point, vector};
 use ode_visual_hull::camera::Camera;
@@ -13,8 +14,10 @@ use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, coverage, layo
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Frames a second, and steps of the simulation in a frame.
+/// Frames a second.
 pub const RATE: f64 = 30.0;
+
+/// Steps of the simulation in a frame.
 pub const STEPS: usize = 2;
 
 /// Seconds of a step.
@@ -26,10 +29,12 @@ pub const BALL: f64 = 0.15;
 /// The radius of the bodies, which are balls too.
 pub const BODY: f64 = 0.03;
 
-/// The subject's balls turn about the z axis at this distance, in metres, and with this angular speed, in radians a second.
-/// Their centres are 0.95 m from one another, and they pass one another in each image.
+/// The subject's balls turn about the z axis at this distance, in metres. Their centres are 0.95 m from one another, and they
+/// pass one another in each image.
 const AXIS_DISTANCE: f64 = 0.55;
-const TURN: f64 = 0.5;
+
+/// The frames of a turn: twelve seconds.
+const TURN: usize = 360;
 
 /// The distance of the centres of a body and a ball while they touch, and while they do not, in metres: the body's surface
 /// is 46 mm inside the ball, which is 4 pixels and so four standard deviations of the masks' noise, and 90 mm outside, of
@@ -58,7 +63,7 @@ pub struct Count {
 
 /// The centre of a ball of the subject at a time.
 pub fn centre(ball: usize, time: f64) -> Point3<f64> {
-    let angle = std::f64::consts::TAU * ball as f64 / 3.0 + TURN * time;
+    let angle = std::f64::consts::TAU * (ball as f64 / 3.0 + time * RATE / TURN as f64);
     point![AXIS_DISTANCE * angle.cos(), AXIS_DISTANCE * angle.sin(), 0.12 * (ball as f64 - 1.0)]
 }
 
@@ -119,14 +124,20 @@ pub fn play(touches: usize, motion: Motion, seed: u64) -> Count {
     // The hull of a moving subject is a frame late.
     let delay = if motion == Motion::Interpolated { 1.0 / RATE } else { 0.0 };
     let (mut random, mut flicker) = (Random(seed), Flicker::default());
+    // Rendering takes longer than all else.
+    let mut turn: Vec<Vec<GrayImage>> = Vec::new();
     let mut actors: Vec<Actor> =
         (0..48).map(|k| Actor::new(add_ball(&mut world), k % 3, &mut random)).collect();
-    let actor_of: HashMap<BodyId, usize> = actors.iter().enumerate().map(|(k, actor)| (actor.body, k)).collect();
+    let actor_of: HashMap<BodyId, usize> =
+        actors.iter().enumerate().map(|(k, actor)| (actor.body, k)).collect();
 
     let (mut count, mut part_of) = (Count::default(), [None; 3]);
     for frame in 0.. {
         let time = frame as f64 / RATE;
-        publish(&data, &flicker.masks(&clean_masks(&cameras, time), frame, &mut random), time);
+        if frame < TURN {
+            turn.push(clean_masks(&cameras, time));
+        }
+        publish(&data, &flicker.masks(&turn[frame % TURN], frame, &mut random), time);
         for k in 0..STEPS {
             let now = time + k as f64 * STEP;
             for actor in &mut actors {
@@ -148,13 +159,6 @@ pub fn play(touches: usize, motion: Motion, seed: u64) -> Count {
         }
     }
     unreachable!("the script ends")
-}
-
-fn publish(data: &HullData, masks: &[GrayImage], time: f64) {
-    for (view, mask) in masks.iter().enumerate() {
-        data.set_mask(view, mask).unwrap();
-    }
-    data.update(time).unwrap();
 }
 
 /// A body that is moved against a ball of the subject and away again.
@@ -275,7 +279,8 @@ fn flickered(mut mask: GrayImage, kind: usize, seed: u64) -> GrayImage {
     match kind {
         0 => mask.fill(0),
         1 => {
-            let subject: Vec<_> = mask.enumerate_pixels().filter(|(_, _, Luma([byte]))| *byte > 127).collect();
+            let subject: Vec<_> =
+                mask.enumerate_pixels().filter(|(_, _, Luma([byte]))| *byte > 127).collect();
             let (i, j, _) = subject[random.below(subject.len())];
             return bitten(&mask, random.between(0.02, 0.3), &Point2::new(f64::from(i), f64::from(j)));
         }

@@ -9,8 +9,8 @@
 //! Masks flicker: a component falls apart for a frame, two grow together, one is missing. So a component has, besides the
 //! track of its own, others that it may be, for a while: those that it has come off or has swallowed.
 
-use crate::silhouette::{Component, Components, Label, Rect};
 use crate::silhouette::regions::Run;
+use crate::silhouette::{Component, Components, Label, Rect};
 use std::collections::HashMap;
 
 /// The number of a track, unique within its view. Numbers are not used again.
@@ -111,30 +111,30 @@ impl Tracks {
 
     /// Follows the components of the last frame to those of the next, seen at `time` seconds.
     pub(super) fn follow(&mut self, next: Components, time: f64) {
-        let live = std::mem::take(&mut self.tracks);
-        let live_count = live.len();
-        let old: Vec<Track> = live.into_iter().chain(self.lost.iter().map(|lost| lost.track.clone())).collect();
-        let old_components: Vec<Component> =
-            self.components.all().iter().copied().chain(self.lost.iter().map(|lost| lost.component)).collect();
-        let overlaps = self.overlaps(&next, &old);
+        let live = std::mem::take(&mut self.tracks).into_iter().zip(self.components.all().iter().copied());
+        let lost = self.lost.iter().map(|lost| (lost.track.clone(), lost.component));
+        let old: Vec<(Track, Component)> = live.chain(lost).collect();
 
-        let mut match_of = vec![None; next.all().len()];
+        // Each component of the next frame continues one old one at most, and the other way round.
+        let overlaps = self.overlaps(&next, &old);
+        let mut known = vec![None; next.all().len()];
         let mut is_found = vec![false; old.len()];
-        for &Pair { old, label, .. } in overlaps.iter().chain(&beside(&overlaps, &old_components, &next, &old)) {
-            if !is_found[old] && match_of[label].is_none() {
+        for &Pair { old, label, .. } in overlaps.iter().chain(&beside(&overlaps, &old, &next)) {
+            if !is_found[old] && known[label].is_none() {
                 is_found[old] = true;
-                match_of[label] = Some(old);
+                known[label] = Some(old);
             }
         }
+        self.tracks = known.iter().map(|known| self.continued(known.map(|k| &old[k].0), time)).collect();
 
-        self.tracks = match_of.iter().map(|known| self.continued(known.map(|k| &old[k]), time)).collect();
+        // What is left over has come off an old component, or was swallowed by one of the next frame.
+        let live_count = self.components.all().len();
         for &Pair { old: k, label, shared } in overlaps.iter().filter(|pair| pair.old < live_count) {
-            let (is_piece, is_swallowed) =
-                (2 * shared > next.all()[label].area, 2 * shared > old_components[k].area);
-            if match_of[label].is_none() && is_piece {
-                self.tracks[label].add_others(old[k].names(), time + PIECE_SECONDS);
-            } else if !is_found[k] && is_swallowed {
-                self.tracks[label].add_others(old[k].names(), old[k].last + old[k].memory());
+            let (track, component) = &old[k];
+            if known[label].is_none() && 2 * shared > next.all()[label].area {
+                self.tracks[label].add_others(track.names(), time + PIECE_SECONDS);
+            } else if !is_found[k] && 2 * shared > component.area {
+                self.tracks[label].add_others(track.names(), track.last + track.memory());
             }
         }
         self.remember(&old, &is_found, time);
@@ -143,7 +143,7 @@ impl Tracks {
 
     /// The pairs of components that share pixels, those of the last frame before the lost ones, and then those that share
     /// most.
-    fn overlaps(&self, next: &Components, old: &[Track]) -> Vec<Pair> {
+    fn overlaps(&self, next: &Components, old: &[(Track, Component)]) -> Vec<Pair> {
         let mut pixels: HashMap<(usize, Label), u32> = HashMap::new();
         let mut add = |old: usize, run: &Run| {
             next.overlap(run, |label, shared| *pixels.entry((old, label)).or_default() += shared);
@@ -156,7 +156,7 @@ impl Tracks {
 
         let mut pairs: Vec<Pair> =
             pixels.into_iter().map(|((old, label), shared)| Pair { old, label, shared }).collect();
-        pairs.sort_by_key(|pair| (pair.old >= live, u32::MAX - pair.shared, old[pair.old].id, pair.label));
+        pairs.sort_by_key(|pair| (pair.old >= live, u32::MAX - pair.shared, old[pair.old].0.id, pair.label));
         pairs
     }
 
@@ -171,17 +171,14 @@ impl Tracks {
     }
 
     /// Remembers the old components that were not found again, as long as they were seen.
-    fn remember(&mut self, old: &[Track], is_found: &[bool], time: f64) {
+    fn remember(&mut self, old: &[(Track, Component)], is_found: &[bool], time: f64) {
         let live = self.components.all().len();
         let mut was_found = is_found[live..].iter();
         self.lost.retain(|_| was_found.next() == Some(&false));
         for label in (0..live).filter(|&label| !is_found[label]) {
             let runs = self.components.runs().iter().filter(|(_, own)| *own == label);
-            self.lost.push(Lost {
-                track: old[label].clone(),
-                component: self.components.all()[label],
-                runs: runs.map(|(run, _)| *run).collect(),
-            });
+            let (track, component) = old[label].clone();
+            self.lost.push(Lost { track, component, runs: runs.map(|(run, _)| *run).collect() });
         }
         self.lost.retain(|Lost { track, .. }| time <= track.last + track.memory());
         let surplus = self.lost.len().saturating_sub(MAX_LOST);
@@ -191,19 +188,19 @@ impl Tracks {
 
 /// Pairs of components that overlap nothing, the nearest first: where a part is so fast that it has left its place. They are
 /// no farther apart than the larger of them is long, and of like size.
-fn beside(overlaps: &[Pair], old: &[Component], next: &Components, tracks: &[Track]) -> Vec<Pair> {
+fn beside(overlaps: &[Pair], old: &[(Track, Component)], next: &Components) -> Vec<Pair> {
     let alone = |count: usize, index: fn(&Pair) -> usize, area: &dyn Fn(usize) -> u32| {
         let mut is_alone: Vec<bool> = (0..count).map(|k| area(k) >= LEAST_AREA).collect();
         overlaps.iter().for_each(|pair| is_alone[index(pair)] = false);
         (0..count).filter(|&k| is_alone[k]).collect::<Vec<_>>()
     };
-    let old_alone = alone(old.len(), |pair| pair.old, &|k| old[k].area);
+    let old_alone = alone(old.len(), |pair| pair.old, &|k| old[k].1.area);
     let next_alone = alone(next.all().len(), |pair| pair.label, &|k| next.all()[k].area);
 
     let mut pairs: Vec<(i32, Pair)> = Vec::new();
     for &k in &old_alone {
         for &label in &next_alone {
-            let (a, b) = (&old[k], &next.all()[label]);
+            let (a, b) = (&old[k].1, &next.all()[label]);
             let gap = gap(&a.rect, &b.rect);
             let is_alike = a.area <= LIKE_SIZE * b.area && b.area <= LIKE_SIZE * a.area;
             if is_alike && gap <= length(&a.rect).max(length(&b.rect)) {
@@ -211,7 +208,7 @@ fn beside(overlaps: &[Pair], old: &[Component], next: &Components, tracks: &[Tra
             }
         }
     }
-    pairs.sort_by_key(|(gap, pair)| (*gap, tracks[pair.old].id, pair.label));
+    pairs.sort_by_key(|(gap, pair)| (*gap, old[pair.old].0.id, pair.label));
     pairs.into_iter().map(|(_, pair)| pair).collect()
 }
 

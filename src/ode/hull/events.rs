@@ -12,9 +12,12 @@
 //! Bodies and geoms are told apart by their addresses, which are compared and never followed, and by their ids where a
 //! [`World`](crate::ode::World) has told them.
 
+mod clock;
+
 use super::step_size::StepSize;
 use crate::hull::{AT_SURFACE, Hull, Motion, NEAR_SURFACE, PartId, Parts};
 use crate::ode::arena::{BodyId, GeomId};
+use clock::Clock;
 use nalgebra::{Point3, Vector3};
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
@@ -128,20 +131,6 @@ pub(super) struct Events {
     was_filled: bool,
     /// How many events found the queue full since that was told last.
     dropped: u64,
-}
-
-/// The time of the steps.
-#[derive(Debug, Default)]
-struct Clock {
-    /// In seconds: what the program has told, or else the lengths of the steps since the events were switched on, or else the
-    /// time between the frames.
-    now: f64,
-    is_told: bool,
-    /// How many steps have begun, and whether the last one is not closed yet.
-    steps: u64,
-    is_open: bool,
-    /// The time between frames since the last step, in seconds.
-    between_frames: f64,
 }
 
 impl Events {
@@ -311,7 +300,8 @@ impl Events {
             touch.renew(now + seconds, self.clock.steps);
             touch.depth_rate = touch.depth_rate.max(depth_rate);
             if touch.depth < depth {
-                (touch.toucher, touch.position, touch.normal, touch.depth) = (toucher, position, normal, depth);
+                (touch.toucher, touch.position, touch.normal, touch.depth) =
+                    (toucher, position, normal, depth);
             }
             return;
         }
@@ -347,20 +337,6 @@ impl Events {
         } else {
             self.dropped += 1;
         }
-    }
-}
-
-impl Clock {
-    /// Begins a step, unless it has begun.
-    fn open(&mut self, step: &StepSize) {
-        if std::mem::replace(&mut self.is_open, true) {
-            return;
-        }
-        let between_frames = std::mem::take(&mut self.between_frames);
-        if !self.is_told && self.steps > 0 {
-            self.now += step.unbounded_seconds().unwrap_or(between_frames);
-        }
-        self.steps += 1;
     }
 }
 

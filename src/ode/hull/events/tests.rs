@@ -81,14 +81,16 @@ fn a_touch_begins_with_its_first_contact_and_ends_with_the_time_of_its_last() {
     let mut events = events();
     let found = run(&mut events, (0, 40), |k| match k {
         5..=9 => vec![contact(8, 0, 0.001 * (k - 4) as f64), contact(8, 0, 0.001)],
-        8 => vec![contact(8, 1, 0.001)],
         _ => vec![],
     });
     assert_eq!(summary(&found), [(Begin, 8, 1, 5), (End, 8, 1, 9)]);
 
     // The end tells of the deepest contact of the whole touch.
     let deepest = contact(8, 0, 0.005);
-    assert_eq!((found[1].position, found[1].normal, found[1].depth_rate), (deepest.position, deepest.normal, 1.0));
+    assert_eq!(
+        (found[1].position, found[1].normal, found[1].depth_rate),
+        (deepest.position, deepest.normal, 1.0)
+    );
     assert_eq!(found[0].position, contact(8, 0, 0.001).position);
 }
 
@@ -122,12 +124,14 @@ fn a_touch_goes_on_over_gaps_up_to_the_wait_and_ends_over_longer_ones() {
     let found = run(&mut events, (101, 130), |_| vec![]);
     assert_eq!(summary(&found), [(End, 8, 1, 100)]);
 
-    let found = run(&mut events, (131, 200), |k| if k % 11 == 0 { vec![contact(8, 0, 0.001)] } else { vec![] });
+    let found =
+        run(&mut events, (131, 200), |k| if k % 11 == 0 { vec![contact(8, 0, 0.001)] } else { vec![] });
     let (begins, ends): (Vec<_>, Vec<_>) = summary(&found).into_iter().partition(|event| event.0 == Begin);
     assert_eq!([begins.len(), ends.len()], [7, 6]);
 
     events.set_wait(0.0);
-    let found = run(&mut events, (201, 204), |k| if k % 2 == 0 { vec![contact(8, 1, 0.001)] } else { vec![] });
+    let found =
+        run(&mut events, (201, 204), |k| if k % 2 == 0 { vec![contact(8, 1, 0.001)] } else { vec![] });
     assert_eq!(summary(&found)[1..], [(Begin, 8, 2, 202), (End, 8, 2, 202), (Begin, 8, 2, 204)]);
 }
 
@@ -199,7 +203,10 @@ fn another_body_at_the_address_of_one_that_is_gone_has_touches_of_its_own() {
         if k < 10 { vec![RecordedContact { toucher, ..contact(8, 0, 0.001) }] } else { vec![] }
     });
     assert_eq!(summary(&found), [(Begin, 8, 1, 0), (Begin, 8, 1, 5), (End, 8, 1, 4), (End, 8, 1, 9)]);
-    assert_eq!(found.iter().map(|event| event.toucher.ids.unwrap()).collect::<Vec<_>>(), [first, second, first, second]);
+    assert_eq!(
+        found.iter().map(|event| event.toucher.ids.unwrap()).collect::<Vec<_>>(),
+        [first, second, first, second]
+    );
 }
 
 #[test]
@@ -248,12 +255,8 @@ fn it_is_told_that_no_touch_can_end_while_no_time_passes() {
 fn a_contact_that_has_not_begun_counts_at_its_time() {
     let mut events = events();
     // A body 8 cm above a ball, which falls at 20 m/s.
-    let falling = RecordedContact {
-        seconds: 0.004,
-        depth: 0.0,
-        velocity: Vector3::z() * -20.0,
-        ..contact(8, 1, 0.0)
-    };
+    let falling =
+        RecordedContact { seconds: 0.004, depth: 0.0, velocity: Vector3::z() * -20.0, ..contact(8, 1, 0.0) };
     let found = run(&mut events, (10, 40), |k| if k == 10 { vec![falling] } else { vec![] });
     let times: Vec<f64> = found.iter().map(|event| event.time).collect();
     assert!(times.iter().all(|time| (time - 0.104).abs() < 1e-12) && times.len() == 2);

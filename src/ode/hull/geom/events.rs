@@ -123,8 +123,10 @@ impl HullGeom {
             (events.queued(), events.take_dropped(), events.waits_in_vain())
         });
         let (queued, dropped, waits_in_vain) = fetched.ok_or_else(|| {
-            Error::argument("events of the hull: expected them switched on, found them off; switch them on before the \
-                             first collide")
+            Error::argument(
+                "events of the hull: expected them switched on, found them off; switch them on before the \
+                             first collide",
+            )
         })?;
         if dropped > 0 {
             self.record_left_out(Error::argument(format!(

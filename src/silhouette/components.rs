@@ -103,24 +103,25 @@ impl Components {
     /// The component nearest to pixel `(i, j)`, by the distance of pixel centres; `None` where none has a pixel whose row
     /// and column are within `reach`. Ties go to the lower row, then to the lower column.
     pub(crate) fn nearest(&self, i: i32, j: i32, reach: i32) -> Option<Label> {
-        let mut nearest: Option<(i64, Label)> = None;
-        let mut keep_nearer = |square: i64, label| {
-            if nearest.is_none_or(|(least, _)| square < least) {
-                nearest = Some((square, label));
-            }
-        };
         // The pixel itself is mostly subject.
-        for y in std::iter::once(j).chain(j - reach..=j + reach) {
+        let runs_around = |y: i32| {
             let row = self.row(y);
             let after = row.partition_point(|(run, _)| run.end as i32 <= i);
-            for (run, label) in &row[after.saturating_sub(1)..row.len().min(after + 1)] {
+            &row[after.saturating_sub(1)..row.len().min(after + 1)]
+        };
+        let is_at = |(run, _): &&(Run, Label)| run.start as i32 <= i && i < run.end as i32;
+        if let Some((_, label)) = runs_around(j).iter().find(is_at) {
+            return Some(*label);
+        }
+
+        let mut nearest: Option<(i64, Label)> = None;
+        for y in j - reach..=j + reach {
+            for (run, label) in runs_around(y) {
                 let x = i.clamp(run.start as i32, run.end as i32 - 1);
-                if (x, y) == (i, j) {
-                    return Some(*label);
-                }
-                if (x - i).abs() <= reach {
-                    let (dx, dy) = (i64::from(x - i), i64::from(y - j));
-                    keep_nearer(dx * dx + dy * dy, *label);
+                let (dx, dy) = (i64::from(x - i), i64::from(y - j));
+                let square = dx * dx + dy * dy;
+                if dx.abs() <= i64::from(reach) && nearest.is_none_or(|(least, _)| square < least) {
+                    nearest = Some((square, *label));
                 }
             }
         }

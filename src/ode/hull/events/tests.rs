@@ -125,9 +125,9 @@ fn a_touch_goes_on_over_gaps_up_to_the_wait_and_ends_over_longer_ones() {
     assert_eq!(summary(&found), [(End, 8, 1, 100)]);
 
     let found =
-        run(&mut events, (131, 200), |k| if k % 11 == 0 { vec![contact(8, 0, 0.001)] } else { vec![] });
+        run(&mut events, (131, 200), |k| if k % 12 == 0 { vec![contact(8, 0, 0.001)] } else { vec![] });
     let (begins, ends): (Vec<_>, Vec<_>) = summary(&found).into_iter().partition(|event| event.0 == Begin);
-    assert_eq!([begins.len(), ends.len()], [7, 6]);
+    assert_eq!([begins.len(), ends.len()], [6, 5]);
 
     events.set_wait(0.0);
     let found =

@@ -8,7 +8,7 @@ use ode_visual_hull::ode::{
 };
 use ode_visual_hull::synthetic::Subject;
 use ode_visual_hull_testing::scene::{self, PIXEL, TABLE, TOP, at, cuboid};
-use ode_visual_hull_testing::touches::{self, BALL, BODY, Count, centre};
+use ode_visual_hull_testing::touches::{self, BALL, BODY, Count, WAIT, centre};
 use ode_visual_hull_testing::world::{add_body, cube, world};
 
 /// Kind, body and part of events.
@@ -50,10 +50,16 @@ fn simulate(world: &mut World, hull: GeomId, steps: usize) -> Vec<HullEvent> {
 #[test]
 fn scripted_touches_of_flickering_masks_begin_and_end_once_at_their_part() {
     for motion in [Motion::Held, Motion::Predicted] {
-        let Count { touches, missed, doubled, misplaced } = touches::play(100, motion, 3);
+        let Count { touches, missed, doubled, misplaced } = touches::play(100, motion, WAIT, 3);
         assert!(touches >= 100);
         assert_eq!((missed, doubled, misplaced), (0, 0, 0), "{motion:?}");
     }
+}
+
+#[test]
+fn without_a_wait_masks_that_flicker_double_touches() {
+    let Count { missed, doubled, .. } = touches::play(60, Motion::Held, 0.0, 3);
+    assert!(missed == 0 && doubled > 0, "{doubled}");
 }
 
 #[test]

@@ -42,6 +42,9 @@ const TURN: usize = 360;
 const TOUCHING: f64 = BALL + BODY - 0.046;
 const APART: f64 = BALL + BODY + 0.09;
 
+/// The default wait of events, in seconds.
+pub const WAIT: f64 = 0.1;
+
 /// The part of the frames in which a view begins to flicker.
 const FLICKER: f64 = 0.25;
 
@@ -117,10 +120,11 @@ pub fn step(world: &mut World, hull: GeomId, time: f64) -> Vec<HullEvent> {
     events
 }
 
-/// Plays touches until there were `touches` of them, with a hull in `motion`.
-pub fn play(touches: usize, motion: Motion, seed: u64) -> Count {
+/// Plays touches until there were `touches` of them, with a hull in `motion` whose events wait for `wait` seconds.
+pub fn play(touches: usize, motion: Motion, wait: f64, seed: u64) -> Count {
     let cameras = cameras();
     let (mut world, hull, data) = world_with_events(&cameras, motion);
+    world.hull_mut(hull).set_event_wait(wait).unwrap();
     // The hull of a moving subject is a frame late.
     let delay = if motion == Motion::Interpolated { 1.0 / RATE } else { 0.0 };
     let (mut random, mut flicker) = (Random(seed), Flicker::default());
@@ -213,7 +217,7 @@ impl Actor {
         count: &mut Count,
     ) {
         /// The wait of the events, two steps and a frame: after that the end is overdue.
-        const OVERDUE: f64 = 0.1 + 2.0 * STEP + 1.0 / RATE;
+        const OVERDUE: f64 = WAIT + 2.0 * STEP + 1.0 / RATE;
         if now > self.times[3] + OVERDUE {
             let expected = usize::from(!self.is_done);
             count.touches += expected;

@@ -229,7 +229,7 @@ fn events_of_a_fall(first: usize) -> Vec<HullEvent> {
         let place = point![0.2 * (k as f64).cos(), 0.2 * (k as f64).sin(), TOP + 0.1 + 0.12 * k as f64];
         let pose =
             at(place.x, place.y, place.z) * UnitQuaternion::from_euler_angles(0.3 * k as f64, 0.4, 0.5);
-        let shape = if k % 2 == 0 { cube(0.1) } else { Shape::Sphere { radius: 0.05 } };
+        let shape = if k.is_multiple_of(2) { cube(0.1) } else { Shape::Sphere { radius: 0.05 } };
         add_body(&mut world, &shape, &pose);
     }
     simulate(&mut world, hull, 300)

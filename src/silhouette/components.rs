@@ -235,7 +235,7 @@ mod tests {
     fn pixels_that_nothing_saw_connect_no_parts() {
         // Two bars that touch the left border of the image, beyond which all is unknown, and a column that the lens did
         // not see.
-        let mask = GrayImage::from_fn(40, 12, |_, j| Luma([if j / 3 % 2 == 0 { 255 } else { 0 }]));
+        let mask = GrayImage::from_fn(40, 12, |_, j| Luma([if (j / 3).is_multiple_of(2) { 255 } else { 0 }]));
         let silhouette = Silhouette::new(&mask, Border::Unknown);
         assert_eq!(Components::new(&silhouette, None).all().len(), 2);
 

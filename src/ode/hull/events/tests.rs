@@ -119,19 +119,32 @@ fn parts_and_bodies_have_touches_of_their_own() {
 fn a_touch_goes_on_over_gaps_up_to_the_wait_and_ends_over_longer_ones() {
     // The wait is of ten steps.
     let mut events = events();
-    let found = run(&mut events, (0, 100), |k| if k % 10 == 0 { vec![contact(8, 0, 0.001)] } else { vec![] });
+    let found =
+        run(
+            &mut events,
+            (0, 100),
+            |k| if k.is_multiple_of(10) { vec![contact(8, 0, 0.001)] } else { vec![] },
+        );
     assert_eq!(summary(&found), [(Begin, 8, 1, 0)]);
     let found = run(&mut events, (101, 130), |_| vec![]);
     assert_eq!(summary(&found), [(End, 8, 1, 100)]);
 
     let found =
-        run(&mut events, (131, 200), |k| if k % 12 == 0 { vec![contact(8, 0, 0.001)] } else { vec![] });
+        run(
+            &mut events,
+            (131, 200),
+            |k| if k.is_multiple_of(12) { vec![contact(8, 0, 0.001)] } else { vec![] },
+        );
     let (begins, ends): (Vec<_>, Vec<_>) = summary(&found).into_iter().partition(|event| event.0 == Begin);
     assert_eq!([begins.len(), ends.len()], [6, 5]);
 
     events.set_wait(0.0);
     let found =
-        run(&mut events, (201, 204), |k| if k % 2 == 0 { vec![contact(8, 1, 0.001)] } else { vec![] });
+        run(
+            &mut events,
+            (201, 204),
+            |k| if k.is_multiple_of(2) { vec![contact(8, 1, 0.001)] } else { vec![] },
+        );
     assert_eq!(summary(&found)[1..], [(Begin, 8, 2, 202), (End, 8, 2, 202), (Begin, 8, 2, 204)]);
 }
 
@@ -139,7 +152,7 @@ fn a_touch_goes_on_over_gaps_up_to_the_wait_and_ends_over_longer_ones() {
 fn events_do_not_depend_on_the_order_in_which_threads_record() {
     let contacts = |k: usize| -> Vec<RecordedContact> {
         (0..20)
-            .filter(|body| (k / 12 + body) % 3 > 0)
+            .filter(|body| !(k / 12 + body).is_multiple_of(3))
             .map(|body| contact(8 * body + 8, (body + k) % 2, 0.001 + 1e-4 * body as f64))
             .collect()
     };

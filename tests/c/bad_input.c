@@ -73,6 +73,9 @@ static void geoms_other_than_hulls_are_refused(dVisualHullDataID data, dGeomID s
     CHECK_REFUSED_VOID(dGeomVisualHullSetMaxContacts(g, 8), "visual hull");
     CHECK_REFUSED_VOID(dGeomVisualHullSetMaxDepth(g, 0.1), "visual hull");
     CHECK_REFUSED_VOID(dGeomVisualHullSetMinFeature(g, 0.1), "visual hull");
+    CHECK_REFUSED_VOID(dGeomVisualHullSetEvents(g, 1), "visual hull");
+    CHECK_REFUSED_VOID(dGeomVisualHullSetEventWait(g, 0.1), "visual hull");
+    CHECK_REFUSED(dGeomVisualHullGetEvents(g, NULL, 0), -1, "visual hull");
   }
   dSpaceDestroy(space);
 }

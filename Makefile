@@ -28,9 +28,9 @@ demo-real: ## a real person knocks over such a stack: fetches a recording, film,
 	cargo build --release --package vhull
 	@scripts/demo-real $(or $(CARGO_TARGET_DIR),target)
 
-SHOWCASE := domino_spiral pyramid newtons_cradle balance_bird
+SHOWCASE := domino_spiral pyramid newtons_cradle balance_bird grab grab_with_button
 
-showcase: setup ## four scenes that other engines show too, with a real finger or person: films in target/<scene>
+showcase: setup ## scenes that other engines show too, and hands that grab, all with a real subject: films in target/<scene>
 	cargo build --release $(addprefix --example ,$(SHOWCASE))
 	@set -e; for scene in $(SHOWCASE); do cargo run --quiet --release --example $$scene; done
 

@@ -37,8 +37,8 @@ fn hand(inner: f64, side: f64) -> impl Iterator<Item = Placed> {
     });
     fingers.chain([
         part([0.002, -0.03, 0.04], [0.0, 0.03, 0.078], THUMB, SKIN),
-        part([0.0, -0.07, 0.0], [0.02, -0.14, 0.03], WRIST, SKIN),
-        part([0.02, -0.14, 0.03], [0.05, -0.24, 0.10], FOREARM, SKIN),
-        part([0.05, -0.24, 0.10], [0.14, -0.44, 0.26], FOREARM, SHIRT),
+        part([0.0, -0.06, 0.0], [0.03, -0.12, 0.02], WRIST, SKIN),
+        part([0.03, -0.12, 0.02], [0.11, -0.21, 0.08], FOREARM, SKIN),
+        part([0.11, -0.21, 0.08], [0.28, -0.39, 0.22], FOREARM, SHIRT),
     ])
 }

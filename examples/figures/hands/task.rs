@@ -93,7 +93,7 @@ const CATCH: Task = Task {
     start: Vector3::new(0.0, 0.0, 0.85),
     spread: Vector3::new(0.01, 0.01, 0.03),
     let_go: 0.5,
-    has_succeeded: |task, path| task.to_hands(path, path.len() - 1).norm() < 0.1,
+    has_succeeded: |task, path| task.in_hands(path, path.len() - 1).norm() < 0.1,
     ..LIFT
 };
 
@@ -141,14 +141,14 @@ impl Task {
     }
 
     /// The place of the box in the frame of the hands.
-    fn to_hands(&self, path: &[Isometry3<f64>], step: usize) -> Vector3<f64> {
+    fn in_hands(&self, path: &[Isometry3<f64>], step: usize) -> Vector3<f64> {
         self.shown(step).inverse_transform_point(&Point3::from(path[step].translation.vector)).coords
     }
 
     /// How far the box has moved between the hands since these began to move, in metres.
     fn slip(&self, path: &[Isometry3<f64>]) -> f64 {
         let began = ((BEGIN + LATENCY) / STEP) as usize;
-        (self.to_hands(path, path.len() - 1) - self.to_hands(path, began)).norm()
+        (self.in_hands(path, path.len() - 1) - self.in_hands(path, began)).norm()
     }
 
     /// Whether the box rises above the hands by seven tenths of what their largest speed gives.

@@ -537,10 +537,10 @@ void dGeomVisualHullSetEventWait(dGeomID g, dReal seconds);
  * part. With dVisualHullMotionInterpolated or dVisualHullMotionPredicted the surface has its own velocity, and rests
  * otherwise. A body that the program moves without a velocity rests too.
  *
- * A body that falls asleep at the hull goes on touching it where the near callback calls dCollide for it. One that is
- * destroyed or disabled, or leaves the space, ends its touches as one that moves away; the ids in its events may be stale,
- * so compare them before use. A new body at its address that touches the same part within the wait goes on with its touch.
- * dGeomVisualHullSetData ends all touches, and the parts of other data have new numbers. Events that were not fetched are
+ * A body that falls asleep at the hull, or sticks to it, goes on touching it where the near callback calls dCollide for it.
+ * One that is destroyed or disabled, or leaves the space, ends its touches as one that moves away; the ids in its events
+ * may be stale, so compare them before use. A new body at its address that touches the same part within the wait goes on with
+ * its touch. dGeomVisualHullSetData ends all touches, and the parts of other data have new numbers. Events that were not fetched are
  * destroyed with the hull.
  *
  * Time is what dGeomVisualHullSetTime tells, which ends the step before too. Without it, each call is the end of a step

@@ -4,7 +4,7 @@ use image::GrayImage;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, point, vector};
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{Aabb, HullData, Motion};
-use ode_visual_hull::ode::{BodyId, GeomId, Shape, SpaceKind, World};
+use ode_visual_hull::ode::{BodyId, GeomId, HullEventKind, Shape, SpaceKind, World};
 use ode_visual_hull::synthetic::layout;
 use ode_visual_hull_testing::hand::{PALM, PALM_LINE, hand};
 use ode_visual_hull_testing::scene::{ORIGIN, at, masks_of, publish};
@@ -328,4 +328,18 @@ fn what_sticks_moves_by_the_same_bits_in_each_run() {
         scene.world.body(scene.ball).pose()
     };
     assert_eq!(run(), run());
+}
+
+#[test]
+fn a_body_that_sticks_goes_on_touching_until_it_leaves() {
+    let mut scene = Scene::new(Motion::Interpolated);
+    scene.world.hull_mut(scene.hull).set_events(true);
+    scene.hold(true);
+    let mut kinds = Vec::new();
+    while scene.time < END {
+        scene.step();
+        kinds.extend(scene.world.hull_mut(scene.hull).events().unwrap().map(|event| event.kind));
+    }
+    assert!(scene.holds());
+    assert_eq!(kinds, [HullEventKind::Begin]);
 }

@@ -46,6 +46,8 @@ pub(super) unsafe fn collide_body(
 
     // SAFETY: the caller vouches for the geom.
     if unsafe { context.carry(other) } {
+        // SAFETY: as above.
+        unsafe { context.record_held(other) };
         return 0;
     }
 
@@ -74,6 +76,7 @@ pub(super) unsafe fn collide_body(
                 CollidedBody { geom: other, samples: &query.samples, hull_from_body: hull_from_other };
             wake::record_contacts(&context, &collided, &found, kept_loss);
             if context.grab(other, &found) {
+                context.record_touch(hull, other, &found, &swept);
                 keep_scratch(&SCRATCH, found);
                 keep_scratch(&SWEPT, swept);
                 return 0;

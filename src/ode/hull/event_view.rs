@@ -104,7 +104,7 @@ impl HullMut<'_> {
     /// Contacts that have not begun, with a hull that is [`Swept`](super::Swept), count: a touch begins at the time that they
     /// tell. Queries, such as [`World::collide_geoms`], do not count.
     ///
-    /// A body that falls asleep at the hull goes on touching it. One that is removed or disabled, or whose geoms are, ends its
+    /// A body that falls asleep at the hull, or sticks to it ([`HullMut::hold`]), goes on touching it. One that is removed or disabled, or whose geoms are, ends its
     /// touches as one that leaves. [`HullMut::set_data`] ends all touches, and the parts of other data have new numbers. With
     /// the hull's geom, the events that were not taken are removed.
     ///

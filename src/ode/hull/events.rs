@@ -195,7 +195,7 @@ impl Events {
         self.contacts.extend(contacts);
     }
 
-    /// Records that a body sleeps, and touches the hull as it did when it fell asleep.
+    /// Records that a body sleeps, and touches the hull as it did when it fell asleep, or that it sticks to the hull.
     pub(super) fn record_resting(&mut self, body: Toucher, step: &StepSize) {
         self.clock.open(step);
         self.resting.push(body);

@@ -165,7 +165,7 @@ impl CollideContext<'_> {
             let body = dGeomGetBody(other);
             (body, dGeomGetBody(hull), !body.is_null() && dBodyIsEnabled(body) == 0)
         };
-        let toucher = Toucher { geom: other as usize, body: body as usize, ids: None };
+        let toucher = toucher(other, body);
         let step = &self.geom.step_size;
         if found.points.is_empty() && swept.is_empty() {
             if is_asleep && self.geom.last_contacts.touch(other as usize).is_some() {
@@ -195,6 +195,23 @@ impl CollideContext<'_> {
         });
         self.geom.change_events(|events| events.record(contacts, step));
     }
+
+    /// Records that the body of `other` sticks to the hull, where events are on: its touch goes on without contacts.
+    ///
+    /// # Safety
+    /// The geom is living.
+    pub(in crate::ode::hull) unsafe fn record_held(&self, other: dGeomID) {
+        if self.has_events {
+            // SAFETY: the caller vouches for the geom.
+            let held = toucher(other, unsafe { dGeomGetBody(other) });
+            self.geom.change_events(|events| events.record_resting(held, &self.geom.step_size));
+        }
+    }
+}
+
+/// What touches the hull, by its addresses.
+fn toucher(geom: dGeomID, body: dBodyID) -> Toucher {
+    Toucher { geom: geom as usize, body: body as usize, ids: None }
 }
 
 /// The velocity of a body's point, both in the world; zero without a body.

@@ -20,6 +20,7 @@ mod manifolds;
 mod mask_filter;
 mod motion;
 mod pendulum;
+mod predictability;
 mod push;
 mod realtime;
 mod restitution;
@@ -47,6 +48,7 @@ const GROUPS: &[(&str, Measure)] = &[
     ("rest", at_rest::run_group),
     ("sleepers", sleepers::run_group),
     ("stack", stack::run_group),
+    ("predictability", predictability::run_group),
     ("grip", grip::run_group),
     ("hands", hands::run_group),
     ("capi", capi::run_group),

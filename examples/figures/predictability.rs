@@ -2,11 +2,11 @@
 //! as uncertain.
 
 use crate::studio::*;
-use nalgebra::{Isometry3, Vector3, vector};
+use nalgebra::{Isometry3, Vector3, point, vector};
 use ode_visual_hull::ode::{Shape, World};
 use ode_visual_hull::synthetic::coverage;
 use ode_visual_hull_testing::edge_noise::displace_edge;
-use ode_visual_hull_testing::figure::Figure;
+use ode_visual_hull_testing::figure::{Bound::AtMost, Figure};
 use ode_visual_hull_testing::random::Random;
 
 /// Boxes that fall on each table.
@@ -22,7 +22,7 @@ pub fn run_group(progress: &dyn Fn(&str)) -> Vec<Figure> {
     progress("boxes on a table whose place is uncertain");
     let on_native = spread((0..RUNS).map(on_native));
     vec![
-        Figure::reported("predictability", on_hull / on_native),
+        Figure::bounded("predictability", on_hull / on_native, AtMost(2.0)),
         Figure::reported("predictability_spread_mm", 1e3 * on_hull),
         Figure::reported("predictability_spread_mm_native", 1e3 * on_native),
     ]
@@ -40,7 +40,7 @@ fn spread(poses: impl Iterator<Item = Isometry3<f64>>) -> f64 {
 /// The corners of a box.
 fn corners_of(pose: &Isometry3<f64>) -> Vec<Vector3<f64>> {
     let sign = |k: usize, bit: usize| if k >> bit & 1 == 0 { -0.5 * SIDE } else { 0.5 * SIDE };
-    let corner = |k: usize| (pose * nalgebra::point![sign(k, 0), sign(k, 1), sign(k, 2)]).coords;
+    let corner = |k: usize| (pose * point![sign(k, 0), sign(k, 1), sign(k, 2)]).coords;
     (0..8).map(corner).collect()
 }
 

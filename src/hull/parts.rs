@@ -25,7 +25,7 @@ use tracks::{Track, TrackId, Tracks};
 /// to half a pixel off the subject's pixels.
 pub(crate) const AT_SURFACE: i32 = 2;
 
-/// The same for a point where the hull's surface will be when a step ends.
+/// How far a point where the hull's surface will be when a step ends may fall from the component that it belongs to, in pixels.
 pub(crate) const NEAR_SURFACE: i32 = 32;
 
 /// The id of a part of a hull, from 1 on. Ids are not used again.

@@ -36,9 +36,9 @@ const ARM: f64 = 0.08;
 struct Equation {
     /// By how much the point moves along the edge's normal, for each component of a shift and of a turn about the centre.
     row: Vector6<f64>,
-    /// How far the point is outside the edge.
+    /// How far the point is outside the edge, in metres.
     distance: f64,
-    /// The same in pixels.
+    /// How far the point is outside the edge, in pixels of its view.
     pixels: f64,
 }
 

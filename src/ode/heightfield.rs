@@ -12,7 +12,7 @@ use ode_sys::{
 };
 
 use super::arena::GeomId;
-use super::collide::{ContactGeom, Contacts};
+use super::contacts::{ContactGeom, Contacts};
 use super::convert;
 use super::world::World;
 use crate::shape::{Heightfield, Shape};

@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use ode_sys::{dGeomID, dGeomIsEnabled, dGeomIsSpace, dSpaceCollide2};
 
 use super::arena::{GeomId, SpaceId};
-use super::collide::Pair;
+use super::pair::Pair;
 use super::world::World;
 use super::{heightfield, panic};
 use crate::{Error, Result};

@@ -16,7 +16,7 @@ use ode_sys::{
 
 use super::arena::{Arena, BodyId, GeomId, Key, SpaceId};
 use super::body::{Body, BodyMut};
-use super::collide::ContactGeom;
+use super::contacts::ContactGeom;
 use super::geom::{Geom, GeomMut, GeomRecord};
 use super::hull::clear_samples;
 use super::init::Ode;

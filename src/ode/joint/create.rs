@@ -7,7 +7,7 @@ use super::param::HingeStops;
 use super::view_mut::anchor_setter;
 use super::{JointKind, JointRecord, axes, kind};
 use crate::Result;
-use crate::ode::collide::create_contact;
+use crate::ode::contacts::create_contact;
 
 impl JointRecord {
     /// Creates a joint in ODE and attaches it.

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use ode_sys::{dJointFeedback, dJointGetBody, dJointID, dJointSetFeedback};
 
 use super::{Joint, JointMut};
-use crate::ode::collide::ContactGeom;
+use crate::ode::contacts::ContactGeom;
 use crate::ode::convert;
 use crate::ode::world::World;
 

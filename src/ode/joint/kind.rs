@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::ode::arena::BodyId;
 use crate::ode::check;
-use crate::ode::collide::ContactGeom;
+use crate::ode::contacts::ContactGeom;
 use crate::ode::surface::Surface;
 use crate::{Error, Result};
 

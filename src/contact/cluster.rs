@@ -2,11 +2,12 @@
 //!
 //! A box that is deep in a table has samples on its lower rim whose nearest exit is sideways. The box's normals show
 //! that these samples belong to its underside: a sample is *supported* when its exit direction runs against the body's
-//! outward normal, and only supported samples start clusters.
+//! outward normal, and only supported samples start clusters. What else leaves the hull with them is no deeper than they
+//! are: of a body that is deep in the edge of a table, the part beside the table's side has no long way up.
 
 use super::PenetratingSample;
 use super::tuning::{DIRECTION_WEIGHT, JOIN_COSINE, SUPPORTED_COSINE};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 /// The clusters of one body's penetrating samples. Samples are named by their indices among these.
 #[derive(Debug, Default)]
@@ -27,13 +28,17 @@ struct Cluster {
     direction: Vector3<f64>,
     /// Index of the view that gave the direction of the deepest sample; `None` if no sample gave the direction.
     view: Option<usize>,
+    /// The least position along the direction, in metres, of a point that leaves with the cluster.
+    lowest: f64,
 }
 
 impl Clusters {
     /// Finds the clusters of the supported samples, the one with the deepest sample first, and adds the unsupported
     /// samples that fit. There are no clusters if no sample is supported. The depths of unsupported samples are not
     /// used.
-    pub(super) fn find(&mut self, penetrating: &[PenetratingSample]) {
+    ///
+    /// No point of the body's surface is farther than `covering_radius` metres from a sample of the body.
+    pub(super) fn find(&mut self, penetrating: &[PenetratingSample], covering_radius: f64) {
         self.clusters.clear();
         self.supported.clear();
         for (index, sample) in penetrating.iter().enumerate() {
@@ -51,6 +56,13 @@ impl Clusters {
             self.of_sample[index] = Some(join_or_create(&mut self.clusters, &penetrating[index]));
         }
 
+        for &index in &self.supported {
+            let cluster = self.of_sample[index].map(|cluster| &mut self.clusters[cluster]);
+            if let Some(Cluster { direction, lowest, .. }) = cluster {
+                *lowest = lowest.min(penetrating[index].point.coords.dot(direction) - covering_radius);
+            }
+        }
+
         for (sample, cluster) in penetrating.iter().zip(&mut self.of_sample) {
             if cluster.is_none() {
                 *cluster = best_cluster_for(&self.clusters, sample);
@@ -61,7 +73,8 @@ impl Clusters {
     /// Puts all samples into one cluster that leaves along `direction`.
     pub(super) fn merge_into_one(&mut self, penetrating: &[PenetratingSample], direction: &Vector3<f64>) {
         self.clusters.clear();
-        self.clusters.push(Cluster { sum: *direction, direction: direction.normalize(), view: None });
+        let lowest = f64::NEG_INFINITY;
+        self.clusters.push(Cluster { sum: *direction, direction: direction.normalize(), view: None, lowest });
         self.of_sample.clear();
         self.of_sample.resize(penetrating.len(), Some(0));
     }
@@ -76,6 +89,11 @@ impl Clusters {
         self.clusters.iter().map(|cluster| (cluster.direction, cluster.view))
     }
 
+    /// Whether a point of the body's surface may leave with a cluster: it is no deeper than the supported samples.
+    pub(super) fn may_hold(&self, cluster: usize, point: &Point3<f64>) -> bool {
+        self.clusters[cluster].may_hold(point)
+    }
+
     /// The samples of a cluster, in their order in `penetrating`.
     pub(super) fn members<'a>(
         &'a self,
@@ -84,6 +102,13 @@ impl Clusters {
     ) -> impl Iterator<Item = &'a PenetratingSample> {
         let of_sample = penetrating.iter().zip(&self.of_sample);
         of_sample.filter(move |(_, of)| **of == Some(cluster)).map(|(sample, _)| sample)
+    }
+}
+
+impl Cluster {
+    /// See [`Clusters::may_hold`].
+    fn may_hold(&self, point: &Point3<f64>) -> bool {
+        point.coords.dot(&self.direction) >= self.lowest
     }
 }
 
@@ -97,7 +122,7 @@ fn join_or_create(clusters: &mut Vec<Cluster>, sample: &PenetratingSample) -> us
     let index = nearest.map_or(clusters.len(), |(nearest, _)| nearest);
     if index == clusters.len() {
         let (sum, direction) = (Vector3::zeros(), Vector3::zeros());
-        clusters.push(Cluster { sum, direction, view: Some(sample.view) });
+        clusters.push(Cluster { sum, direction, view: Some(sample.view), lowest: f64::INFINITY });
     }
 
     let cluster = &mut clusters[index];
@@ -106,10 +131,13 @@ fn join_or_create(clusters: &mut Vec<Cluster>, sample: &PenetratingSample) -> us
     index
 }
 
-/// The cluster whose direction runs most against the body's normal at an unsupported sample, if the sample would be
-/// supported in that direction.
+/// The cluster that may hold an unsupported sample and whose direction runs most against the body's normal there, if the
+/// sample would be supported in that direction.
 fn best_cluster_for(clusters: &[Cluster], sample: &PenetratingSample) -> Option<usize> {
-    let against = clusters.iter().map(|cluster| -cluster.direction.dot(&sample.normal));
+    let against = clusters.iter().map(|cluster| {
+        let may_hold = cluster.may_hold(&sample.point);
+        if may_hold { -cluster.direction.dot(&sample.normal) } else { f64::NEG_INFINITY }
+    });
     first_greatest(against).filter(|(_, against)| -against <= SUPPORTED_COSINE).map(|(best, _)| best)
 }
 

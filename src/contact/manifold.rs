@@ -8,7 +8,7 @@ use super::PenetratingSample;
 use super::tuning::DEEPEST_FRACTION;
 use crate::hull::{EdgeModel, ExitRay, Hull, Scratch};
 use crate::sample::Smooth;
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use std::ops::Range;
 
 /// The manifolds of many bodies, and their points in one list. Points are named by their indices in that list.
@@ -164,7 +164,8 @@ impl Manifolds {
         self.finish_manifold(view, true, deepest_guess);
     }
 
-    /// Makes a manifold of a smooth body's support points in the opposite of `direction`, as far as they are inside.
+    /// Makes a manifold of a smooth body's support points in the opposite of `direction`, as far as they are inside and
+    /// belong to it.
     pub(super) fn add_support(
         &mut self,
         hull: &Hull,
@@ -172,11 +173,12 @@ impl Manifolds {
         hull_from_body: &Isometry3<f64>,
         direction: &Vector3<f64>,
         view: Option<usize>,
+        belongs: impl Fn(&Point3<f64>) -> bool,
     ) {
         let support = smooth.support(&hull_from_body.inverse_transform_vector(&-direction));
         for sample in support.iter() {
             let point = hull_from_body * sample.point;
-            if hull.inside_by(&point, self.edge) {
+            if belongs(&point) && hull.inside_by(&point, self.edge) {
                 let (direction, view, overrules) = (*direction, view.unwrap_or(0), hull.overrules_at(&point));
                 self.push(ExitRay { point, direction, view, overrules }, None, None);
             }

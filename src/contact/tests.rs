@@ -126,6 +126,23 @@ fn a_ball_on_an_edge_is_pushed_through_its_centre() {
 }
 
 #[test]
+fn a_rod_deep_in_an_edge_is_no_deeper_than_the_way_that_frees_it() {
+    // The rod's lower end is beside the table's side, its upper end near the top: the way up frees the upper half, the way
+    // aside the lower half, each by 5 cm. Up from the lower end it would be 9 cm, aside from the upper end 8 cm.
+    let rod = sample::cylinder(0.031, 0.161, 0.03).unwrap();
+    let axis = UnitQuaternion::rotation_between(&Vector3::z(), &vector![0.58, 0.34, -0.74]).unwrap();
+    let settings = Settings { max_depth: 1.0, ..Settings::default() };
+    let found = collide(table(), &rod, &(at(0.201, 0.041, 0.188) * axis), &settings, None);
+    let directions: Vec<_> = found.manifolds.iter().map(|manifold| manifold.direction).collect();
+    assert!(directions.iter().any(|direction| direction.z > 0.95), "{directions:?}");
+    assert!(directions.iter().any(|direction| direction.x > 0.95), "{directions:?}");
+    for contact in found.contacts() {
+        // The 5 cm, and the greatest distance of a point of the surface from a sample.
+        assert!(contact.depth < 0.05 + rod.covering_radius(), "{contact:?}");
+    }
+}
+
+#[test]
 fn a_lying_cylinder_touches_at_both_rims() {
     let roll = sample::cylinder(0.1, 0.3, 0.03).unwrap();
     let lying =

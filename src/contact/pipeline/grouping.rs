@@ -4,7 +4,7 @@ use super::{ContactPipeline, TouchingBody};
 use crate::contact::cluster::is_supported;
 use crate::contact::{BodyResponse, PenetratingSample, SampledBody, escape};
 use crate::hull::{EdgeModel, Hull};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 #[cfg(feature = "ode")]
 use crate::contact::Settings;
@@ -32,7 +32,7 @@ impl ContactPipeline {
         for touching in &mut self.bodies {
             let SampledBody { samples, hull_from_body, last_escape } = &bodies[touching.index];
             let penetrating = &mut penetrating[touching.penetrating.clone()];
-            clusters.find(penetrating);
+            clusters.find(penetrating, samples.covering_radius());
 
             // No cluster: the body is swallowed or pierced.
             if clusters.is_empty() {
@@ -46,14 +46,15 @@ impl ContactPipeline {
             for (cluster, (direction, view)) in clusters.directions().enumerate() {
                 let before = manifolds.len();
                 if let Some(smooth) = samples.smooth() {
-                    manifolds.add_support(hull, smooth, hull_from_body, &direction, view);
+                    let belongs = |point: &Point3<f64>| clusters.may_hold(cluster, point);
+                    manifolds.add_support(hull, smooth, hull_from_body, &direction, view, belongs);
                     // An edge of the hull is met beside the points that face its surfaces, and along the body's
                     // own normal.
                     let is_on_edge = manifolds.len() == before && touching.escape.is_none();
                     if is_on_edge && smooth.is_without_rim() {
                         let normals = clusters.members(cluster, penetrating).map(|sample| sample.normal);
                         if let Some(into_body) = (-normals.sum::<Vector3<f64>>()).try_normalize(1e-9) {
-                            manifolds.add_support(hull, smooth, hull_from_body, &into_body, view);
+                            manifolds.add_support(hull, smooth, hull_from_body, &into_body, view, belongs);
                         }
                     }
                 }

@@ -1,6 +1,6 @@
 //! Hulls that appear where bodies are: these leave at a stated speed.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector3, vector};
 use ode_visual_hull::contact::Mode;
 use ode_visual_hull::ode::{GeomId, SpaceKind, World};
 use ode_visual_hull::synthetic::Subject;
@@ -76,4 +76,22 @@ fn the_papers_contacts_and_geoms_without_a_body_have_their_whole_depth() {
 
     world.hull_mut(hull).set_mode(Mode::Paper);
     assert!((depth(&mut world, hull) - 0.04).abs() < PIXEL);
+}
+
+#[test]
+fn a_body_that_spins_where_a_hull_appears_is_pushed_the_less_the_faster_it_spins() {
+    let mut world = world(SpaceKind::default());
+    let root = world.root_space();
+    let hull = world.add_hull(root, &table()).unwrap();
+    step(&mut world, 0.001);
+    let (body, geom) = add_body(&mut world, &cube(0.2), &at(0.01, 0.02, TOP + 0.06));
+    for spin in [0.0, 4.0, 6.0] {
+        world.body_mut(body).set_angular_velocity(&vector![0.0, 0.0, spin]).unwrap();
+        let found = world.collide_geoms(hull, geom, 8).unwrap();
+        let depth = found.iter().map(|contact| contact.depth).fold(0.0, f64::max);
+        // A cube with edges l has a moment of inertia of m l^2 / 6.
+        let of_spin = spin * 0.2 / 6.0_f64.sqrt();
+        let speed = (LEAVING_SPEED.powi(2) - of_spin.powi(2)).sqrt();
+        assert!((depth - 0.001 - speed * 0.001 / 0.2).abs() < 1e-9, "{spin} rad/s: {depth} m");
+    }
 }

@@ -8,12 +8,13 @@ use crate::contact::tuning::LEAVING_SPEED;
 use crate::contact::{BodyContacts, Manifold, Mode};
 use crate::ode::convert;
 use ode_sys::{
-    dBodyGetLinearVel, dBodyGetPosition, dBodyGetWorld, dBodyIsEnabled, dGeomGetBody, dGeomID, dReal,
+    dBodyGetAngularVel, dBodyGetLinearVel, dBodyGetMass, dBodyGetPosition, dBodyGetWorld, dBodyID,
+    dBodyIsEnabled, dBodyVectorFromWorld, dGeomGetBody, dGeomID, dMass, dReal, dVector3,
     dWorldGetContactSurfaceLayer, dWorldGetERP,
 };
 
 /// The least part of [`LEAVING_SPEED`] along a direction, where the hull pushes the body in other directions too or it moves
-/// aside already. With less, a body that two sides hold is pressed too little to be lifted.
+/// aside or spins already. With less, a body that two sides hold is pressed too little to be lifted.
 const LEAST_PART: f64 = 0.2;
 
 impl CollideContext<'_> {
@@ -27,7 +28,7 @@ impl CollideContext<'_> {
     /// Both geoms are living, and so is the body of `other`.
     pub(super) unsafe fn limit_depths(&self, hull: dGeomID, other: dGeomID, found: &mut BodyContacts) {
         // SAFETY: the caller vouches for the geom and its body; positions and velocities have three numbers.
-        let (erp, surface_layer, velocity) = unsafe {
+        let (erp, surface_layer, velocity, of_spin) = unsafe {
             let body = dGeomGetBody(other);
             if body.is_null() || self.settings.mode == Mode::Paper {
                 return;
@@ -39,7 +40,7 @@ impl CollideContext<'_> {
                 self.geom.step_size.see(body as usize, position.into(), &velocity);
             }
             let world = dBodyGetWorld(body);
-            (dWorldGetERP(world), dWorldGetContactSurfaceLayer(world), velocity)
+            (dWorldGetERP(world), dWorldGetContactSurfaceLayer(world), velocity, square_of_spin(body))
         };
 
         let Some(step) = self.geom.step_size.seconds() else { return };
@@ -51,8 +52,8 @@ impl CollideContext<'_> {
         let depth_at = |speed: f64| surface_layer + speed * depth_per_speed;
         for point in points {
             let direction = world_from_hull * manifolds[point.manifold].direction;
-            let aside = (velocity - direction * direction.dot(&velocity)) / LEAVING_SPEED;
-            let part = (wedge - aside.norm_squared()).max(LEAST_PART * LEAST_PART).sqrt();
+            let aside = (velocity - direction * direction.dot(&velocity)).norm_squared() + of_spin;
+            let part = (wedge - aside / (LEAVING_SPEED * LEAVING_SPEED)).max(LEAST_PART * LEAST_PART).sqrt();
             let speed = LEAVING_SPEED * part;
             if point.depth > depth_at(speed) {
                 // SAFETY: the caller vouches for the geom.
@@ -68,4 +69,22 @@ impl CollideContext<'_> {
 /// speed in all: between two directions that face one another it leaves a wedge, the faster the more they do.
 fn square_of_part(manifolds: &[Manifold]) -> f64 {
     0.5 * (1.0 + least_cosine(manifolds))
+}
+
+/// The square of the speed at which a body's energy of rotation would move it: where its spin meets the hull, that becomes
+/// speed.
+///
+/// # Safety
+/// The body is alive.
+unsafe fn square_of_spin(body: dBodyID) -> f64 {
+    let (mut mass, mut spin) = (dMass::default(), dVector3::default());
+    // SAFETY: the caller vouches for the body; its angular velocity has three numbers.
+    unsafe {
+        dBodyGetMass(body, &mut mass);
+        let angular: *const dReal = dBodyGetAngularVel(body);
+        let angular = convert::vector_at(angular);
+        dBodyVectorFromWorld(body, angular.x, angular.y, angular.z, spin.as_mut_ptr());
+    }
+    let spin = convert::vector(&spin);
+    spin.dot(&(convert::matrix(&mass.I) * spin)) / mass.mass
 }

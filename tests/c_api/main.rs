@@ -41,7 +41,7 @@ macro_rules! programs {
 }
 
 programs! {
-    falling_box ode_habits bad_input classes copies events grip hold late_calls motion sleepers swept threads transforms
+    falling_box ode_habits bad_input bounce classes copies events grip hold late_calls motion sleepers swept threads transforms
 }
 
 /// The blocks of C in the documentation.

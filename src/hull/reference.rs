@@ -3,7 +3,7 @@
 //! It reads masks pixel by pixel. It shares the camera, the normals of edge pixels and the policy for unseen points
 //! with the optimised code, but has its own window search and its own exits.
 
-use super::query::window_half_width;
+use super::query::{ROUNDING, window_half_width};
 use super::{Hull, Unseen, View};
 use crate::camera::MIN_DEPTH;
 use crate::silhouette::Rect;
@@ -58,7 +58,8 @@ pub fn respond(hull: &Hull, a: &Point3<f64>) -> Option<ReferenceResponse> {
 
 /// The first view with background in its window, and the background pixel in it that is nearest to a's pixel. "For
 /// every iteration of the search algorithm, a square window around the projection of a is considered for every input
-/// image" (paper, section 4.2).
+/// image" (paper, section 4.2). Of several views at one iteration, the one whose smallest window with background is the
+/// smallest in metres.
 fn window_search(hull: &Hull, a: &Point3<f64>) -> Option<(usize, (i32, i32))> {
     // d_i: metres that a pixel covers at a, in each view that sees it.
     let pixel_size = |view: &View| -> Option<f64> {
@@ -77,15 +78,23 @@ fn window_search(hull: &Hull, a: &Point3<f64>) -> Option<(usize, (i32, i32))> {
     let last =
         hull.views().iter().map(|view| view.silhouette().image()).map(|r| r.width() + r.height()).max()?;
     for k in 0..last as i64 {
+        let mut found: Option<(f64, usize, (i32, i32))> = None;
         for &(index, view, d) in &sizes {
             let (i, j) = view.pixel(a)?;
             let window = Rect::window(i, j, window_half_width(k, d_max / d));
             let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
             let background = pixels.filter(|&(x, y)| !view.silhouette().is_subject(x, y));
+            let half_width = background.clone().map(|(x, y)| (x - i).abs().max((y - j).abs())).min();
             let nearest = background.min_by_key(|&(x, y)| ((x - i).pow(2) + (y - j).pow(2), y, x));
-            if let Some(b) = nearest {
-                return Some((index, b));
+            if let (Some(half_width), Some(b)) = (half_width, nearest) {
+                let extent = (f64::from(half_width) + 0.5) * d;
+                if found.is_none_or(|(least, ..)| extent < (1.0 - ROUNDING) * least) {
+                    found = Some((extent, index, b));
+                }
             }
+        }
+        if let Some((_, index, b)) = found {
+            return Some((index, b));
         }
     }
     None

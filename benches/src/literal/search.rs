@@ -18,34 +18,40 @@ pub(super) struct NearestEdge {
 #[derive(Debug, Clone, Copy, Default)]
 struct Window {
     centre: (i32, i32),
-    /// Growth of the window's half-width per iteration, in pixels: 1 in the view in which a pixel covers most.
-    growth: f32,
+    /// Metres that a pixel covers at the point. The window grows the faster the less it is.
+    footprint: f32,
     /// Half-width of the part that is scanned already.
     scanned: i32,
 }
 
 impl LiteralHull<'_> {
-    /// The first background pixel that a window reaches; the view of the lowest index among windows that reach one in
-    /// the same iteration.
+    /// The first background pixel that a window reaches; among windows that reach one in the same iteration, the view in
+    /// which it is the nearest in metres.
     pub(super) fn nearest_edge(&self, a: &Vec3) -> Option<NearestEdge> {
         let mut windows = [Window::default(); MAX_VIEWS];
         let windows = &mut windows[..self.views.len()];
 
         let mut d_max = 0.0_f32;
         for (window, view) in windows.iter_mut().zip(&self.views) {
-            (window.centre, window.growth) = view.project(a);
-            d_max = d_max.max(window.growth);
+            (window.centre, window.footprint) = view.project(a);
+            d_max = d_max.max(window.footprint);
         }
 
-        windows.iter_mut().for_each(|window| window.growth = d_max / window.growth);
-
         for k in 0..i32::MAX {
+            let mut nearest: Option<(f32, NearestEdge)> = None;
             for (index, (window, view)) in windows.iter_mut().zip(&self.views).enumerate() {
-                let half = 1 + (k as f32 * window.growth) as i32;
-                if let Some(b) = view.nearest_background(window.centre, window.scanned + 1, half) {
-                    return Some(NearestEdge { view: index, pixel: window.centre, b });
+                let half = 1 + (k as f32 * (d_max / window.footprint)) as i32;
+                let found = view.nearest_background(window.centre, window.scanned + 1, half);
+                if let Some((radius, b)) = found {
+                    let extent = (radius as f32 + 0.5) * window.footprint;
+                    if nearest.as_ref().is_none_or(|(least, _)| extent < *least) {
+                        nearest = Some((extent, NearestEdge { view: index, pixel: window.centre, b }));
+                    }
                 }
                 window.scanned = half;
+            }
+            if let Some((_, nearest)) = nearest {
+                return Some(nearest);
             }
         }
 
@@ -66,8 +72,9 @@ fn all_subject(bytes: &[u8]) -> bool {
 type Candidate = (i32, i32, i32);
 
 impl LiteralView<'_> {
-    /// The background pixel nearest to `centre` on the rings `first..=last` around it. All pixels within are subject.
-    fn nearest_background(&self, centre: (i32, i32), first: i32, last: i32) -> Option<(i32, i32)> {
+    /// The radius of the first of the rings `first..=last` around `centre` with background, and the nearest background pixel
+    /// on them. All pixels within are subject.
+    fn nearest_background(&self, centre: (i32, i32), first: i32, last: i32) -> Option<(i32, (i32, i32))> {
         let found = (first..=last).find(|&radius| self.ring_has_background(centre, radius))?;
         let mut best = self.nearest_on_ring(centre, found);
         for radius in found + 1..=last {
@@ -77,7 +84,7 @@ impl LiteralView<'_> {
             }
             best = best.into_iter().chain(self.nearest_on_ring(centre, radius)).min();
         }
-        best.map(|(_, y, x)| (x, y))
+        best.map(|(_, y, x)| (found, (x, y)))
     }
 
     fn ring_has_background(&self, (i, j): (i32, i32), radius: i32) -> bool {

@@ -8,7 +8,7 @@ use super::edge_query::{EdgeQuery, OPEN_LIST};
 use super::overruled::overrule;
 use super::projection::{PointBlock, ViewKernel};
 use super::{ExitRay, Wide};
-use crate::hull::query::window_half_width;
+use crate::hull::query::{ROUNDING, extent, window_half_width};
 use crate::hull::{EdgeModel, Hull};
 use crate::math::lanes::{floor, lane_mask, select, set_bits};
 use crate::math::point_cloud::LANES;
@@ -175,8 +175,8 @@ vectorised! {
 }
 
 /// Decides the window search for each point of a block, as [`Hull::nearest_edge`](super::super::Hull::nearest_edge)
-/// does: the view whose window, `1 + floor(k d_max / d_i)`, is the first to reach its distance; ties go to the first
-/// view.
+/// does: the view whose window, `1 + floor(k d_max / d_i)`, is the first to reach its distance; at one iteration the one whose
+/// distance is the least in metres.
 #[inline(always)]
 fn select_view(kernels: &[ViewKernel], block: &mut PointBlock) -> Decision {
     let mut d_max = [0.0; LANES];
@@ -187,6 +187,7 @@ fn select_view(kernels: &[ViewKernel], block: &mut PointBlock) -> Decision {
         }
     }
 
+    let mut least = [f64::INFINITY; LANES];
     let mut decision =
         Decision { kernel: [0.0; LANES], iteration: [f64::INFINITY; LANES], growth: [0.0; LANES] };
     for (place, sample) in block.samples.iter().enumerate() {
@@ -200,7 +201,10 @@ fn select_view(kernels: &[ViewKernel], block: &mut PointBlock) -> Decision {
             let iteration = select(needed < 0.0, -1.0, iteration);
             let iteration = select(sample.has_edge(k), iteration, f64::INFINITY);
 
-            let sooner = iteration < decision.iteration[k];
+            let extent = extent(sample.distance[k], sample.footprint[k]);
+            let nearer = (iteration == decision.iteration[k]) & (extent < (1.0 - ROUNDING) * least[k]);
+            let sooner = (iteration < decision.iteration[k]) | nearer;
+            least[k] = select(sooner, extent, least[k]);
             decision.iteration[k] = select(sooner, iteration, decision.iteration[k]);
             decision.growth[k] = select(sooner, growth, decision.growth[k]);
             decision.kernel[k] = select(sooner, place as f64, decision.kernel[k]);

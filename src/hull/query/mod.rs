@@ -19,4 +19,4 @@ pub(super) use ray_cast::nearest_edge_in;
 pub(super) use response::towards;
 pub use response::{ExitVector, Response};
 pub use window_search::NearestEdge;
-pub(super) use window_search::{deciding_window, window_half_width};
+pub(super) use window_search::{ROUNDING, deciding_window, extent, window_half_width};

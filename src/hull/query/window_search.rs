@@ -20,7 +20,9 @@ impl Hull {
     ///
     /// The window of view i at iteration k has a half-width of `1 + floor(k d_max / d_i)` pixels, where `d_i` is the
     /// metres that a pixel covers at p and `d_max` the largest `d_i`. The view whose window is the first to hold
-    /// background decides; ties go to the first view. The distance tables give this k without an iteration.
+    /// background decides. Of several at one iteration, whose windows have grown to the same metres but for whole pixels, the
+    /// one with the nearest background in metres decides, the first of those where that is equal to 1e-9. The distance tables give
+    /// this k without an iteration.
     pub fn nearest_edge(&self, p: &nalgebra::Point3<f64>) -> Option<NearestEdge<'_>> {
         ViewSamples::with(|samples| {
             samples.project(self, p);
@@ -43,18 +45,21 @@ pub(in crate::hull) fn deciding_window(samples: &ViewSamples) -> Option<(&ViewSa
     let d_max = samples.counting().map(|sample| sample.footprint).fold(0.0, f64::max);
 
     // The smallest iteration over the views, and its view.
-    let mut first: Option<(i64, &ViewSample)> = None;
+    let mut first: Option<(i64, f64, &ViewSample)> = None;
     for sample in samples.counting() {
         let growth = d_max / sample.footprint;
-        if first.is_some_and(|(k, _)| !reaches(k - 1, growth, sample.distance)) {
+        if first.is_some_and(|(k, ..)| !reaches(k, growth, sample.distance)) {
             continue;
         }
         if let Some(k) = first_iteration(sample.distance, growth) {
-            first = Some((k, sample));
+            let extent = extent(f64::from(sample.distance), sample.footprint);
+            if first.is_none_or(|(least, of_first, _)| k < least || extent < (1.0 - ROUNDING) * of_first) {
+                first = Some((k, extent, sample));
+            }
         }
     }
 
-    let (k, decisive) = first?;
+    let (k, _, decisive) = first?;
     Some((decisive, window_half_width(k, d_max / decisive.footprint)))
 }
 
@@ -62,6 +67,17 @@ pub(in crate::hull) fn deciding_window(samples: &ViewSamples) -> Option<(&ViewSa
 pub(in crate::hull) fn window_half_width(k: i64, growth: f64) -> i32 {
     // `as` rounds down for k >= 0. The result for k = -1, the point's own pixel, does not matter.
     1 + (k as f64 * growth) as i32
+}
+
+/// Where the nearest background of two views is as far from a point but for rounding, as in a rig with mirror symmetry, the
+/// first of them decides: this part of a distance counts as rounding.
+pub(in crate::hull) const ROUNDING: f64 = 1e-9;
+
+/// Half-width in metres of the smallest window around a pixel that holds background at the Chebyshev distance `distance`, where
+/// a pixel covers `footprint` metres.
+#[inline(always)]
+pub(in crate::hull) fn extent(distance: f64, footprint: f64) -> f64 {
+    (distance + 0.5) * footprint
 }
 
 /// Whether the window at iteration `k` reaches a pixel at the Chebyshev distance `distance`: whether

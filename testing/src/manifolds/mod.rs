@@ -7,8 +7,8 @@
 //!    less. For masks without coverage it is also the exit of
 //!    [`reference`](ode_visual_hull::hull::reference).
 //! 3. There are at most as many contacts as allowed; directions are unit vectors, and no manifold is empty.
-//! 4. In another order of the views the contacts are the same set, unless two views tie as the nearest edge
-//!    of a sample: then the first decides.
+//! 4. In another order of the views the contacts are the same set, unless the nearest edges of
+//!    a sample are equally far in two views, to a nanometre: then the first decides.
 //! 5. In another order of the samples, the contacts from which the reduction chooses are the same set, unless
 //!    two samples are equally deep. The reduction itself prefers the first of the deep samples.
 

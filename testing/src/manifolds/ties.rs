@@ -1,5 +1,5 @@
-//! Ties, in which an order decides by definition: two views whose windows reach background in the same
-//! iteration of the window search, and two samples that are equally deep.
+//! Ties, in which an order decides by definition: two views whose nearest background is equally far from a point, and two
+//! samples that are equally deep.
 
 use super::NANOMETRE;
 use nalgebra::{Isometry3, Point3};
@@ -7,7 +7,7 @@ use ode_visual_hull::hull::{EdgeModel, Hull, View};
 use ode_visual_hull::sample::Samples;
 
 /// Whether two hulls of the same views in different orders give a sample of the body the edges of different
-/// views, and the windows of both reach background in one iteration.
+/// views, and the smallest windows of both that hold background have the same size in metres.
 pub(super) fn of_views(hulls: [&Hull; 2], samples: &Samples, pose: &Isometry3<f64>) -> bool {
     samples.points().iter().any(|sample| {
         let point = pose * sample.point;
@@ -16,31 +16,16 @@ pub(super) fn of_views(hulls: [&Hull; 2], samples: &Samples, pose: &Isometry3<f6
         }
         let deciding = hulls.map(|hull| hull.nearest_edge(&point).map(|nearest| nearest.view));
         let [Some(a), Some(b)] = deciding else { return false };
-        // A view that is overruled at the point does not count.
-        let overruled =
-            hulls[0].views().iter().filter(|_| hulls[0].overrule_depth().is_some()).map(View::name);
-        a.name() != b.name()
-            && overruled.map(Some).chain([None]).any(|left_out| {
-                let [a, b] = [a, b].map(|view| iteration(hulls[0], left_out, view, &point));
-                a.is_some() && a == b
-            })
+        let extents = [a, b].map(|view| window_extent(view, &point));
+        let [Some(of_a), Some(of_b)] = extents else { return false };
+        a.name() != b.name() && (of_a - of_b).abs() <= NANOMETRE
     })
 }
 
-/// The iteration of the window search (paper, section 4.2) in which the view's window first holds background,
-/// where all views count but the one that is left out.
-fn iteration(hull: &Hull, left_out: Option<&str>, view: &View, point: &Point3<f64>) -> Option<u32> {
-    let seen = hull.views().iter().filter(|view| view.is_enabled() && left_out != Some(view.name()));
-    let largest = seen.filter_map(|view| pixel_size(view, point)).fold(0.0, f64::max);
+/// Half-width in metres, at the point, of the smallest window around the view's pixel that holds background.
+fn window_extent(view: &View, point: &Point3<f64>) -> Option<f64> {
     let (i, j) = view.pixel(point)?;
-    let (distance, growth) = (view.silhouette().distance(i, j), largest / pixel_size(view, point)?);
-    if distance == 0 {
-        return Some(0);
-    }
-    // The same as in the search but for rounding: growth is 1 for views that are equally far away.
-    (0..u32::from(u16::MAX))
-        .find(|&k| 1.0 + (f64::from(k) * growth + NANOMETRE).floor() >= f64::from(distance))
-        .map(|k| k + 1)
+    Some((f64::from(view.silhouette().distance(i, j)) + 0.5) * pixel_size(view, point)?)
 }
 
 /// Metres that a pixel of the view covers at a point; `None` where the view does not see it.

@@ -55,7 +55,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for a surface with NaN or numbers out of range.
+    /// [`Error::Argument`](crate::Error::Argument) for a surface with NaN or numbers out of range.
     pub fn default_collide(&mut self, surface: &Surface, max: usize) -> Result<()> {
         surface.to_ode()?;
         let (dt, everywhere) = (self.last_dt, self.slip_friction);
@@ -96,7 +96,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] if a geom was removed, and for a pair that ODE cannot collide, see
+    /// [`Error::Argument`](crate::Error::Argument) if a geom was removed, and for a pair that ODE cannot collide, see
     /// [`Shape::Heightfield`](super::Shape::Heightfield).
     pub fn collide_geoms(&mut self, first: GeomId, second: GeomId, max: usize) -> Result<Vec<ContactGeom>> {
         self.ode.ensure_thread_data()?;

@@ -38,7 +38,7 @@ pub(in crate::ode) unsafe fn parting_velocity(
     // SAFETY: the caller vouches for the geoms and their bodies.
     let [first, second] = geoms.map(|geom| unsafe { point_velocity(dGeomGetBody(geom), position) });
     let parting = (first - second).dot(normal) - normal_velocity;
-    (parting > bounce_velocity).then(|| normal_velocity - bounce * parting)
+    (parting > bounce_velocity).then_some(normal_velocity - bounce * parting)
 }
 
 /// Fills [`parting_velocity`] into a contact of ODE that bounces off a hull, and returns whether it has changed the contact.

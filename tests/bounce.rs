@@ -1,6 +1,6 @@
 //! Restitution on a hull where a body touches at several points, some of which part from the hull already.
 
-use nalgebra::{Vector3, vector};
+use nalgebra::{UnitQuaternion, Vector3, vector};
 use ode_visual_hull::ode::{BodyId, Shape, SpaceKind, Surface, World};
 use ode_visual_hull_testing::random::Random;
 use ode_visual_hull_testing::scene::*;
@@ -76,4 +76,41 @@ fn a_box_that_meets_an_edge_while_it_turns_gains_no_energy_without_friction() {
         let gained = energy(&world, body) / before - 1.0;
         assert!(gained < 1e-6, "{gained}");
     }
+}
+
+/// The energy that a box gains, as a part of what it had, where one corner meets the top of the table, and how fast that
+/// corner parts, as a part of the speed at which it came.
+fn gain_at_a_corner(turned: UnitQuaternion<f64>, velocity: Vector3<f64>, mu: f64) -> (f64, f64) {
+    let mut world = world(SpaceKind::default());
+    world.set_gravity(&Vector3::zeros()).unwrap();
+    world.set_erp(0.0).unwrap();
+    let root = world.root_space();
+    world.add_hull(root, &table()).unwrap();
+    let shape = Shape::cuboid(0.1, 0.06, 0.14);
+    let corners = (0..8_u8).map(|k| {
+        let side = |bit: u8, half: f64| if k & bit == 0 { half } else { -half };
+        turned * vector![side(1, 0.05), side(2, 0.03), side(4, 0.07)]
+    });
+    let corner = corners.min_by(|a, b| a.z.total_cmp(&b.z)).unwrap();
+    let (body, _) = add_body(&mut world, &shape, &(at(0.0, 0.0, TOP - 0.002 - corner.z) * turned));
+    world.body_mut(body).set_linear_velocity(&velocity).unwrap();
+    let before = energy(&world, body);
+    world.default_collide(&Surface { mu, ..rubber() }, 8).unwrap();
+    world.step(STEP).unwrap();
+    let of_corner = world.body(body).linear_velocity() + world.body(body).angular_velocity().cross(&corner);
+    (energy(&world, body) / before - 1.0, of_corner.z / -velocity.z)
+}
+
+#[test]
+fn a_corner_that_sticks_while_it_bounces_adds_no_energy_and_others_keep_their_restitution() {
+    let mut random = Random(6);
+    let mut kept = 0;
+    for _ in 0..300 {
+        let velocity = vector![random.between(-3.0, 3.0), random.between(-3.0, 3.0), -1.0];
+        let (gained, restitution) = gain_at_a_corner(random.rotation(), velocity, random.between(0.0, 1.0));
+        // Rounding.
+        assert!(gained < 1e-9, "{velocity:?}: {gained}");
+        kept += u32::from((restitution - E).abs() < 0.01);
+    }
+    assert!(kept > 200, "{kept}");
 }

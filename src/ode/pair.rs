@@ -12,11 +12,9 @@ use super::arena::{BodyId, GeomId};
 use super::body::Body;
 use super::contacts::{ContactGeom, Contacts, create_contact, true_contacts};
 use super::geom::Geom;
-use super::hull::{
-    Restitution, Softness, SurfaceMotion, Touching, grip_softness, parting_velocity, surface_motion,
-};
+use super::hull::{Restitution, Softness, SurfaceMotion, Touching, grip_softness, surface_motion};
 use super::slip::friction_direction;
-use super::surface::Surface;
+use super::surface::{Approximation, Surface};
 use super::world::World;
 use crate::Error;
 
@@ -93,9 +91,9 @@ impl<'c> Pair<'c> {
     /// `surface` with all that a visual hull adds to it at a contact of this pair, as
     /// [`World::default_collide`] does: the motion of the real surface ([`surface_motion`](Self::surface_motion)), the
     /// direction of friction ([`slip_direction`](Self::slip_direction)), and the softness of a grip
-    /// ([`grip_softness`](Self::grip_softness)). Where a surface with [`bounce`](Surface::bounce) parts from the body already, its
-    /// normal velocity is such that an impact at another contact brings the body back no more than by the coefficient of
-    /// restitution, so that it adds no energy there. A friction direction and a softness that it states are kept, and so is all of it
+    /// ([`grip_softness`](Self::grip_softness)). Where a surface with [`bounce`](Surface::bounce) parts from the body already, an
+    /// impact at another contact brings it back by the coefficient of restitution; where friction would turn the body's slip
+    /// about, that coefficient is smaller: neither adds energy. A friction direction and a softness that it states are kept, and so is all of it
     /// where neither geom is a hull. `dt` is the length of the next step in seconds.
     pub fn surface_at(&self, contact: &ContactGeom, surface: &Surface, dt: f64) -> Surface {
         if !self.has_hull() {
@@ -106,7 +104,7 @@ impl<'c> Pair<'c> {
             None => *surface,
         };
         found.friction_direction = found.friction_direction.or_else(|| self.slip_direction(contact, dt));
-        found.normal_velocity = self.parting_velocity(contact, &found).or(found.normal_velocity);
+        let found = self.without_gain(contact, found);
         self.grip_softness(dt).map_or(found, |softness| found.with_softness(softness))
     }
 
@@ -131,13 +129,20 @@ impl<'c> Pair<'c> {
         unsafe { grip_softness(self.raw, dt) }
     }
 
-    /// The normal velocity of a contact that bounces and parts already; `None` for others.
-    fn parting_velocity(&self, contact: &ContactGeom, surface: &Surface) -> Option<f64> {
-        let bounce = surface.bounce.filter(|bounce| *bounce > 0.0)?;
-        let normal_velocity = surface.normal_velocity.unwrap_or(0.0);
-        let restitution = Restitution { bounce, bounce_velocity: surface.bounce_velocity, normal_velocity };
+    /// `surface` with a restitution that adds no energy at the contact.
+    fn without_gain(&self, contact: &ContactGeom, surface: Surface) -> Surface {
+        let Some(bounce) = surface.bounce.filter(|bounce| *bounce > 0.0 && *bounce <= 1.0) else {
+            return surface;
+        };
+        let restitution = Restitution {
+            bounce,
+            bounce_velocity: surface.bounce_velocity,
+            normal_velocity: surface.normal_velocity,
+            mu: (surface.approximation == Approximation::Pyramid).then_some(surface.mu),
+        };
         // SAFETY: both geoms are alive, since ODE has just passed them, and so are their bodies.
-        unsafe { parting_velocity(self.raw, &contact.position, &contact.normal, restitution) }
+        let found = unsafe { restitution.without_gain(self.raw, &contact.position, &contact.normal) };
+        Surface { bounce: Some(found.bounce), normal_velocity: found.normal_velocity, ..surface }
     }
 
     fn surface_motion_along(

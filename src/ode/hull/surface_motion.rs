@@ -3,7 +3,7 @@
 use super::class;
 use super::contact_time::contact_seconds;
 use super::grip::soften_grip;
-use super::parting::set_parting_velocity;
+use super::restitution::set_restitution;
 use super::swept::Swept;
 use crate::hull::SurfaceVelocity;
 use crate::ode::convert;
@@ -235,7 +235,7 @@ impl NormalMotion<'_> {
 /// Fills the motion of the surface into a contact of ODE with a hull, and returns whether it has changed the contact: where
 /// that motion is not known, the friction direction alone is filled in. A friction direction that the contact has is projected
 /// onto the tangent plane; one that has no part there is replaced. The contact of a body that the hull presses from opposite
-/// sides becomes soft, and one that bounces and parts already gets the normal velocity of [`parting`](super::parting).
+/// sides becomes soft, and one that bounces adds no energy, see [`restitution`](super::restitution).
 ///
 /// # Safety
 /// The contact's geoms are living, and so are their bodies.
@@ -244,8 +244,8 @@ pub(crate) unsafe fn set_contact_motion(contact: &mut dContact, stepsize: f64) -
     unsafe {
         let is_softened = soften_grip(contact, stepsize);
         let has_motion = fill_motion(contact, stepsize);
-        let parts = set_parting_velocity(contact);
-        is_softened || has_motion || parts
+        let has_restitution = set_restitution(contact);
+        is_softened || has_motion || has_restitution
     }
 }
 

@@ -581,8 +581,8 @@ int dGeomVisualHullGetEvents(dGeomID g, dVisualHullEvent *events, int size);
  * become soft: dContactSoftERP and dContactSoftCFM are set to those of a critically damped spring of 140 rad/s at the body's
  * mass, unless the mode has one of them. As stiff as other contacts they would press it by thousands of times its weight.
  *
- * A contact that bounces (dContactBounce) adds no energy: where it parts already it gets a motionN towards the hull, e times its
- * speed, and where friction (dContactApprox1) would turn the slip about, its bounce becomes smaller.
+ * A contact that bounces (dContactBounce) adds no energy on its own: where it parts already it gets a motionN towards the hull,
+ * e times its speed, and where friction (dContactApprox1) would turn the slip about, its bounce becomes smaller.
  *
  * It may be called for all contacts, also those without a hull, which stay as they are. Where the velocity of a hull's surface
  * is not known, and always for dVisualHullMotionHeld, the friction direction alone is set, unless the mode has one. A body's

@@ -88,13 +88,13 @@ impl<'c> Pair<'c> {
         unsafe { friction_direction(self.raw, &contact.position, &contact.normal.normalize(), dt) }
     }
 
-    /// `surface` with all that a visual hull adds to it at a contact of this pair, as
-    /// [`World::default_collide`] does: the motion of the real surface ([`surface_motion`](Self::surface_motion)), the
-    /// direction of friction ([`slip_direction`](Self::slip_direction)), and the softness of a grip
-    /// ([`grip_softness`](Self::grip_softness)). Where a surface with [`bounce`](Surface::bounce) parts from the body already, an
-    /// impact at another contact brings it back by the coefficient of restitution; where friction would turn the body's slip
-    /// about, that coefficient is smaller: neither adds energy. A friction direction and a softness that it states are kept, and so is all of it
-    /// where neither geom is a hull. `dt` is the length of the next step in seconds.
+    /// `surface` with all that a visual hull adds to it at a contact of this pair, as [`World::default_collide`] does: the
+    /// motion of the real surface ([`surface_motion`](Self::surface_motion)), the direction of friction
+    /// ([`slip_direction`](Self::slip_direction)), and the softness of a grip ([`grip_softness`](Self::grip_softness)). Where
+    /// a surface with [`bounce`](Surface::bounce) parts from the body already, an impact at another contact brings it back by
+    /// the coefficient of restitution; where friction would turn the body's slip about, that coefficient is smaller: neither
+    /// adds energy. A friction direction and a softness that it states are kept, and so is all of it where neither geom is a
+    /// hull. `dt` is the length of the next step in seconds.
     pub fn surface_at(&self, contact: &ContactGeom, surface: &Surface, dt: f64) -> Surface {
         if !self.has_hull() {
             return *surface;
@@ -129,7 +129,7 @@ impl<'c> Pair<'c> {
         unsafe { grip_softness(self.raw, dt) }
     }
 
-    /// `surface` with a restitution that adds no energy at the contact.
+    /// `surface` with a restitution with which the contact adds no energy on its own.
     fn without_gain(&self, contact: &ContactGeom, surface: Surface) -> Surface {
         let Some(bounce) = surface.bounce.filter(|bounce| *bounce > 0.0 && *bounce <= 1.0) else {
             return surface;

@@ -38,8 +38,8 @@ struct Drop {
 }
 
 /// The largest gain of energy on the hull and on ODE's box, over all batches and as the median of the batches, and the
-/// shares of the drops that gain more than a hundredth: a few of ten thousand on either, since Newton's restitution
-/// at one point and friction at it may add energy in any solver.
+/// shares of the drops that gain more than a hundredth: on the hull impacts at several points with friction, of which
+/// each alone would add nothing.
 pub fn figures(grounds: &[Ground; 2], progress: &dyn Fn(&str)) -> Vec<Figure> {
     let mut largest: [Vec<f64>; 2] = Default::default();
     let mut share = [0.0; 2];

@@ -1,8 +1,8 @@
 //! The restitution with which an impact on a hull adds no energy.
 //!
 //! Newton's law of restitution and Coulomb's friction may add energy together (Kane and Levinson 1985, "Dynamics"): where
-//! friction turns the slip about, a body leaves with more than it came with, in ODE by up to its whole energy. So the
-//! coefficient of restitution is limited to that with which the energy of an impact at this one contact stays the same.
+//! friction turns the slip about, a body leaves with more than it came with. So the coefficient of restitution is limited to
+//! that with which the energy of an impact at this one contact stays the same.
 
 use crate::ode::convert;
 use nalgebra::{Matrix3, Point3, Vector3};

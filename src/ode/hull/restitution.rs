@@ -1,4 +1,4 @@
-//! Restitution on a hull that adds no energy.
+//! Restitution on a hull of which no contact adds energy on its own.
 //!
 //! ODE's restitution is Newton's, of single contacts: one that approaches parts at e times its speed, and one that parts at
 //! the speed u keeps out of the surface only. That adds energy in two ways. An impact at another contact of the body adds u
@@ -28,7 +28,7 @@ pub(in crate::ode) struct Restitution {
 }
 
 impl Restitution {
-    /// This restitution at a contact of two geoms, so that an impact there adds no energy: with another normal velocity
+    /// This restitution at a contact of two geoms, so that an impact there alone adds no energy: with another normal velocity
     /// where they part faster than what bounces, and no larger a coefficient than friction allows where they approach.
     ///
     /// # Safety
@@ -56,7 +56,7 @@ impl Restitution {
     }
 }
 
-/// Changes a contact of ODE that bounces off a hull so that it adds no energy, and returns whether that has changed it.
+/// Changes a contact of ODE that bounces off a hull so that it adds no energy on its own, and returns whether that has changed it.
 ///
 /// # Safety
 /// The contact's geoms are living, and so are their bodies.

@@ -39,10 +39,10 @@ mod tile_rows;
 
 pub(crate) use tile_mask::TileMask;
 
-use super::MaskView;
+use super::{MaskView, Rect};
 use crate::camera::{Camera, Lens};
 use crate::{Error, Result};
-use image::{GrayImage, Luma};
+use image::{GrayImage, Luma, RgbImage};
 use nalgebra::{Matrix3, Point2};
 use tile_map::TileMap;
 
@@ -147,7 +147,7 @@ impl Undistortion {
         image: &mut GrayImage,
     ) -> Result<()> {
         let mask = mask.into();
-        self.check_size(&mask)?;
+        self.check_size("a mask", mask.size())?;
         let values = self.taps.iter().map(|tap| tap.value(&mask, unseen_value));
         let (width, height) = self.pinhole.size();
         if image.dimensions() != (width, height) {
@@ -157,24 +157,56 @@ impl Undistortion {
         Ok(())
     }
 
+    /// Computes the pixels in `rect` of the pinhole's image from an image of the original camera, by bilinear
+    /// interpolation between pixel centres, into `pinhole_image`, which is resized to the pinhole's size if necessary.
+    /// Unseen pixels become black; pixels outside `rect` stay as they are.
+    ///
+    /// # Errors
+    /// If the image's size is not that of the original camera's image.
+    pub fn apply_to_image(
+        &self,
+        image: &RgbImage,
+        rect: &Rect,
+        pinhole_image: &mut RgbImage,
+    ) -> Result<()> {
+        self.check_size("an image", image.dimensions())?;
+        let (width, height) = self.pinhole.size();
+        if pinhole_image.dimensions() != (width, height) {
+            *pinhole_image = RgbImage::new(width, height);
+        }
+
+        let rect = rect.intersection(&Rect::of_image(width, height));
+        let stride = 3 * image.width() as usize;
+        let pinhole_pixels: &mut [u8] = pinhole_image;
+        for y in rect.y0..rect.y1 {
+            let row = y as usize * width as usize;
+            let (first, last) = (row + rect.x0 as usize, row + rect.x1 as usize);
+            let pixels = pinhole_pixels[3 * first..3 * last].chunks_exact_mut(3);
+            for (tap, pixel) in self.taps[first..last].iter().zip(pixels) {
+                pixel.copy_from_slice(&tap.colour(image, stride));
+            }
+        }
+        Ok(())
+    }
+
     /// Draws the result of [`Self::apply`] by tiles. Returns `true`, and draws nothing, if every pixel of `mask` is
     /// subject.
     ///
     /// # Errors
     /// If the mask's size is not that of the original camera's image.
     pub(super) fn draw(&self, mask: &MaskView, unseen_value: u8, tiles: &mut TileMask) -> Result<bool> {
-        self.check_size(mask)?;
+        self.check_size("a mask", mask.size())?;
         Ok(tiles.draw(self, mask, unseen_value))
     }
 
-    fn check_size(&self, mask: &MaskView) -> Result<()> {
-        let ((width, height), (w, h)) = (self.original_size, mask.size());
+    fn check_size(&self, what: &str, (w, h): (u32, u32)) -> Result<()> {
+        let (width, height) = self.original_size;
         if (w, h) == (width, height) {
             return Ok(());
         }
         let problem = format!(
-            "expected a mask of {width} x {height} pixels as the camera has, found {w} x {h}; \
-             use masks of the calibrated size"
+            "expected {what} of {width} x {height} pixels as the camera has, found {w} x {h}; \
+             use those of the calibrated size"
         );
         Err(Error::view(self.pinhole.name(), problem))
     }
@@ -212,6 +244,19 @@ impl Tap {
         let right = usize::from(width > 1);
         let below = if height > 1 { mask.stride() } else { 0 };
         self.interpolate(&mask.bytes()[y * mask.stride() + x..], right, below)
+    }
+
+    /// The interpolated colour in `image`, an image of the original camera with rows of `stride` bytes; black where it is
+    /// unseen.
+    fn colour(self, image: &RgbImage, stride: usize) -> [u8; 3] {
+        if self.upper_left == UNSEEN {
+            return [0; 3];
+        }
+        let [x, y] = self.upper_left.map(usize::from);
+        let right = if image.width() > 1 { 3 } else { 0 };
+        let below = if image.height() > 1 { stride } else { 0 };
+        let first = y * stride + 3 * x;
+        [0, 1, 2].map(|channel| self.interpolate(&image.as_raw()[first + channel..], right, below))
     }
 
     /// The interpolated value from `pixels`, which begin with the upper left pixel. `right` and `below` are the numbers

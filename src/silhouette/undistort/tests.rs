@@ -327,3 +327,33 @@ fn images_of_one_pixel_and_absurd_lenses_do_no_harm() {
         }
     }
 }
+
+#[test]
+fn colours_are_undistorted_as_masks_are_channel_by_channel_and_within_the_rectangle_alone() {
+    for camera in cameras() {
+        let undistortion = Undistortion::new(&camera).unwrap();
+        let mut random = Random::new(5);
+        let mut channel = || {
+            let values = (0..SIZE.0 * SIZE.1).map(|_| random.below(256_u32) as u8);
+            GrayImage::from_raw(SIZE.0, SIZE.1, values.collect()).unwrap()
+        };
+        let channels = [channel(), channel(), channel()];
+        let image = RgbImage::from_fn(SIZE.0, SIZE.1, |x, y| {
+            image::Rgb([0, 1, 2].map(|c| channels[c].get_pixel(x, y).0[0]))
+        });
+        let expected = channels.map(|channel| undistortion.apply(&channel, 0).unwrap());
+
+        let (width, height) = undistortion.pinhole().size();
+        let rect = Rect { x0: 20, y0: 15, x1: width as i32 - 7, y1: height as i32 + 9 };
+        let mut found = RgbImage::default();
+        undistortion.apply_to_image(&image, &rect, &mut found).unwrap();
+        for (x, y, pixel) in found.enumerate_pixels() {
+            let is_drawn = rect.contains(x as i32, y as i32);
+            let value = |c: usize| if is_drawn { expected[c].get_pixel(x, y).0[0] } else { 0 };
+            assert_eq!(pixel.0, [0, 1, 2].map(value), "{x}, {y}");
+        }
+    }
+    let undistortion = Undistortion::new(&cameras()[0]).unwrap();
+    let refused = undistortion.apply_to_image(&RgbImage::new(3, 4), &Rect::EMPTY, &mut RgbImage::default());
+    assert!(refused.unwrap_err().to_string().contains("expected an image of 322 x 243"));
+}

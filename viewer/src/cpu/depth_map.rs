@@ -1,0 +1,74 @@
+//! How far the hull is from each real camera, at half the resolution: whether a camera sees a point of it.
+
+use super::eye::Eye;
+use super::march::{Lines, March, Ray};
+use crate::scene::SceneView;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// Pixels of the image along a side of a cell.
+pub const CELL: i32 = 2;
+
+/// A point up to this far behind the hull's surface, as a camera sees it, counts as seen, in metres: the hull of few cameras is
+/// much larger than the subject. From there on it is seen less and less, and not at all from twice as far.
+pub const VISIBILITY_BIAS: f32 = 0.10;
+
+/// The hull's depths in one real camera.
+#[derive(Debug)]
+pub struct DepthMap {
+    /// First column and row, in cells.
+    first: [i32; 2],
+    columns: i32,
+    rows: i32,
+    /// Depths along the camera's axis in metres; infinite where the camera does not see the hull.
+    depths: Vec<f32>,
+}
+
+impl DepthMap {
+    /// The depths of the hull `march` in its view number `index`, which is `view`.
+    pub fn new(march: &March, view: &SceneView, index: usize) -> Self {
+        let rect = view.rect();
+        let first = [rect.x0.div_euclid(CELL), rect.y0.div_euclid(CELL)];
+        let cells = |from: i32, to: i32| ((to + CELL - 1).div_euclid(CELL) - from).max(0);
+        let (columns, rows) = (cells(first[0], rect.x1), cells(first[1], rect.y1));
+        let mut depths = vec![f32::INFINITY; columns as usize * rows as usize];
+        let eye = Eye::new(view.camera());
+
+        let row = |(y, depths): (usize, &mut [f32])| {
+            let mut lines = Lines::default();
+            let v = centre(first[1] + y as i32);
+            for (x, depth) in depths.iter_mut().enumerate() {
+                let u = centre(first[0] + x as i32);
+                if march.views()[index].distance(u, v) > CELL as f32 {
+                    continue;
+                }
+                let ray = eye.ray(u, v);
+                if let Some(entry) = march.entry(&ray, 0.0..f32::MAX, &mut lines) {
+                    *depth = depth_of(&eye, &ray, entry.t);
+                }
+            }
+        };
+        depths.par_chunks_mut(columns.max(1) as usize).enumerate().for_each(row);
+        Self { first, columns, rows, depths }
+    }
+
+    /// How well the camera sees a point at homogeneous image coordinates `h`, 0 to 1.
+    pub fn visibility(&self, h: &Vector3<f32>) -> f32 {
+        let cell = |position: f32, first: i32, count: i32| {
+            ((position / CELL as f32).floor() as i32 - first).clamp(0, count - 1)
+        };
+        let (x, y) =
+            (cell(h.x / h.z, self.first[0], self.columns), cell(h.y / h.z, self.first[1], self.rows));
+        let Some(depth) = self.depths.get((y * self.columns + x) as usize) else { return 0.0 };
+        (2.0 - (h.z - depth) / VISIBILITY_BIAS).clamp(0.0, 1.0)
+    }
+}
+
+/// The image coordinate of the middle of a cell.
+fn centre(cell: i32) -> f32 {
+    CELL as f32 * (cell as f32 + 0.5)
+}
+
+fn depth_of(eye: &Eye, ray: &Ray, t: f32) -> f32 {
+    t * eye.depth_per_metre(&ray.direction)
+}

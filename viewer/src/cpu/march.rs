@@ -1,0 +1,312 @@
+//! Where rays enter the visual hull: sphere tracing on the distances of the silhouettes.
+//!
+//! ```text
+//!   image of the ray     .  o----D----)   .        no subject within D pixels: the ray may leap to where its
+//!   in one view       ---o-------------x-----      image is D pixels farther
+//! ```
+//!
+//! All in single precision, as on a GPU.
+
+use crate::scene::{Scene, SceneView};
+use nalgebra::{Matrix3x4, Point3, Vector2, Vector3};
+use ode_visual_hull::hull::{Aabb, Unseen};
+use std::ops::Range;
+
+/// The smallest leap, in pixels of the view that decides. What is thinner may be missed.
+const MIN_LEAP_PX: f32 = 0.5;
+
+/// The smallest depth in front of a camera, in metres.
+const MIN_DEPTH: f32 = 1e-3;
+
+/// Halvings of the last leap.
+const BISECTIONS: u32 = 4;
+
+/// How far a ray goes on where too few views see it, in metres.
+const BLIND_STEP: f32 = 0.01;
+
+/// A half-line in the world.
+#[derive(Debug, Clone, Copy)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: Point3<f32>,
+    /// Unit direction.
+    pub direction: Vector3<f32>,
+}
+
+impl Ray {
+    /// The point at distance `t` metres.
+    pub fn at(&self, t: f32) -> Point3<f32> {
+        self.origin + self.direction * t
+    }
+}
+
+/// Where a ray enters the hull.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry {
+    /// Metres along the ray.
+    pub t: f32,
+    /// The index, among the scene's views, of the one whose silhouette ends the hull there.
+    pub view: usize,
+}
+
+/// The hull of a scene, prepared for rays.
+#[derive(Debug)]
+pub struct March<'s> {
+    views: Vec<MarchView<'s>>,
+    bounds: Aabb,
+    /// The number of views that have to see a point of the hull, where views abstain.
+    min_views: Option<usize>,
+}
+
+/// One view, as rays need it.
+#[derive(Debug)]
+pub struct MarchView<'s> {
+    projection: Matrix3x4<f32>,
+    /// The silhouette's rectangle, grown by a pixel, in pixels: least u and v, greatest u and v.
+    rect: [f32; 4],
+    image: Vector2<f32>,
+    distances: &'s [f32],
+    /// First column and row of the distances, and their numbers.
+    first: [i32; 2],
+    counts: [i32; 2],
+}
+
+/// The images of a ray's points in one view: homogeneous coordinates `at_origin + t slope`.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    at_origin: Vector3<f32>,
+    slope: Vector3<f32>,
+    /// The speed of the image is this over the squared depth, in pixels a metre.
+    speed: f32,
+}
+
+/// What one view says of a point.
+enum Verdict {
+    Inside,
+    /// Outside, and so is the ray for so many metres more.
+    Outside(f32),
+    Unseen,
+}
+
+impl<'s> March<'s> {
+    /// The hull of `scene`.
+    pub fn new(scene: &'s Scene) -> Self {
+        let min_views = match scene.unseen {
+            Unseen::Outside => None,
+            Unseen::Abstain { min_views } => Some(min_views.max(1)),
+        };
+        Self { views: scene.views.iter().map(MarchView::new).collect(), bounds: scene.bounds, min_views }
+    }
+
+    /// The views, in the scene's order.
+    pub fn views(&self) -> &[MarchView<'s>] {
+        &self.views
+    }
+
+    /// Where `ray` enters the hull within the `range` of distances along it. `lines` is scratch memory.
+    pub fn entry(&self, ray: &Ray, range: Range<f32>, lines: &mut Lines) -> Option<Entry> {
+        let (mut from, mut to) = clip_to_box(&self.bounds, ray, (range.start, range.end))?;
+        lines.0.clear();
+        for view in &self.views {
+            let line = Line::new(&view.projection, ray);
+            if self.min_views.is_none() {
+                (from, to) = line.clip(&view.rect, (from, to))?;
+            }
+            lines.0.push(line);
+        }
+
+        // A view is asked until it lets the ray pass; the ray is inside where all views in turn did.
+        let count = self.views.len();
+        let (mut t, mut before) = (from, from);
+        let (mut view, mut decided_by, mut passed, mut seen) = (0, 0, 0, 0);
+        loop {
+            match self.views[view].verdict(&lines.0[view], t) {
+                Verdict::Outside(leap) => {
+                    (before, decided_by) = (t, view);
+                    t += leap;
+                    (passed, seen) = (0, 0);
+                }
+                verdict => {
+                    let is_seen = matches!(verdict, Verdict::Inside);
+                    (passed, seen) = (passed + 1, seen + usize::from(is_seen));
+                    view = if view + 1 == count { 0 } else { view + 1 };
+                }
+            }
+            if passed == count {
+                if seen >= self.min_views.unwrap_or(count) {
+                    break;
+                }
+                before = t;
+                t += BLIND_STEP;
+                (passed, seen) = (0, 0);
+            }
+            if t > to {
+                return None;
+            }
+        }
+        Some(Entry { t: self.bisected(lines, before, t), view: decided_by })
+    }
+
+    /// The entry between `outside` and `inside`.
+    fn bisected(&self, lines: &Lines, mut outside: f32, mut inside: f32) -> f32 {
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (outside + inside);
+            if self.is_inside(lines, middle) {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        inside
+    }
+
+    /// Whether no view sees background at distance `t` along the ray of `lines`.
+    fn is_inside(&self, lines: &Lines, t: f32) -> bool {
+        let mut views = self.views.iter().zip(&lines.0);
+        views.all(|(view, line)| !matches!(view.verdict(line, t), Verdict::Outside(_)))
+    }
+
+    /// Whether `point` is inside the hull.
+    pub fn contains(&self, point: &Point3<f32>) -> bool {
+        if !self.bounds.contains(&point.cast()) {
+            return false;
+        }
+        let distances = self.views.iter().map(|view| view.distance_at(&view.homogeneous(point)));
+        let (mut inside, mut outside) = (0, 0);
+        for distance in distances.flatten() {
+            if distance > 0.0 { outside += 1 } else { inside += 1 }
+        }
+        outside == 0 && inside >= self.min_views.unwrap_or(self.views.len())
+    }
+
+    /// The outward unit normal of the hull at `point` on its surface, where `view` decides.
+    pub fn normal(&self, point: &Point3<f32>, view: usize) -> Vector3<f32> {
+        let view = &self.views[view];
+        let h = view.homogeneous(point);
+        let (u, v) = (h.x / h.z, h.y / h.z);
+        let gradient = view.gradient(u, v);
+        let row = |k: usize| view.projection.fixed_view::<1, 3>(k, 0).transpose();
+        let normal = (row(0) - row(2) * u) * gradient.x + (row(1) - row(2) * v) * gradient.y;
+        normal.try_normalize(1e-12).unwrap_or_else(Vector3::z)
+    }
+}
+
+/// Scratch memory of [`March::entry`]: the images of a ray in all views.
+#[derive(Debug, Default)]
+pub struct Lines(Vec<Line>);
+
+impl<'s> MarchView<'s> {
+    fn new(view: &'s SceneView) -> Self {
+        let (rect, distances) = (view.rect().grown(1), view.distance());
+        let known = distances.rect();
+        let (width, height) = view.camera().size();
+        Self {
+            projection: view.projection().cast(),
+            rect: [rect.x0, rect.y0, rect.x1, rect.y1].map(|x| x as f32),
+            image: Vector2::new(width as f32, height as f32),
+            distances: distances.values(),
+            first: [known.x0, known.y0],
+            counts: [known.width() as i32, known.height() as i32],
+        }
+    }
+
+    /// Homogeneous image coordinates of `point`: `(u depth, v depth, depth)`.
+    pub fn homogeneous(&self, point: &Point3<f32>) -> Vector3<f32> {
+        self.projection.fixed_columns::<3>(0) * point.coords + self.projection.column(3)
+    }
+
+    /// The signed distance from the silhouette's edge in pixels, negative inside, at homogeneous image coordinates; `None`
+    /// where the view does not see the point.
+    fn distance_at(&self, h: &Vector3<f32>) -> Option<f32> {
+        let (u, v) = (h.x / h.z, h.y / h.z);
+        let is_seen = h.z > MIN_DEPTH && u >= 0.0 && v >= 0.0 && u < self.image.x && v < self.image.y;
+        is_seen.then(|| self.distance(u, v))
+    }
+
+    fn verdict(&self, line: &Line, t: f32) -> Verdict {
+        let h = line.at(t);
+        match self.distance_at(&h) {
+            None => Verdict::Unseen,
+            Some(distance) if distance <= 0.0 => Verdict::Inside,
+            Some(distance) => Verdict::Outside(line.leap(h.z, distance.max(MIN_LEAP_PX))),
+        }
+    }
+
+    /// The signed distance at image position `(u, v)`, bilinear between pixel centres.
+    pub fn distance(&self, u: f32, v: f32) -> f32 {
+        let [columns, rows] = self.counts;
+        let x = (u - 0.5 - self.first[0] as f32).clamp(0.0, (columns - 1) as f32);
+        let y = (v - 0.5 - self.first[1] as f32).clamp(0.0, (rows - 1) as f32);
+        let (i, j) = ((x as i32).min(columns - 2).max(0), (y as i32).min(rows - 2).max(0));
+        let (right, below) = (x - i as f32, y - j as f32);
+        let at = (j * columns + i) as usize;
+        let (Some(upper), Some(lower)) = (
+            self.distances.get(at..at + 2),
+            self.distances.get(at + columns as usize..at + columns as usize + 2),
+        ) else {
+            return f32::MAX;
+        };
+        let mix = |pair: &[f32]| pair[0] + (pair[1] - pair[0]) * right;
+        let (upper, lower) = (mix(upper), mix(lower));
+        upper + (lower - upper) * below
+    }
+
+    /// The gradient of the distance, over two pixels, so that steps of pixels are smoothed.
+    fn gradient(&self, u: f32, v: f32) -> Vector2<f32> {
+        const REACH: f32 = 2.0;
+        let along = |du: f32, dv: f32| self.distance(u + du, v + dv) - self.distance(u - du, v - dv);
+        Vector2::new(along(REACH, 0.0), along(0.0, REACH))
+    }
+}
+
+impl Line {
+    fn new(projection: &Matrix3x4<f32>, ray: &Ray) -> Self {
+        let turn = projection.fixed_columns::<3>(0);
+        let at_origin = turn * ray.origin.coords + projection.column(3);
+        let slope = turn * ray.direction;
+        let speed = (slope.xy() * at_origin.z - at_origin.xy() * slope.z).norm();
+        Self { at_origin, slope, speed }
+    }
+
+    fn at(&self, t: f32) -> Vector3<f32> {
+        self.at_origin + self.slope * t
+    }
+
+    /// How many metres the ray goes on from a point at this depth before its image has moved by `distance` pixels.
+    fn leap(&self, depth: f32, distance: f32) -> f32 {
+        let slower = self.speed - distance * depth * self.slope.z;
+        // A ray that flees from the camera may never move so far.
+        if slower <= 0.0 { f32::INFINITY } else { distance * depth * depth / slower }
+    }
+
+    /// The part of the range of distances whose image lies in front of the camera and in the rectangle.
+    fn clip(&self, rect: &[f32; 4], range: (f32, f32)) -> Option<(f32, f32)> {
+        let Self { at_origin: a, slope: b, .. } = self;
+        let [u0, v0, u1, v1] = *rect;
+        let range = clip_to_half_line(a.z - MIN_DEPTH, b.z, range)?;
+        let range = clip_to_half_line(a.x - u0 * a.z, b.x - u0 * b.z, range)?;
+        let range = clip_to_half_line(u1 * a.z - a.x, u1 * b.z - b.x, range)?;
+        let range = clip_to_half_line(a.y - v0 * a.z, b.y - v0 * b.z, range)?;
+        clip_to_half_line(v1 * a.z - a.y, v1 * b.z - b.y, range)
+    }
+}
+
+/// The part of the range in which `at_0 + slope t >= 0`.
+fn clip_to_half_line(at_0: f32, slope: f32, (from, to): (f32, f32)) -> Option<(f32, f32)> {
+    let root = -at_0 / slope;
+    let (from, to) = match slope {
+        _ if slope > 0.0 => (from.max(root), to),
+        _ if slope < 0.0 => (from, to.min(root)),
+        _ if at_0 < 0.0 => return None,
+        _ => (from, to),
+    };
+    (from <= to).then_some((from, to))
+}
+
+fn clip_to_box(bounds: &Aabb, ray: &Ray, range: (f32, f32)) -> Option<(f32, f32)> {
+    (0..3).try_fold(range, |range, axis| {
+        let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
+        let range = clip_to_half_line(origin - bounds.min[axis] as f32, direction, range)?;
+        clip_to_half_line(bounds.max[axis] as f32 - origin, -direction, range)
+    })
+}

@@ -1,0 +1,2 @@
+//! `vhull-view`.
+fn main() {}

@@ -1,0 +1,121 @@
+//! What a picture is drawn from: the silhouettes and images of one moment, bodies, floor and light.
+
+mod view;
+
+pub use view::SceneView;
+
+use image::RgbImage;
+use nalgebra::Vector3;
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::hull::{Aabb, Hull, Unseen};
+use ode_visual_hull::silhouette::Undistortion;
+use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::Drawn;
+use rayon::prelude::*;
+
+/// The real cameras of a capture, and the undistortion of their lenses.
+#[derive(Debug)]
+pub struct RealCameras {
+    cameras: Vec<Camera>,
+    /// `None` for a pinhole.
+    undistortions: Vec<Option<Undistortion>>,
+}
+
+/// The real subject and the virtual bodies at one moment, in world coordinates and metres. World z is up.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The real cameras that see the subject.
+    pub views: Vec<SceneView>,
+    /// The work volume: what lies outside it is not drawn as subject.
+    pub bounds: Aabb,
+    /// How views decide points that they do not see.
+    pub unseen: Unseen,
+    /// The virtual bodies.
+    pub bodies: Vec<Drawn>,
+    /// The height of the floor; `None` draws none.
+    pub floor: Option<f64>,
+    /// The unit direction in which the light falls.
+    pub light: Vector3<f64>,
+}
+
+impl RealCameras {
+    /// Prepares the undistortion of each of `cameras`, in the order of the hull's views.
+    pub fn new(cameras: &[Camera]) -> Self {
+        Self { cameras: cameras.to_vec(), undistortions: cameras.iter().map(Undistortion::new).collect() }
+    }
+
+    /// The cameras, with their lenses.
+    pub fn cameras(&self) -> &[Camera] {
+        &self.cameras
+    }
+
+    /// Camera `view` as a pinhole.
+    pub fn pinhole(&self, view: usize) -> &Camera {
+        self.undistortions[view].as_ref().map_or(&self.cameras[view], Undistortion::pinhole)
+    }
+
+    /// The scene of `hull` with the `images` of the same moment, one for each camera; `None` for a camera whose image is
+    /// missing: its silhouette counts, its colours do not. It has no bodies, a floor at z = 0 and light from above.
+    ///
+    /// # Errors
+    /// Fewer or more images than cameras, none at all, or one of another size than its camera; a hull of other cameras,
+    /// one without views that are enabled, or an empty one.
+    pub fn scene(&self, hull: &Hull, images: &[Option<RgbImage>]) -> Result<Scene> {
+        self.check(hull, images)?;
+        let enabled = (0..self.cameras.len()).filter(|&view| hull.views()[view].is_enabled());
+        let view = |view: usize| {
+            let photo = images[view].as_ref();
+            SceneView::new(&hull.views()[view], photo, self.undistortions[view].as_ref(), hull.unseen())
+        };
+        let views: Vec<_> =
+            enabled.collect::<Vec<_>>().into_par_iter().map(view).collect::<Result<Vec<_>>>()?;
+        if views.iter().all(|view| view.photo().is_none()) {
+            return Err(Error::argument(format!(
+                "images: expected one of at least one of the cameras {}, found none; draw the shape alone with the method hull, or \
+                 record images",
+                self.cameras.iter().map(Camera::name).collect::<Vec<_>>().join(", ")
+            )));
+        }
+        Ok(Scene {
+            views,
+            bounds: *hull.bounds(),
+            unseen: hull.unseen(),
+            bodies: Vec::new(),
+            floor: Some(0.0),
+            light: -Vector3::z(),
+        })
+    }
+
+    fn check(&self, hull: &Hull, images: &[Option<RgbImage>]) -> Result<()> {
+        let count = self.cameras.len();
+        if hull.views().len() != count || images.len() != count {
+            return Err(Error::argument(format!(
+                "scene: expected a hull and images of {count} cameras, found {} views and {} images",
+                hull.views().len(),
+                images.len()
+            )));
+        }
+        for (view, camera) in self.cameras.iter().enumerate() {
+            let (expected, found) = (self.pinhole(view).size(), hull.views()[view].camera().size());
+            if hull.views()[view].name() != camera.name() || expected != found {
+                return Err(Error::view(
+                    camera.name(),
+                    format!(
+                        "expected a view of it in the hull, {} x {} pixels as a pinhole, found {} of {} x {}",
+                        expected.0,
+                        expected.1,
+                        hull.views()[view].name(),
+                        found.0,
+                        found.1
+                    ),
+                ));
+            }
+        }
+        match hull.empty_reason() {
+            Some(why) => Err(Error::argument(format!(
+                "hull: expected a subject, found an empty hull ({why:?}); check the masks and the work volume"
+            ))),
+            None => Ok(()),
+        }
+    }
+}

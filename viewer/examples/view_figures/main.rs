@@ -14,16 +14,16 @@ fn main() {
         let recording = Recording::open(&dir).unwrap();
         let data = HullData::new();
         data.add_views(recording.rig().cameras()).unwrap();
-        data.set_bounds(recording.rig().work_volume().unwrap()).unwrap();
+        let mut b = recording.rig().work_volume().unwrap(); println!("{b:?}"); b.min.z -= 0.2; data.set_bounds(b).unwrap();
         let hull: Arc<Hull> = publish_masks(&data, &recording.masks(frame).unwrap(), 0.0).unwrap();
         let images: Vec<_> = recording.images(frame).unwrap().into_iter().map(Some).collect();
         let cameras = RealCameras::new(recording.rig().cameras());
         let scene = cameras.scene(&hull, &images).unwrap();
         for (label, options, own) in [
-            ("hull", DrawOptions { method: Method::Hull, ..Default::default() }, false),
-            ("blend3", DrawOptions { refine: false, ..Default::default() }, false),
+            
+            
             ("refine", DrawOptions::default(), false),
-            ("self", DrawOptions::default(), true),
+            
         ] {
             let mut all = vec![];
             for out in 0..scene.views.len() {
@@ -35,7 +35,7 @@ fn main() {
                 let renderer = CpuRenderer::new(&scene);
                 let prepared = start.elapsed().as_secs_f64();
                 let start = std::time::Instant::now();
-                let picture = renderer.draw(scene.views[out].camera(), &options).unwrap();
+                let picture = renderer.draw(scene.views[out].camera(), &DrawOptions { surroundings: false, shadows: false, snap: false, ..options });
                 let took = start.elapsed().as_secs_f64();
                 let silhouette = hull.views()[out].silhouette();
                 let (w, h) = scene.views[out].camera().size();

@@ -14,21 +14,24 @@ use nalgebra::{Point3, Vector3};
 /// The number of cameras whose colours are blended.
 pub const BEST: usize = 3;
 
-/// The square of the angle, in radians, from which on angles are told apart.
+/// The fourth power of the angle, in radians, from which on angles are told apart.
 const SAME_ANGLE: f32 = 1e-6;
 
 /// Pixels from the silhouette's edge within which a camera counts less.
 const FEATHER_PX: f32 = 3.0;
 
-/// The weight of a camera that does not see a point, so that it is coloured even where no camera sees it.
-const UNSEEN_WEIGHT: f32 = 1e-4;
+/// How much a camera counts that does not see a point: the hull of few cameras is so large that it often does.
+const UNSEEN: f32 = 0.1;
 
-/// Metres into the hull within which colours may agree better than on its surface, and the number of steps.
+/// How far into the hull colours may agree better than on its surface, in metres, and the number of steps to there.
 const REFINED_DEPTH: f32 = 0.08;
 const REFINED_STEPS: u32 = 8;
 
 /// How much more colours have to agree for a metre more of depth, in grey levels.
 const DEPTH_PENALTY: f32 = 60.0;
+
+/// A depth at which colours agree worse by this, in grey levels, counts less by e.
+const SOFTNESS: f32 = 5.0;
 
 /// The cameras that give the subject its colours.
 #[derive(Debug)]
@@ -46,8 +49,24 @@ struct ColourCamera<'s> {
     depth_map: DepthMap,
 }
 
-/// The best cameras for a point, with their weights, greatest first; weights of zero are cameras that do not count.
-type Choice = [(usize, f32); BEST];
+/// The best cameras for a point, the best first.
+type Choice = [Chosen; BEST];
+
+/// A camera that gives a point its colour.
+#[derive(Debug, Clone, Copy, Default)]
+struct Chosen {
+    camera: usize,
+    /// How much its colour counts; 0 for a place that no camera has.
+    weight: f32,
+}
+
+/// The colours of the chosen cameras at a point.
+struct Agreement {
+    /// Their weighted mean.
+    mean: Colour,
+    /// Their mean distance from a common colour, in grey levels.
+    deviation: f32,
+}
 
 impl<'s> Blend<'s> {
     /// The cameras of `scene` with colours.
@@ -64,71 +83,60 @@ impl<'s> Blend<'s> {
     }
 
     /// The colour of the subject where `ray` enters the hull, at distance `t`, and the distance of the surface along the ray: `t`,
-    /// or behind it where `refine` finds colours that agree.
+    /// or behind it where `refine` finds that colours agree better there.
     pub fn colour(&self, march: &March, ray: &Ray, t: f32, refine: bool) -> (Colour, f32) {
-        let point = ray.at(t);
-        let choice = self.choose(march, &point, &ray.direction);
-        let t = if refine { self.refined(march, ray, t, &choice) } else { t };
-        let point = ray.at(t);
-        let (mut sum, mut total) = (Colour::zeros(), 0.0);
-        for (camera, weight) in choice.iter().filter(|(_, weight)| *weight > 0.0) {
-            sum += self.colour_in(march, *camera, &point) * *weight;
+        let choice = self.choose(march, &ray.at(t), &ray.direction);
+        if !refine {
+            return (self.agreement(march, &ray.at(t), &choice).mean, t);
+        }
+
+        // The mean over depths, weighted by how well colours agree: the best depth alone changes with each frame's noise.
+        let (mut colour, mut mean_t, mut total) = (Colour::zeros(), 0.0, 0.0);
+        for step in 0..=REFINED_STEPS {
+            let deeper = REFINED_DEPTH * step as f32 / REFINED_STEPS as f32;
+            let found = self.agreement(march, &ray.at(t + deeper), &choice);
+            let weight = (-(found.deviation + DEPTH_PENALTY * deeper) / SOFTNESS).exp();
+            colour += found.mean * weight;
+            mean_t += (t + deeper) * weight;
             total += weight;
         }
-        (if total > 0.0 { sum / total } else { sum }, t)
+        (colour / total, mean_t / total)
     }
 
     /// The best cameras for `point` as seen along `direction`.
     fn choose(&self, march: &March, point: &Point3<f32>, direction: &Vector3<f32>) -> Choice {
-        let mut best = [(0, 0.0); BEST + 1];
-        for (index, camera) in self.cameras.iter().enumerate() {
-            let view = &march.views()[camera.view];
-            let weight = camera.weight(view, point, direction);
-            if let Some(place) = best.iter().position(|(_, other)| weight > *other) {
+        let mut best = [Chosen::default(); BEST + 1];
+        for (camera, one) in self.cameras.iter().enumerate() {
+            let seen = one.visibility(&march.views()[one.view], point);
+            let weight = seen / one.squared_angle(point, direction).powi(2).max(SAME_ANGLE);
+            if let Some(place) = best.iter().position(|other| weight > other.weight) {
                 best[place..].rotate_right(1);
-                best[place] = (index, weight);
+                best[place] = Chosen { camera, weight };
             }
         }
 
         // Less the weight of the first camera that is left out: none comes or goes with a step of the colour.
-        let rest = best[BEST].1;
-        [0, 1, 2].map(|k| (best[k].0, (best[k].1 - rest).max(0.0)))
+        let rest = best[BEST].weight;
+        [0, 1, 2].map(|k| Chosen { weight: (best[k].weight - rest).max(0.0), ..best[k] })
     }
 
-    /// The distance along `ray` from `t` to a little into the hull at which the colours of the chosen cameras agree best.
-    fn refined(&self, march: &March, ray: &Ray, t: f32, choice: &Choice) -> f32 {
-        let mut best = (f32::INFINITY, t);
-        for step in 0..=REFINED_STEPS {
-            let deeper = REFINED_DEPTH * step as f32 / REFINED_STEPS as f32;
-            let Some(deviation) = self.deviation(march, &ray.at(t + deeper), choice) else { break };
-            let cost = deviation + DEPTH_PENALTY * deeper;
-            if cost < best.0 {
-                best = (cost, t + deeper);
-            }
-        }
-        best.1
-    }
+    /// What the chosen cameras show at `point`.
+    fn agreement(&self, march: &March, point: &Point3<f32>, choice: &Choice) -> Agreement {
+        let colour = |chosen: &Chosen| match chosen.weight > 0.0 {
+            true => self.colour_in(march, chosen.camera, point),
+            false => Colour::zeros(),
+        };
+        let colours = [0, 1, 2].map(|k| colour(&choice[k]));
+        let weighted = colours.iter().zip(choice).map(|(colour, chosen)| colour * chosen.weight);
+        let total: f32 = choice.iter().map(|chosen| chosen.weight).sum();
+        let mean = weighted.sum::<Colour>() / total.max(f32::MIN_POSITIVE);
 
-    /// How far the colours of the chosen cameras at `point` are from their mean, in grey levels; `None` outside the hull, or
-    /// with a single camera.
-    fn deviation(&self, march: &March, point: &Point3<f32>, choice: &Choice) -> Option<f32> {
-        let mut colours = [(Colour::zeros(), 0.0); BEST];
-        let (mut mean, mut total) = (Colour::zeros(), 0.0);
-        let mut count = 0;
-        for ((camera, weight), colour) in choice.iter().zip(&mut colours) {
-            if *weight > 0.0 {
-                *colour = (self.colour_in(march, *camera, point), 1.0);
-                mean += colour.0;
-                total += 1.0;
-                count += 1;
-            }
-        }
-        if count < 2 {
-            return None;
-        }
-        mean /= total;
-        let sum: f32 = colours.iter().map(|(colour, weight)| (colour - mean).abs().sum() * weight).sum();
-        Some(sum / (3.0 * total))
+        // All cameras that count should agree, whatever their weights.
+        let counted = choice.iter().filter(|chosen| chosen.weight > 0.0).count();
+        let share = 1.0 / counted.max(1) as f32;
+        let middle = colours.iter().take(counted).sum::<Colour>() * share;
+        let off: f32 = colours.iter().take(counted).map(|colour| (colour - middle).abs().sum()).sum();
+        Agreement { mean, deviation: off * share / 3.0 }
     }
 
     fn colour_in(&self, march: &March, camera: usize, point: &Point3<f32>) -> Colour {
@@ -139,20 +147,22 @@ impl<'s> Blend<'s> {
 }
 
 impl ColourCamera<'_> {
-    /// How much the camera's colour counts at `point`, seen along `direction`.
-    fn weight(&self, view: &MarchView, point: &Point3<f32>, direction: &Vector3<f32>) -> f32 {
+    /// How well the camera, which is `view`, sees `point`.
+    fn visibility(&self, view: &MarchView, point: &Point3<f32>) -> f32 {
         let h = view.homogeneous(point);
         let (u, v) = (h.x / h.z, h.y / h.z);
         let (width, height) = (self.photo.width() as f32, self.photo.height() as f32);
         if h.z <= 0.0 || u < 0.0 || v < 0.0 || u >= width || v >= height {
             return 0.0;
         }
-        let to_point = (point - self.centre).normalize();
-        // Twice one minus the cosine is the square of a small angle.
-        let squared_angle = 2.0 * (1.0 - to_point.dot(direction)).max(0.0);
         let feather = (-view.distance(u, v) / FEATHER_PX).clamp(0.0, 1.0);
-        let seen = self.depth_map.visibility(&h) * feather;
-        (seen + UNSEEN_WEIGHT) / (squared_angle + SAME_ANGLE)
+        (self.depth_map.visibility(&h) * feather).max(UNSEEN)
+    }
+
+    /// The squared angle at `point` between the camera's ray and `direction`, in radians.
+    fn squared_angle(&self, point: &Point3<f32>, direction: &Vector3<f32>) -> f32 {
+        // Twice one minus the cosine is the square of a small angle.
+        2.0 * (1.0 - (point - self.centre).normalize().dot(direction)).max(0.0)
     }
 }
 

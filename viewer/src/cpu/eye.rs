@@ -1,8 +1,13 @@
 //! The viewpoint of a picture: the ray of each pixel.
 
 use super::march::Ray;
-use nalgebra::{Matrix3, Point3, Vector3};
+use crate::scene::Scene;
+use super::raster::Projection;
+use nalgebra::{Matrix3, Matrix3x4, Point3, RowVector4, Vector3};
 use ode_visual_hull::camera::Camera;
+
+/// Viewpoints nearer than this to each other, in metres, are the same.
+const SAME_PLACE: f64 = 1e-4;
 
 /// A pinhole camera from whose place a picture is drawn.
 #[derive(Debug, Clone)]
@@ -12,6 +17,8 @@ pub struct Eye {
     world_from_image: Matrix3<f32>,
     /// The camera's axis.
     forward: Vector3<f32>,
+    projection: Matrix3x4<f32>,
+    radians_per_pixel: f32,
     /// Width and height of the picture in pixels.
     size: (u32, u32),
 }
@@ -26,13 +33,10 @@ impl Eye {
             origin: camera.centre().cast(),
             world_from_image: (turn.matrix() * inverse).cast(),
             forward: camera.forward().cast(),
+            projection: camera.projection_matrix().cast(),
+            radians_per_pixel: (1.0 / camera.intrinsics()[(0, 0)]) as f32,
             size: camera.size(),
         }
-    }
-
-    /// Its place.
-    pub fn origin(&self) -> Point3<f32> {
-        self.origin
     }
 
     /// Width and height of the picture in pixels.
@@ -44,6 +48,28 @@ impl Eye {
     pub fn ray(&self, u: f32, v: f32) -> Ray {
         let direction = self.world_from_image * Vector3::new(u, v, 1.0);
         Ray { origin: self.origin, direction: direction.normalize() }
+    }
+
+    /// From the world to the picture.
+    pub fn projection(&self) -> Projection {
+        let row = self.projection.row(2);
+        Projection { image: self.projection, depth: RowVector4::new(row[0], row[1], row[2], row[3]) }
+    }
+
+    /// The angle between the rays of neighbouring pixels, at most.
+    pub fn radians_per_pixel(&self) -> f32 {
+        self.radians_per_pixel
+    }
+
+    /// The metres that a pixel covers at distance `t`.
+    pub fn footprint(&self, t: f32) -> f32 {
+        t * self.radians_per_pixel
+    }
+
+    /// The index of the view of `scene` from whose place the picture is drawn, if there is one.
+    pub fn real_view(&self, scene: &Scene) -> Option<usize> {
+        let origin: Point3<f64> = self.origin.cast();
+        scene.views.iter().position(|view| (view.centre() - origin).norm() < SAME_PLACE)
     }
 
     /// How much depth along the camera's axis a metre along `direction` is.

@@ -24,6 +24,9 @@ const BISECTIONS: u32 = 4;
 /// How far a ray goes on where too few views see it, in metres.
 const BLIND_STEP: f32 = 0.01;
 
+/// Places along a ray at which [`March::least_outside`] looks.
+const LEAST_STEPS: u32 = 256;
+
 /// A half-line in the world.
 #[derive(Debug, Clone, Copy)]
 pub struct Ray {
@@ -53,6 +56,7 @@ pub struct Entry {
 #[derive(Debug)]
 pub struct March<'s> {
     views: Vec<MarchView<'s>>,
+    /// Holds the hull.
     bounds: Aabb,
     /// The number of views that have to see a point of the hull, where views abstain.
     min_views: Option<usize>,
@@ -62,9 +66,10 @@ pub struct March<'s> {
 #[derive(Debug)]
 pub struct MarchView<'s> {
     projection: Matrix3x4<f32>,
-    /// The silhouette's rectangle, grown by a pixel, in pixels: least u and v, greatest u and v.
-    rect: [f32; 4],
+    /// Width and height of the image in pixels.
     image: Vector2<f32>,
+    /// The focal length in pixels.
+    focal: f32,
     distances: &'s [f32],
     /// First column and row of the distances, and their numbers.
     first: [i32; 2],
@@ -95,7 +100,7 @@ impl<'s> March<'s> {
             Unseen::Outside => None,
             Unseen::Abstain { min_views } => Some(min_views.max(1)),
         };
-        Self { views: scene.views.iter().map(MarchView::new).collect(), bounds: scene.bounds, min_views }
+        Self { views: scene.views.iter().map(MarchView::new).collect(), bounds: scene.subject_box, min_views }
     }
 
     /// The views, in the scene's order.
@@ -105,12 +110,31 @@ impl<'s> March<'s> {
 
     /// Where `ray` enters the hull within the `range` of distances along it. `lines` is scratch memory.
     pub fn entry(&self, ray: &Ray, range: Range<f32>, lines: &mut Lines) -> Option<Entry> {
-        let (mut from, mut to) = clip_to_box(&self.bounds, ray, (range.start, range.end))?;
+        let (before, entry) = self.first_inside(ray, range, 0.0, lines)?;
+        Some(Entry { t: self.bisected(lines, before, entry.t), ..entry })
+    }
+
+    /// A distance along `ray` before which no ray enters the hull that starts with it and is at most `spread` radians off.
+    /// `None` if none of them ever does.
+    pub fn cone_entry(&self, ray: &Ray, spread: f32, lines: &mut Lines) -> Option<f32> {
+        self.first_inside(ray, 0.0..f32::MAX, spread, lines).map(|(before, _)| before)
+    }
+
+    /// The first place found along `ray` that views see inside, or less than `spread` radians from there, and the last one
+    /// before it that some view sees outside.
+    fn first_inside(
+        &self,
+        ray: &Ray,
+        range: Range<f32>,
+        spread: f32,
+        lines: &mut Lines,
+    ) -> Option<(f32, Entry)> {
+        let (mut from, to) = clip_to_box(&self.bounds, spread, ray, (range.start, range.end))?;
         lines.0.clear();
         for view in &self.views {
             let line = Line::new(&view.projection, ray);
             if self.min_views.is_none() {
-                (from, to) = line.clip(&view.rect, (from, to))?;
+                from = line.from_front(from)?;
             }
             lines.0.push(line);
         }
@@ -119,8 +143,8 @@ impl<'s> March<'s> {
         let count = self.views.len();
         let (mut t, mut before) = (from, from);
         let (mut view, mut decided_by, mut passed, mut seen) = (0, 0, 0, 0);
-        loop {
-            match self.views[view].verdict(&lines.0[view], t) {
+        while t <= to {
+            match self.verdict(view, &lines.0[view], t, spread) {
                 Verdict::Outside(leap) => {
                     (before, decided_by) = (t, view);
                     t += leap;
@@ -134,17 +158,48 @@ impl<'s> March<'s> {
             }
             if passed == count {
                 if seen >= self.min_views.unwrap_or(count) {
-                    break;
+                    return Some((before, Entry { t, view: decided_by }));
                 }
                 before = t;
                 t += BLIND_STEP;
                 (passed, seen) = (0, 0);
             }
-            if t > to {
-                return None;
-            }
         }
-        Some(Entry { t: self.bisected(lines, before, t), view: decided_by })
+        None
+    }
+
+    /// What view number `view` says of the place at distance `t` along the ray of `line`, and of all within `spread` radians.
+    fn verdict(&self, view: usize, line: &Line, t: f32, spread: f32) -> Verdict {
+        let (view, h) = (&self.views[view], line.at(t));
+        let distance = match self.min_views {
+            None => Some(view.distance(h.x / h.z, h.y / h.z)),
+            Some(_) => view.distance_at(&h),
+        };
+        let Some(distance) = distance else { return Verdict::Unseen };
+        let distance = distance - spread * t * view.focal / h.z;
+        if distance <= 0.0 {
+            return Verdict::Inside;
+        }
+        Verdict::Outside(line.leap(h.z, distance.max(MIN_LEAP_PX)))
+    }
+
+    /// The distance along `ray`, which passes through the silhouette of view `own`, at which the others contradict it least:
+    /// where their greatest distance from a silhouette in pixels is the smallest. `None` where the ray misses the bounds or is
+    /// seen by no other view.
+    ///
+    /// Silhouettes that do not fit one another leave holes in the hull, as a real camera sees it.
+    pub fn least_outside(&self, ray: &Ray, own: usize) -> Option<Entry> {
+        let (from, to) = clip_to_box(&self.bounds, 0.0, ray, (MIN_DEPTH, f32::MAX))?;
+        let lines: Vec<Line> = self.views.iter().map(|view| Line::new(&view.projection, ray)).collect();
+        let step = (to - from) / LEAST_STEPS as f32;
+        let worst_at = |t: f32| {
+            let of_view = |(view, line): (&MarchView, &Line)| view.distance_at(&line.at(t));
+            let others = self.views.iter().zip(&lines).enumerate().filter(|(k, _)| *k != own);
+            let worst = others.filter_map(|(k, one)| of_view(one).map(|distance| (distance, k)));
+            worst.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(distance, view)| (distance, Entry { t, view }))
+        };
+        let ts = (0..=LEAST_STEPS).map(|k| from + step * k as f32);
+        ts.filter_map(worst_at).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, entry)| entry)
     }
 
     /// The entry between `outside` and `inside`.
@@ -162,8 +217,8 @@ impl<'s> March<'s> {
 
     /// Whether no view sees background at distance `t` along the ray of `lines`.
     fn is_inside(&self, lines: &Lines, t: f32) -> bool {
-        let mut views = self.views.iter().zip(&lines.0);
-        views.all(|(view, line)| !matches!(view.verdict(line, t), Verdict::Outside(_)))
+        let mut lines = lines.0.iter().enumerate();
+        lines.all(|(view, line)| !matches!(self.verdict(view, line, t, 0.0), Verdict::Outside(_)))
     }
 
     /// Whether `point` is inside the hull.
@@ -197,13 +252,13 @@ pub struct Lines(Vec<Line>);
 
 impl<'s> MarchView<'s> {
     fn new(view: &'s SceneView) -> Self {
-        let (rect, distances) = (view.rect().grown(1), view.distance());
+        let distances = view.distance();
         let known = distances.rect();
         let (width, height) = view.camera().size();
         Self {
             projection: view.projection().cast(),
-            rect: [rect.x0, rect.y0, rect.x1, rect.y1].map(|x| x as f32),
             image: Vector2::new(width as f32, height as f32),
+            focal: view.camera().intrinsics()[(0, 0)] as f32,
             distances: distances.values(),
             first: [known.x0, known.y0],
             counts: [known.width() as i32, known.height() as i32],
@@ -223,20 +278,18 @@ impl<'s> MarchView<'s> {
         is_seen.then(|| self.distance(u, v))
     }
 
-    fn verdict(&self, line: &Line, t: f32) -> Verdict {
-        let h = line.at(t);
-        match self.distance_at(&h) {
-            None => Verdict::Unseen,
-            Some(distance) if distance <= 0.0 => Verdict::Inside,
-            Some(distance) => Verdict::Outside(line.leap(h.z, distance.max(MIN_LEAP_PX))),
-        }
+    /// Whether a point at homogeneous image coordinates `h` is in sight and belongs to the silhouette.
+    pub fn is_subject(&self, h: &Vector3<f32>) -> bool {
+        self.distance_at(h).is_some_and(|distance| distance < 0.0)
     }
 
-    /// The signed distance at image position `(u, v)`, bilinear between pixel centres.
+    /// The signed distance at image position `(u, v)`, bilinear between pixel centres. Beyond the known ones it is at most
+    /// the true distance, since the silhouette lies within their rectangle.
     pub fn distance(&self, u: f32, v: f32) -> f32 {
         let [columns, rows] = self.counts;
-        let x = (u - 0.5 - self.first[0] as f32).clamp(0.0, (columns - 1) as f32);
-        let y = (v - 0.5 - self.first[1] as f32).clamp(0.0, (rows - 1) as f32);
+        let (column, row) = (u - 0.5 - self.first[0] as f32, v - 0.5 - self.first[1] as f32);
+        let x = column.clamp(0.0, (columns - 1) as f32);
+        let y = row.clamp(0.0, (rows - 1) as f32);
         let (i, j) = ((x as i32).min(columns - 2).max(0), (y as i32).min(rows - 2).max(0));
         let (right, below) = (x - i as f32, y - j as f32);
         let at = (j * columns + i) as usize;
@@ -248,12 +301,14 @@ impl<'s> MarchView<'s> {
         };
         let mix = |pair: &[f32]| pair[0] + (pair[1] - pair[0]) * right;
         let (upper, lower) = (mix(upper), mix(lower));
-        upper + (lower - upper) * below
+        let distance = upper + (lower - upper) * below;
+        let (du, dv) = (column - x, row - y);
+        if du == 0.0 && dv == 0.0 { distance } else { (du * du + dv * dv + distance * distance).sqrt() }
     }
 
     /// The gradient of the distance, over two pixels, so that steps of pixels are smoothed.
     fn gradient(&self, u: f32, v: f32) -> Vector2<f32> {
-        const REACH: f32 = 2.0;
+        const REACH: f32 = 3.0;
         let along = |du: f32, dv: f32| self.distance(u + du, v + dv) - self.distance(u - du, v - dv);
         Vector2::new(along(REACH, 0.0), along(0.0, REACH))
     }
@@ -279,15 +334,9 @@ impl Line {
         if slower <= 0.0 { f32::INFINITY } else { distance * depth * depth / slower }
     }
 
-    /// The part of the range of distances whose image lies in front of the camera and in the rectangle.
-    fn clip(&self, rect: &[f32; 4], range: (f32, f32)) -> Option<(f32, f32)> {
-        let Self { at_origin: a, slope: b, .. } = self;
-        let [u0, v0, u1, v1] = *rect;
-        let range = clip_to_half_line(a.z - MIN_DEPTH, b.z, range)?;
-        let range = clip_to_half_line(a.x - u0 * a.z, b.x - u0 * b.z, range)?;
-        let range = clip_to_half_line(u1 * a.z - a.x, u1 * b.z - b.x, range)?;
-        let range = clip_to_half_line(a.y - v0 * a.z, b.y - v0 * b.z, range)?;
-        clip_to_half_line(v1 * a.z - a.y, v1 * b.z - b.y, range)
+    /// The distance from which on, and not before `from`, the ray is in front of the camera; `None` if it never is.
+    fn from_front(&self, from: f32) -> Option<f32> {
+        clip_to_half_line(self.at_origin.z - MIN_DEPTH, self.slope.z, (from, f32::MAX)).map(|(from, _)| from)
     }
 }
 
@@ -303,10 +352,11 @@ fn clip_to_half_line(at_0: f32, slope: f32, (from, to): (f32, f32)) -> Option<(f
     (from <= to).then_some((from, to))
 }
 
-fn clip_to_box(bounds: &Aabb, ray: &Ray, range: (f32, f32)) -> Option<(f32, f32)> {
+/// The part of the range in which `ray` is in the box, or at most `spread` radians beside it.
+fn clip_to_box(bounds: &Aabb, spread: f32, ray: &Ray, range: (f32, f32)) -> Option<(f32, f32)> {
     (0..3).try_fold(range, |range, axis| {
         let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
-        let range = clip_to_half_line(origin - bounds.min[axis] as f32, direction, range)?;
-        clip_to_half_line(bounds.max[axis] as f32 - origin, -direction, range)
+        let range = clip_to_half_line(origin - bounds.min[axis] as f32, direction + spread, range)?;
+        clip_to_half_line(bounds.max[axis] as f32 - origin, spread - direction, range)
     })
 }

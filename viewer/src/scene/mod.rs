@@ -1,7 +1,9 @@
 //! What a picture is drawn from: the silhouettes and images of one moment, bodies, floor and light.
 
+mod mesh;
 mod view;
 
+pub use mesh::{Mesh, Vertex};
 pub use view::SceneView;
 
 use image::RgbImage;
@@ -28,6 +30,8 @@ pub struct Scene {
     pub views: Vec<SceneView>,
     /// The work volume: what lies outside it is not drawn as subject.
     pub bounds: Aabb,
+    /// A box around the hull.
+    pub subject_box: Aabb,
     /// How views decide points that they do not see.
     pub unseen: Unseen,
     /// The virtual bodies.
@@ -79,10 +83,11 @@ impl RealCameras {
         Ok(Scene {
             views,
             bounds: *hull.bounds(),
+            subject_box: *hull.aabb(),
             unseen: hull.unseen(),
             bodies: Vec::new(),
             floor: Some(0.0),
-            light: -Vector3::z(),
+            light: Vector3::new(0.25, 0.15, -1.0).normalize(),
         })
     }
 

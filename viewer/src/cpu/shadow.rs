@@ -1,0 +1,157 @@
+//! Shadows: what the light meets first, seen from above along the light.
+
+use super::march::{Lines, March, Ray};
+use super::raster::{Projection, Triangles};
+use crate::scene::Scene;
+use nalgebra::{Matrix3, Matrix3x4, Point3, RowVector4, Vector3};
+use rayon::prelude::*;
+
+/// Cells along a side of a map.
+const CELLS: usize = 128;
+
+/// A point this far behind what the light meets first is still lit, in metres: cells are coarse.
+const BIAS: f32 = 0.03;
+
+/// Shadows are complete on surfaces whose normal has at least the inverse of this part along the light.
+const GRAZING: f32 = 2.0;
+
+/// The part of a shadow map over which its edge fades, in cells to each side.
+const BLUR: usize = 2;
+
+/// The part of the light that a full shadow takes away.
+pub const DARKNESS: f32 = 0.45;
+
+/// The light's view of a box in the world.
+#[derive(Debug, Clone)]
+pub struct LightView {
+    /// World axes of the map: along its rows, along its columns, along the light.
+    axes: Matrix3<f32>,
+    /// The least coordinates of the box along the axes.
+    least: Vector3<f32>,
+    /// Metres that a cell covers along a row and along a column.
+    cell: [f32; 2],
+}
+
+/// The shadow of bodies or of the subject.
+#[derive(Debug)]
+pub struct Shadow {
+    view: LightView,
+    /// Distances along the light at which it meets something, infinite where it does not.
+    depths: Vec<f32>,
+    /// What part of the light reaches the ground below everything, blurred: 0 in full shadow.
+    ground: Vec<f32>,
+}
+
+impl LightView {
+    /// The view along the light of `scene` of its bodies and of the subject, which is within its
+    /// bounds.
+    pub fn new(scene: &Scene, bodies: &Triangles) -> Self {
+        let along: Vector3<f32> = scene.light.cast();
+        let x = Vector3::ith(along.iamin(), 1.0).cross(&along).normalize();
+        let axes = Matrix3::from_rows(&[x.transpose(), along.cross(&x).transpose(), along.transpose()]);
+        let subject = scene.subject_box.corners().map(|corner| corner.cast::<f32>());
+        let points = bodies.points().copied().chain(subject).map(|point| axes * point.coords);
+        let (least, most) = points.fold(
+            (Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN)),
+            |(least, most), point| (least.inf(&point), most.sup(&point)),
+        );
+        // A border of some cells stays lit.
+        let border = (most - least).map(|length| 0.05 * length.max(0.1));
+        let (least, most) = (least - border, most + border);
+        let cell = [0, 1].map(|axis| (most[axis] - least[axis]) / CELLS as f32);
+        Self { axes, least, cell }
+    }
+
+    /// Row, column and depth of a point, in cells and metres.
+    fn place(&self, point: &Point3<f32>) -> Vector3<f32> {
+        let p = self.axes * point.coords - self.least;
+        Vector3::new(p.x / self.cell[0], p.y / self.cell[1], p.z)
+    }
+
+    /// The light's ray through the middle of a cell.
+    fn ray(&self, x: usize, y: usize) -> Ray {
+        let along = |k: usize, axis: usize| self.least[axis] + (k as f32 + 0.5) * self.cell[axis];
+        let at = Vector3::new(along(x, 0), along(y, 1), self.least.z);
+        let origin = Point3::from(self.axes.tr_mul(&at));
+        Ray { origin, direction: self.axes.row(2).transpose() }
+    }
+
+    fn projection(&self) -> Projection {
+        let row = |axis: usize, cell: f32| {
+            let r = self.axes.row(axis) / cell;
+            RowVector4::new(r.x, r.y, r.z, -self.least[axis] / cell)
+        };
+        let one = RowVector4::new(0.0, 0.0, 0.0, 1.0);
+        let image = Matrix3x4::from_rows(&[row(0, self.cell[0]), row(1, self.cell[1]), one]);
+        Projection { image, depth: row(2, 1.0) }
+    }
+}
+
+impl Shadow {
+    /// The shadow of the bodies.
+    pub fn of_bodies(view: &LightView, bodies: &Triangles) -> Self {
+        let fragments = bodies.draw(&view.projection(), (CELLS as u32, CELLS as u32));
+        Self::new(view, fragments.iter().map(|fragment| fragment.depth).collect())
+    }
+
+    /// The shadow of the subject.
+    pub fn of_subject(view: &LightView, march: &March) -> Self {
+        let mut depths = vec![f32::INFINITY; CELLS * CELLS];
+        depths.par_chunks_mut(CELLS).enumerate().for_each(|(y, depths)| {
+            let mut lines = Lines::default();
+            for (x, depth) in depths.iter_mut().enumerate() {
+                if let Some(entry) = march.entry(&view.ray(x, y), 0.0..f32::MAX, &mut lines) {
+                    *depth = entry.t;
+                }
+            }
+        });
+        Self::new(view, depths)
+    }
+
+    fn new(view: &LightView, depths: Vec<f32>) -> Self {
+        let is_lit = |x: usize, y: usize| f32::from(depths[y * CELLS + x].is_infinite());
+        let near = |k: usize| k.saturating_sub(BLUR)..(k + BLUR + 1).min(CELLS);
+        let blurred = |index: usize| {
+            let (x, y) = (index % CELLS, index / CELLS);
+            let cells = near(y).flat_map(|y| near(x).map(move |x| (x, y)));
+            let (sum, count) =
+                cells.fold((0.0, 0.0), |(sum, count), (x, y)| (sum + is_lit(x, y), count + 1.0));
+            sum / count
+        };
+        let ground = (0..CELLS * CELLS).map(blurred).collect();
+        Self { view: view.clone(), depths, ground }
+    }
+
+    /// The part of the light that reaches `point`, 0 to 1, which lies on the ground below everything.
+    pub fn on_ground(&self, point: &Point3<f32>) -> f32 {
+        let place = self.view.place(point);
+        self.mixed(&place, |index| self.ground[index])
+    }
+
+    /// The part of the light that reaches `point` of a surface with this outward unit normal, 0 to 1.
+    pub fn at(&self, point: &Point3<f32>, normal: &Vector3<f32>) -> f32 {
+        // A surface that faces away from the light, or hardly towards it, is dark by itself, and cells are too coarse for it.
+        let facing = (-GRAZING * self.view.axes.row(2).transpose().dot(normal)).clamp(0.0, 1.0);
+        if facing == 0.0 {
+            return 1.0;
+        }
+
+        // A little above the surface, or cells that it crosses would lie in its own shadow.
+        let place = self.view.place(&(point + normal * (1.5 * self.view.cell[0].max(self.view.cell[1]))));
+        let lit = self.mixed(&place, |index| f32::from(self.depths[index] + BIAS >= place.z));
+        1.0 - facing * (1.0 - lit)
+    }
+
+    /// `of` at a place of the map, bilinear between the middles of cells; 1 beyond the map.
+    fn mixed(&self, place: &Vector3<f32>, of: impl Fn(usize) -> f32) -> f32 {
+        let (x, y) = (place.x - 0.5, place.y - 0.5);
+        let last = (CELLS - 1) as f32;
+        if !(0.0..last).contains(&x) || !(0.0..last).contains(&y) {
+            return 1.0;
+        }
+        let (i, j) = (x as usize, y as usize);
+        let (right, below) = (x - i as f32, y - j as f32);
+        let row = |j: usize| of(j * CELLS + i) * (1.0 - right) + of(j * CELLS + i + 1) * right;
+        row(j) * (1.0 - below) + row(j + 1) * below
+    }
+}

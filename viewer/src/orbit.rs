@@ -1,0 +1,71 @@
+//! A viewpoint that circles a target.
+
+use nalgebra::{Point3, Vector3};
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::{Error, Result};
+
+/// The largest elevation, in radians: straight from above, up has no direction in the image.
+const MAX_ELEVATION: f64 = 1.55;
+
+/// A viewpoint given by the place it looks at. World z is up; metres and radians.
+///
+/// ```text
+///            eye
+///          /  |  elevation above the horizontal plane
+///   target ---+  azimuth counter-clockwise from +x
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Orbit {
+    /// The place in the middle of the picture.
+    pub target: Point3<f64>,
+    /// Counter-clockwise from +x, seen from above.
+    pub azimuth: f64,
+    /// Above the horizontal plane.
+    pub elevation: f64,
+    /// Of the eye from the target.
+    pub distance: f64,
+    /// Horizontal angle of view.
+    pub field_of_view: f64,
+}
+
+impl Orbit {
+    /// The viewpoint at `eye` that looks at `target`.
+    pub fn from_eye(eye: &Point3<f64>, target: &Point3<f64>, field_of_view: f64) -> Self {
+        let offset = eye - target;
+        Self {
+            target: *target,
+            azimuth: offset.y.atan2(offset.x),
+            elevation: offset.z.atan2(offset.xy().norm()),
+            distance: offset.norm(),
+            field_of_view,
+        }
+    }
+
+    /// Where the eye is.
+    pub fn eye(&self) -> Point3<f64> {
+        let (sin, cos) = self.azimuth.sin_cos();
+        let (up, out) = self.elevation.clamp(-MAX_ELEVATION, MAX_ELEVATION).sin_cos();
+        self.target + self.distance * Vector3::new(out * cos, out * sin, up)
+    }
+
+    /// The viewpoint as a camera whose pictures have `size` (width, height) pixels.
+    ///
+    /// # Errors
+    /// A distance or an angle of view that is not positive, an angle of view of 180 degrees or more, a size of zero, numbers
+    /// that are not finite.
+    pub fn camera(&self, size: (u32, u32)) -> Result<Camera> {
+        if !(self.distance > 0.0 && self.distance.is_finite()) {
+            return Err(Error::argument(format!(
+                "viewpoint: expected an eye away from its target, found a distance of {} m",
+                self.distance
+            )));
+        }
+        Camera::look_at("viewpoint", size, self.field_of_view, self.eye(), self.target, Vector3::z())
+    }
+
+    /// This viewpoint turned around its target to the azimuth that is nearest to that of `other`, by full turns.
+    pub fn unwound_towards(self, other: &Self) -> Self {
+        let turns = ((other.azimuth - self.azimuth) / std::f64::consts::TAU).round();
+        Self { azimuth: self.azimuth + turns * std::f64::consts::TAU, ..self }
+    }
+}

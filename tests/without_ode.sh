@@ -4,7 +4,7 @@
 set -eu
 
 cd "$(dirname "$0")/.."
-packages="--package ode-visual-hull --package ode-visual-hull-check"
+packages="--package ode-visual-hull --package ode-visual-hull-check --package ode-visual-hull-film"
 # shellcheck disable=SC2086 # a list of options
 needed=$(cargo tree $packages --no-default-features --edges normal,build,dev --prefix none | grep -E '^(ode-sys|bindgen|clang-sys) ' || true)
 [ -z "$needed" ] || { echo "needed without the feature ode: $needed" >&2; exit 1; }

@@ -11,6 +11,9 @@ use ode_visual_hull::{Error, Result};
 /// Frames of a film a second.
 pub const FRAME_RATE: f64 = 30.0;
 
+/// Steps of a film's simulation a second.
+pub const STEPS_PER_SECOND: f64 = 240.0;
+
 /// Calibrated cameras and what they see at each time.
 pub trait Frames: Sync {
     /// The cameras, in the order of the hull's views.

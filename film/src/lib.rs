@@ -9,8 +9,8 @@
 //! and its [`Story`] is what to show of them. Capture, simulation and film have time steps of their own. World z is up,
 //! the floor at z = 0; metres, seconds, radians.
 //!
-//! Without the feature `ode`, which is on by default, there is no simulation and no log: captures remain, and
-//! pictures of bodies whose poses come from elsewhere.
+//! Without the feature `ode`, which is on by default, there is no simulation and no log: captures remain, recorded ones
+//! too, and pictures of bodies whose poses come from elsewhere.
 
 mod arguments;
 #[cfg(feature = "ode")]
@@ -27,7 +27,6 @@ mod part;
 #[cfg(feature = "ode")]
 mod plot;
 mod ray_cast;
-#[cfg(feature = "ode")]
 mod recorded;
 #[cfg(feature = "ode")]
 mod run;
@@ -47,7 +46,7 @@ pub use arguments::{
     Movement, UnseenPolicy, VolumeOptions, numbers, parse_bounds, parse_frames, parse_positive, parse_rate,
     parse_times, shown_frames,
 };
-pub use capture::{FRAME_RATE, Frames, Story, view_of};
+pub use capture::{FRAME_RATE, Frames, STEPS_PER_SECOND, Story, view_of};
 pub use compositor::{Compositor, Drawn, Real};
 pub use film::Film;
 #[cfg(feature = "ode")]
@@ -56,7 +55,6 @@ pub use log::{Entry, Log};
 pub use paced::{Pace, PaceReport, PacedFrames, Tally, run_paced};
 #[cfg(feature = "ode")]
 pub use part::Part;
-#[cfg(feature = "ode")]
 pub use recorded::{
     ASSUMED_RATE, BackgroundImages, FrameTime, FrameTimes, Playback, PlaybackOptions, RecordedHulls,
     check_subject, ground, in_the_way,
@@ -66,6 +64,6 @@ pub use run::{FilmOptions, FilmReport, run_film};
 #[cfg(feature = "ode")]
 pub use simulated_body::{SimulatedBody, State, Support};
 #[cfg(feature = "ode")]
-pub use simulation::{STEPS_PER_SECOND, Simulation, lean_deg};
+pub use simulation::{Simulation, lean_deg};
 pub use studio::{Scenario, Studio};
 pub use window::Window;

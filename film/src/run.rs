@@ -1,10 +1,10 @@
 //! From a capture's first frame to its last: simulate, draw, log, and write the results.
 
-use crate::capture::{FRAME_RATE, Frames, Story};
+use crate::capture::{FRAME_RATE, Frames, STEPS_PER_SECOND, Story};
 use crate::compositor::Compositor;
 use crate::film::Film;
 use crate::log::Log;
-use crate::simulation::{STEPS_PER_SECOND, Simulation};
+use crate::simulation::Simulation;
 use crate::subject_speed::fastest_part;
 use crate::summary;
 use ode_visual_hull::camera::Ray;

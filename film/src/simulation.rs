@@ -2,6 +2,7 @@
 
 mod contents;
 
+use crate::capture::STEPS_PER_SECOND;
 use crate::compositor::Drawn;
 use crate::simulated_body::{GRAVITY, SimulatedBody, State, Support, Touched, drawn};
 use nalgebra::{UnitQuaternion, Vector3, vector};
@@ -11,9 +12,6 @@ use ode_visual_hull::{Error, Result};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Steps of the simulation a second.
-pub const STEPS_PER_SECOND: f64 = 240.0;
 
 /// Coefficient of friction between all surfaces.
 const FRICTION: f64 = 0.8;

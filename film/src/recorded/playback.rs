@@ -55,8 +55,8 @@ pub struct Playback {
     /// What is published, and its masks.
     published: Option<Publication>,
     masks: Vec<GrayImage>,
-    /// The view that is drawn and its images, opened with the first picture.
-    background: Option<(usize, BackgroundImages)>,
+    /// The images of each view, opened with its first picture.
+    backgrounds: Vec<Option<BackgroundImages>>,
 }
 
 impl Playback {
@@ -76,6 +76,7 @@ impl Playback {
         check_subject(dir, frames[0].0, &sampled_hulls[0])?;
 
         let times: Vec<f64> = frames.iter().map(|&(_, time)| time).collect();
+        let backgrounds = recorded.recording.rig().cameras().iter().map(|_| None).collect();
         let shown = sampled_hulls.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
         let mut playback = Self {
             recording: recorded.recording,
@@ -87,7 +88,7 @@ impl Playback {
             sampled_hulls,
             published: None,
             masks: Vec::new(),
-            background: None,
+            backgrounds,
         };
         playback.publish(0.0, data)?;
 
@@ -185,16 +186,16 @@ impl Frames for Playback {
     /// The nearest recorded image, else the mask.
     fn picture(&mut self, view: usize, time: f64) -> Result<RgbImage> {
         let moment = self.frames[self.timeline.nearest(time)];
-        let Self { recording, frame_times, .. } = self;
+        let Self { recording, frame_times, backgrounds, .. } = self;
         let without_film = |e| Error::argument(format!("{e}; fix it, or run without a film: --no-gif"));
-        let mut images = match self.background.take() {
-            Some((of, images)) if of == view => images,
-            _ => BackgroundImages::open(recording, view, moment, &frame_times.streaming, f64::INFINITY)
-                .map_err(without_film)?,
+        let images = match &mut backgrounds[view] {
+            Some(images) => images,
+            none => none.insert(
+                BackgroundImages::open(recording, view, moment, &frame_times.streaming, f64::INFINITY)
+                    .map_err(without_film)?,
+            ),
         };
-        let picture = images.at(recording, moment).map_err(without_film);
-        self.background = Some((view, images));
-        picture
+        images.at(recording, moment).map_err(without_film)
     }
 
     /// The hull stands for the subject.

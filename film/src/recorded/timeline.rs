@@ -1,7 +1,6 @@
 //! Which recorded frame is published at which time of the film.
 
-use crate::capture::FRAME_RATE;
-use crate::simulation::STEPS_PER_SECOND;
+use crate::capture::{FRAME_RATE, STEPS_PER_SECOND};
 
 /// The times of recorded frames, by index, on the clock of the film.
 #[derive(Debug)]

@@ -93,8 +93,8 @@ impl Simulation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::STEPS_PER_SECOND;
     use crate::simulated_body::{GRAVITY, State};
-    use crate::simulation::STEPS_PER_SECOND;
     use nalgebra::{Point3, Vector3, vector};
     use ode_visual_hull::hull::{HullData, Motion};
     use std::sync::Arc;

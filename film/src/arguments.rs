@@ -8,7 +8,7 @@ use ode_visual_hull::rig::Rig;
 use std::ops::Range;
 
 /// The work volume, and how a camera decides points that it does not see.
-#[derive(Debug, Clone, Copy, Default, clap::Args)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, clap::Args)]
 pub struct VolumeOptions {
     /// Work volume, in metres [default: around the point that the cameras look at, sized by their distance from it].
     #[arg(

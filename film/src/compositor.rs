@@ -30,7 +30,7 @@ const SHADE_DISTANCE: f64 = 0.07;
 const MAX_SHADE: f64 = 0.6;
 
 /// A body to draw.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
     /// A box, a sphere or a capsule; other shapes are not drawn.
     pub shape: Shape,

@@ -13,6 +13,7 @@
 //! too, and pictures of bodies whose poses come from elsewhere.
 
 mod arguments;
+mod bodies_file;
 #[cfg(feature = "ode")]
 mod body_shape;
 mod capture;
@@ -46,6 +47,7 @@ pub use arguments::{
     Movement, UnseenPolicy, VolumeOptions, numbers, parse_bounds, parse_frames, parse_positive, parse_rate,
     parse_times, shown_frames,
 };
+pub use bodies_file::{BodiesFile, DrawnPart, PlayedRecording};
 pub use capture::{FRAME_RATE, Frames, STEPS_PER_SECOND, Story, view_of};
 pub use compositor::{Compositor, Drawn, Real};
 pub use film::Film;

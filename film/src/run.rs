@@ -104,7 +104,9 @@ fn play(
 
         if let Some((view, compositor)) = &compositor {
             let hull = simulation.hull();
-            let picture = capture.picture(*view, hull.as_ref().map_or(0.0, |hull| hull.time()))?;
+            let picture = capture.picture(*view, hull.as_ref().map_or(0.0, |hull| hull.time()));
+            let picture = picture
+                .map_err(|e| Error::argument(format!("{e}; fix it, or run without a film: --no-gif")))?;
             let real = |ray: &Ray| hull.as_ref().and_then(|hull| capture.hit(ray, *view, hull));
             film.push(compositor.draw(&picture, &simulation.drawn(), &real));
         }

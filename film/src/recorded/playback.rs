@@ -26,7 +26,7 @@ const MARGIN: f64 = 0.4;
 const SAMPLED_FRAMES: usize = 24;
 
 /// What of a recording is played, and how.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlaybackOptions {
     /// The numbers of the frames; all by default.
     pub frames: Option<Range<u32>>,
@@ -187,15 +187,17 @@ impl Frames for Playback {
     fn picture(&mut self, view: usize, time: f64) -> Result<RgbImage> {
         let moment = self.frames[self.timeline.nearest(time)];
         let Self { recording, frame_times, backgrounds, .. } = self;
-        let without_film = |e| Error::argument(format!("{e}; fix it, or run without a film: --no-gif"));
         let images = match &mut backgrounds[view] {
             Some(images) => images,
-            none => none.insert(
-                BackgroundImages::open(recording, view, moment, &frame_times.streaming, f64::INFINITY)
-                    .map_err(without_film)?,
-            ),
+            none => none.insert(BackgroundImages::open(
+                recording,
+                view,
+                moment,
+                &frame_times.streaming,
+                f64::INFINITY,
+            )?),
         };
-        images.at(recording, moment).map_err(without_film)
+        images.at(recording, moment)
     }
 
     /// The hull stands for the subject.

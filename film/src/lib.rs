@@ -19,6 +19,7 @@ mod body_shape;
 mod capture;
 mod compositor;
 mod film;
+mod finished_run;
 #[cfg(feature = "ode")]
 mod log;
 #[cfg(feature = "ode")]
@@ -36,6 +37,7 @@ mod sensor;
 mod simulated_body;
 #[cfg(feature = "ode")]
 mod simulation;
+mod states;
 mod studio;
 #[cfg(feature = "ode")]
 mod subject_speed;
@@ -51,6 +53,7 @@ pub use bodies_file::{BodiesFile, DrawnPart, PlayedRecording};
 pub use capture::{FRAME_RATE, Frames, STEPS_PER_SECOND, Story, view_of};
 pub use compositor::{Compositor, Drawn, Real};
 pub use film::Film;
+pub use finished_run::FinishedRun;
 #[cfg(feature = "ode")]
 pub use log::{Entry, Log};
 #[cfg(feature = "ode")]
@@ -67,5 +70,6 @@ pub use run::{FilmOptions, FilmReport, run_film};
 pub use simulated_body::{SimulatedBody, State, Support};
 #[cfg(feature = "ode")]
 pub use simulation::{Simulation, lean_deg};
+pub use states::States;
 pub use studio::{Scenario, Studio};
 pub use window::Window;

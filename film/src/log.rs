@@ -3,6 +3,7 @@
 use crate::body_shape;
 use crate::simulated_body::{SimulatedBody, State, Support};
 use crate::simulation::Simulation;
+use crate::states::HEADER;
 use ode_visual_hull::{Error, Result};
 use std::fmt::Write;
 use std::path::Path;
@@ -61,12 +62,12 @@ impl Log {
     }
 
     /// Writes one line for each frame and body, bodies numbered from 1: time, position, rotation (quaternion, real
-    /// part first), velocity, angular velocity, all in the world's frame.
+    /// part first), velocity, angular velocity, all in the world's frame. [`States`](crate::States) reads it.
     ///
     /// # Errors
     /// A file that cannot be written.
     pub fn write_csv(&self, path: &Path) -> Result<()> {
-        let mut text = String::from("time_s,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n");
+        let mut text = format!("{HEADER}\n");
         for entry in &self.entries {
             for (i, state) in entry.states.iter().enumerate() {
                 let (p, q) = (state.pose.translation.vector, state.pose.rotation.coords);

@@ -163,12 +163,7 @@ impl Undistortion {
     ///
     /// # Errors
     /// If the image's size is not that of the original camera's image.
-    pub fn apply_to_image(
-        &self,
-        image: &RgbImage,
-        rect: &Rect,
-        pinhole_image: &mut RgbImage,
-    ) -> Result<()> {
+    pub fn apply_to_image(&self, image: &RgbImage, rect: &Rect, pinhole_image: &mut RgbImage) -> Result<()> {
         self.check_size("an image", image.dimensions())?;
         let (width, height) = self.pinhole.size();
         if pinhole_image.dimensions() != (width, height) {

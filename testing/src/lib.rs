@@ -7,6 +7,7 @@
 //! | `world` (feature `ode`) | worlds of ODE on that table |
 //! | `touches` (feature `ode`) | scripted touches of bodies with the parts of a hull whose masks flicker |
 //! | `trajectories` (feature `ode`) | the motion of bodies on a hull, compared with that on ODE's box |
+//! | [`rendered`] | a synthetic subject as cameras see it at one moment, and its hull |
 //! | [`quality`] | the hull from pixels, compared with the analytic hull of its cameras |
 //! | [`captures`] | real recordings, where they are present |
 //! | [`degenerate_lines`] | lines on which something is zero but for rounding, held against inside tests |
@@ -28,6 +29,7 @@ pub mod hand;
 pub mod manifolds;
 pub mod mask_errors;
 pub mod quality;
+pub mod rendered;
 pub mod scene;
 #[cfg(feature = "ode")]
 pub mod touches;

@@ -27,12 +27,17 @@ impl History {
         if let Some((projection, last)) = &self.last {
             let width = picture.colour.width() as usize;
             let Picture { colour, content, depth } = &mut *picture;
-            let rows = colour.par_chunks_mut(3 * width).zip(content.par_chunks(width)).zip(depth.par_chunks(width));
+            let rows =
+                colour.par_chunks_mut(3 * width).zip(content.par_chunks(width)).zip(depth.par_chunks(width));
             rows.enumerate().for_each(|(y, ((colours, content), depths))| {
                 let pixels = colours.chunks_exact_mut(3).zip(content).zip(depths).enumerate();
-                for (x, ((colour, _), depth)) in pixels.filter(|(_, ((_, content), _))| **content == Content::Subject) {
+                for (x, ((colour, _), depth)) in
+                    pixels.filter(|(_, ((_, content), _))| **content == Content::Subject)
+                {
                     let place = camera.unproject(x as f64 + 0.5, y as f64 + 0.5, f64::from(*depth));
-                    if let Some(before) = place.and_then(|place| colour_before(projection, last, &place.cast())) {
+                    if let Some(before) =
+                        place.and_then(|place| colour_before(projection, last, &place.cast()))
+                    {
                         mix(colour, before);
                     }
                 }

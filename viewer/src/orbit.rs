@@ -2,10 +2,17 @@
 
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::camera::Camera;
+use ode_visual_hull::hull::Aabb;
 use ode_visual_hull::{Error, Result};
 
 /// The largest elevation, in radians: straight from above, up has no direction in the image.
 const MAX_ELEVATION: f64 = 1.55;
+
+/// Elevation of a viewpoint that shows a whole subject, its distance in lengths of the subject's longest side, and its
+/// horizontal angle of view.
+const ELEVATION: f64 = 0.30;
+const DISTANCE: f64 = 1.9;
+const FIELD_OF_VIEW: f64 = 50.0 * std::f64::consts::PI / 180.0;
 
 /// A viewpoint given by the place it looks at. World z is up; metres and radians.
 ///
@@ -38,6 +45,17 @@ impl Orbit {
             elevation: offset.z.atan2(offset.xy().norm()),
             distance: offset.norm(),
             field_of_view,
+        }
+    }
+
+    /// A viewpoint that shows all of `subject`, from this azimuth.
+    pub fn around(subject: &Aabb, azimuth: f64) -> Self {
+        Self {
+            target: subject.centre(),
+            azimuth,
+            elevation: ELEVATION,
+            distance: DISTANCE * (subject.max - subject.min).amax(),
+            field_of_view: FIELD_OF_VIEW,
         }
     }
 

@@ -332,7 +332,7 @@ fn images_of_one_pixel_and_absurd_lenses_do_no_harm() {
 fn colours_are_undistorted_as_masks_are_channel_by_channel_and_within_the_rectangle_alone() {
     for camera in cameras() {
         let undistortion = Undistortion::new(&camera).unwrap();
-        let mut random = Random::new(5);
+        let mut random = Random(5);
         let mut channel = || {
             let values = (0..SIZE.0 * SIZE.1).map(|_| random.below(256_u32) as u8);
             GrayImage::from_raw(SIZE.0, SIZE.1, values.collect()).unwrap()

@@ -1,8 +1,8 @@
 //! The viewpoint of a picture: the ray of each pixel.
 
 use super::march::Ray;
-use crate::scene::Scene;
 use super::raster::Projection;
+use crate::scene::Scene;
 use nalgebra::{Matrix3, Matrix3x4, Point3, RowVector4, Vector3};
 use ode_visual_hull::camera::Camera;
 

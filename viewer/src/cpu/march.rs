@@ -96,11 +96,15 @@ enum Verdict {
 impl<'s> March<'s> {
     /// The hull of `scene`.
     pub fn new(scene: &'s Scene) -> Self {
-        let min_views = match scene.unseen {
+        let min_views = match scene.hull.unseen() {
             Unseen::Outside => None,
             Unseen::Abstain { min_views } => Some(min_views.max(1)),
         };
-        Self { views: scene.views.iter().map(MarchView::new).collect(), bounds: scene.subject_box, min_views }
+        Self {
+            views: scene.views.iter().map(MarchView::new).collect(),
+            bounds: *scene.hull.aabb(),
+            min_views,
+        }
     }
 
     /// The views, in the scene's order.
@@ -219,19 +223,6 @@ impl<'s> March<'s> {
     fn is_inside(&self, lines: &Lines, t: f32) -> bool {
         let mut lines = lines.0.iter().enumerate();
         lines.all(|(view, line)| !matches!(self.verdict(view, line, t, 0.0), Verdict::Outside(_)))
-    }
-
-    /// Whether `point` is inside the hull.
-    pub fn contains(&self, point: &Point3<f32>) -> bool {
-        if !self.bounds.contains(&point.cast()) {
-            return false;
-        }
-        let distances = self.views.iter().map(|view| view.distance_at(&view.homogeneous(point)));
-        let (mut inside, mut outside) = (0, 0);
-        for distance in distances.flatten() {
-            if distance > 0.0 { outside += 1 } else { inside += 1 }
-        }
-        outside == 0 && inside >= self.min_views.unwrap_or(self.views.len())
     }
 
     /// The outward unit normal of the hull at `point` on its surface, where `view` decides.

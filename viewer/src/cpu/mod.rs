@@ -62,19 +62,22 @@ impl<'s> CpuRenderer<'s> {
         let Picture { colour, content, depth } = &mut picture;
         let w = width as usize;
         let band = w * TILE;
-        let bands = colour.par_chunks_mut(3 * band).zip(content.par_chunks_mut(band)).zip(depth.par_chunks_mut(band));
-        bands.zip(fragments.par_chunks(band)).enumerate().for_each(|(j, (((colour, content), depth), fragments))| {
-            let mut lines = Lines::default();
-            let starts = painter.tile_starts(j, w, &mut lines);
-            let pixels = colour.chunks_exact_mut(3).zip(content).zip(depth).zip(fragments);
-            for (index, (((colour, content), depth), fragment)) in pixels.enumerate() {
-                let (x, y) = (index % w, j * TILE + index / w);
-                let at = (x as f32 + 0.5, y as f32 + 0.5);
-                let seen = painter.paint(at, fragment, starts[x / TILE], &mut lines);
-                colour.copy_from_slice(&to_rgb(seen.colour));
-                (*content, *depth) = (seen.content, seen.depth);
-            }
-        });
+        let bands =
+            colour.par_chunks_mut(3 * band).zip(content.par_chunks_mut(band)).zip(depth.par_chunks_mut(band));
+        bands.zip(fragments.par_chunks(band)).enumerate().for_each(
+            |(j, (((colour, content), depth), fragments))| {
+                let mut lines = Lines::default();
+                let starts = painter.tile_starts(j, w, &mut lines);
+                let pixels = colour.chunks_exact_mut(3).zip(content).zip(depth).zip(fragments);
+                for (index, (((colour, content), depth), fragment)) in pixels.enumerate() {
+                    let (x, y) = (index % w, j * TILE + index / w);
+                    let at = (x as f32 + 0.5, y as f32 + 0.5);
+                    let seen = painter.paint(at, fragment, starts[x / TILE], &mut lines);
+                    colour.copy_from_slice(&to_rgb(seen.colour));
+                    (*content, *depth) = (seen.content, seen.depth);
+                }
+            },
+        );
         picture
     }
 }

@@ -82,9 +82,11 @@ impl<'r> PixelPainter<'r> {
     fn subject(&self, ray: &Ray, range: Range<f32>, lines: &mut Lines) -> Option<(Colour, f32)> {
         let renderer = self.renderer;
         let entry = renderer.march.entry(ray, range.clone(), lines);
-        let Entry { t, view } = entry.or_else(|| self.filled(ray).filter(|entry| range.contains(&entry.t)))?;
+        let Entry { t, view } =
+            entry.or_else(|| self.filled(ray).filter(|entry| range.contains(&entry.t)))?;
         let normal = renderer.march.normal(&ray.at(t), view);
-        let light = if self.options.shadows { renderer.shadow_of_bodies.at(&ray.at(t), &normal) } else { 1.0 };
+        let light =
+            if self.options.shadows { renderer.shadow_of_bodies.at(&ray.at(t), &normal) } else { 1.0 };
         let (colour, t) = match (self.photo(ray), self.options.method) {
             (Some(colour), _) => (colour, t),
             (None, Method::Hull) => (Colour::repeat(GREY) * self.brightness(&normal), t),
@@ -98,7 +100,8 @@ impl<'r> PixelPainter<'r> {
     fn filled(&self, ray: &Ray) -> Option<Entry> {
         let own = self.own?;
         let view = &self.renderer.march.views()[own];
-        view.is_subject(&view.homogeneous(&ray.at(1.0))).then(|| self.renderer.march.least_outside(ray, own))?
+        view.is_subject(&view.homogeneous(&ray.at(1.0)))
+            .then(|| self.renderer.march.least_outside(ray, own))?
     }
 
     /// The colour along `ray` in the image of the real camera at this place, if that is shown.
@@ -148,7 +151,8 @@ impl<'r> PixelPainter<'r> {
 
     /// Brightness of a surface with this outward normal.
     fn brightness(&self, normal: &Vector3<f32>) -> f32 {
-        0.60 + 0.12 * normal.z + 0.16 * normal.dot(&Vector3::new(0.5, -0.7, 0.5)) - 0.16 * normal.dot(&self.light)
+        0.60 + 0.12 * normal.z + 0.16 * normal.dot(&Vector3::new(0.5, -0.7, 0.5))
+            - 0.16 * normal.dot(&self.light)
     }
 }
 

@@ -70,9 +70,9 @@ impl Triangles {
             let (mesh, pose) = (Mesh::of(&body.shape), body.world_from_body.cast::<f32>());
             let colour = Vector3::from(body.colour.map(f32::from));
             let corner = |vertex: Vertex| Corner::new(&vertex, &pose);
-            let corners =
-                |triangle: &[u32; 3]| triangle.map(|index| corner(mesh.vertices[index as usize]));
-            let triangles = mesh.triangles.iter().map(|triangle| Triangle { corners: corners(triangle), colour });
+            let corners = |triangle: &[u32; 3]| triangle.map(|index| corner(mesh.vertices[index as usize]));
+            let triangles =
+                mesh.triangles.iter().map(|triangle| Triangle { corners: corners(triangle), colour });
             triangles.collect::<Vec<_>>()
         };
         Self(scene.bodies.iter().flat_map(of_body).collect())
@@ -204,7 +204,8 @@ impl Setup {
         let mix = |of: fn(&Projected) -> f32| {
             self.corners.iter().zip(weights).map(|(corner, weight)| of(corner) * weight).sum::<f32>() / total
         };
-        let normal: Vector3<f32> = self.corners.iter().zip(weights).map(|(c, weight)| c.normal * weight).sum();
+        let normal: Vector3<f32> =
+            self.corners.iter().zip(weights).map(|(c, weight)| c.normal * weight).sum();
         Some(Fragment {
             depth: mix(|corner| corner.depth),
             normal: normal.normalize(),

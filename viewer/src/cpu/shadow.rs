@@ -49,12 +49,12 @@ impl LightView {
         let along: Vector3<f32> = scene.light.cast();
         let x = Vector3::ith(along.iamin(), 1.0).cross(&along).normalize();
         let axes = Matrix3::from_rows(&[x.transpose(), along.cross(&x).transpose(), along.transpose()]);
-        let subject = scene.subject_box.corners().map(|corner| corner.cast::<f32>());
+        let subject = scene.hull.aabb().corners().map(|corner| corner.cast::<f32>());
         let points = bodies.points().copied().chain(subject).map(|point| axes * point.coords);
-        let (least, most) = points.fold(
-            (Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN)),
-            |(least, most), point| (least.inf(&point), most.sup(&point)),
-        );
+        let (least, most) = points
+            .fold((Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN)), |(least, most), point| {
+                (least.inf(&point), most.sup(&point))
+            });
         // A border of some cells stays lit.
         let border = (most - least).map(|length| 0.05 * length.max(0.1));
         let (least, most) = (least - border, most + border);

@@ -49,6 +49,7 @@ pub fn sky_colour(ray: &Ray) -> Colour {
 /// The colour that `photo` has at homogeneous image coordinates `h`; `None` outside it.
 pub fn photo_colour(photo: &image::RgbImage, h: &nalgebra::Vector3<f32>) -> Option<Colour> {
     let (u, v) = (h.x / h.z, h.y / h.z);
-    let is_inside = h.z > 0.0 && u >= 0.0 && v >= 0.0 && u < photo.width() as f32 && v < photo.height() as f32;
+    let is_inside =
+        h.z > 0.0 && u >= 0.0 && v >= 0.0 && u < photo.width() as f32 && v < photo.height() as f32;
     is_inside.then(|| sample(photo, u, v))
 }

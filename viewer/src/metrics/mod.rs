@@ -1,7 +1,9 @@
 //! How close a drawn picture is to an image.
 
+mod comparison;
 mod similarity;
 
+pub use comparison::{Comparison, Truth};
 pub use similarity::structural_similarity;
 
 use image::RgbImage;

@@ -31,10 +31,6 @@ use std::path::Path;
 /// Horizontal angle of view of a key that has none, in degrees.
 const FIELD_OF_VIEW: f64 = 50.0;
 
-/// Elevation of a tour that circles the subject, in radians, and its distance in lengths of the subject's longest side.
-const CIRCLE_ELEVATION: f64 = 0.30;
-const CIRCLE_DISTANCE: f64 = 1.9;
-
 /// The viewpoint over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tour {
@@ -69,13 +65,15 @@ impl Tour {
     /// # Errors
     /// A file that cannot be read or is no tour: the error names the key.
     pub fn read(path: &Path, cameras: &[Camera], subject: &Aabb) -> Result<Self> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| Error::file(path, format!("expected a tour, a TOML file with [[key]] tables, found: {e}")))?;
+        let text = std::fs::read_to_string(path).map_err(|e| {
+            Error::file(path, format!("expected a tour, a TOML file with [[key]] tables, found: {e}"))
+        })?;
         Self::parse(&text, cameras, subject).map_err(|problem| Error::file(path, problem))
     }
 
     fn parse(text: &str, cameras: &[Camera], subject: &Aabb) -> std::result::Result<Self, String> {
-        let file: TourFile = toml::from_str(text).map_err(|e| format!("expected a tour with [[key]] tables: {e}"))?;
+        let file: TourFile =
+            toml::from_str(text).map_err(|e| format!("expected a tour with [[key]] tables: {e}"))?;
         let mut keys: Vec<(f64, Orbit)> = Vec::new();
         for (number, key) in (1..).zip(&file.key) {
             let orbit = key.orbit(cameras, subject).map_err(|problem| format!("key {number}: {problem}"))?;
@@ -96,16 +94,11 @@ impl Tour {
 
     /// One turn around `subject` in `duration` seconds, from the azimuth `start` in radians.
     pub fn circle(subject: &Aabb, start: f64, duration: f64) -> Self {
-        let sides = subject.max - subject.min;
-        let orbit = |turn: f64| Orbit {
-            target: subject.centre(),
-            azimuth: start + turn * TAU,
-            elevation: CIRCLE_ELEVATION,
-            distance: CIRCLE_DISTANCE * sides.amax(),
-            field_of_view: FIELD_OF_VIEW.to_radians(),
-        };
+        let orbit = |turn: f64| Orbit::around(subject, start + turn * TAU);
         // Keys a quarter apart, so that the turn is even but for its ends.
-        Self { keys: (0..=4).map(|k| 0.25 * f64::from(k)).map(|turn| (turn * duration, orbit(turn))).collect() }
+        Self {
+            keys: (0..=4).map(|k| 0.25 * f64::from(k)).map(|turn| (turn * duration, orbit(turn))).collect(),
+        }
     }
 
     /// The viewpoint at `time`: through all keys, and smooth between them (cubic, Catmull and Rom 1974); before the first
@@ -161,7 +154,12 @@ impl Key {
         Ok(orbit)
     }
 
-    fn of_camera(&self, name: &str, cameras: &[Camera], subject: &Aabb) -> std::result::Result<Orbit, String> {
+    fn of_camera(
+        &self,
+        name: &str,
+        cameras: &[Camera],
+        subject: &Aabb,
+    ) -> std::result::Result<Orbit, String> {
         let Some(camera) = cameras.iter().find(|camera| camera.name() == name) else {
             let names: Vec<_> = cameras.iter().map(Camera::name).collect();
             return Err(format!("camera: expected one of {}, found {name}", names.join(", ")));

@@ -55,6 +55,21 @@ impl Mesh {
         mesh
     }
 
+    /// Whether `point`, in the body's frame, is inside the surface, which has to be closed: whether a ray from there crosses it
+    /// an odd number of times.
+    pub fn contains(&self, point: &Point3<f32>) -> bool {
+        // No edge of a body is likely to lie in this direction.
+        let direction = Vector3::new(0.183, 0.417, 0.891);
+        let crosses = |triangle: &&[u32; 3]| {
+            let [a, b, c] = triangle.map(|corner| self.vertices[corner as usize].position - point);
+            let side = |p: &Vector3<f32>, q: &Vector3<f32>| direction.dot(&p.cross(q)) > 0.0;
+            let is_around = side(&a, &b) == side(&b, &c) && side(&b, &c) == side(&c, &a);
+            let normal = (b - a).cross(&(c - a));
+            is_around && normal.dot(&a) * normal.dot(&direction) > 0.0
+        };
+        self.triangles.iter().filter(crosses).count() % 2 == 1
+    }
+
     fn add_box(&mut self, half: &Vector3<f64>) {
         for axis in 0..3 {
             for sign in [-1.0, 1.0] {
@@ -110,14 +125,16 @@ impl Mesh {
 
     /// A convex face with a dark line along its border, as seen from outside with corners counter-clockwise.
     fn add_face(&mut self, corners: &[Point3<f64>]) {
-        let middle = Point3::from(corners.iter().map(|p| p.coords).sum::<Vector3<f64>>() / corners.len() as f64);
+        let middle =
+            Point3::from(corners.iter().map(|p| p.coords).sum::<Vector3<f64>>() / corners.len() as f64);
         let count = corners.len();
         let normal = (0..count).map(|k| (corners[k] - middle).cross(&(corners[(k + 1) % count] - middle)));
         let Some(normal) = normal.sum::<Vector3<f64>>().try_normalize(0.0) else { return };
 
         let first = self.vertices.len() as u32;
         for k in 0..count {
-            let (before, own, after) = (corners[(k + count - 1) % count], corners[k], corners[(k + 1) % count]);
+            let (before, own, after) =
+                (corners[(k + count - 1) % count], corners[k], corners[(k + 1) % count]);
             self.push(&own, &normal, LINE_BRIGHTNESS);
             self.push(&inset(&before, &own, &after, &middle, &normal), &normal, 1.0);
         }

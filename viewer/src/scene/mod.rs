@@ -1,6 +1,7 @@
 //! What a picture is drawn from: the silhouettes and images of one moment, bodies, floor and light.
 
 mod mesh;
+mod obstacle;
 mod view;
 
 pub use mesh::{Mesh, Vertex};
@@ -9,7 +10,7 @@ pub use view::SceneView;
 use image::RgbImage;
 use nalgebra::Vector3;
 use ode_visual_hull::camera::Camera;
-use ode_visual_hull::hull::{Aabb, Hull, Unseen};
+use ode_visual_hull::hull::{Hull, View};
 use ode_visual_hull::silhouette::Undistortion;
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::Drawn;
@@ -26,20 +27,35 @@ pub struct RealCameras {
 /// The real subject and the virtual bodies at one moment, in world coordinates and metres. World z is up.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// The real cameras that see the subject.
+    /// The hull of the subject.
+    pub hull: Hull,
+    /// The real cameras that see the subject: the hull's views that are enabled.
     pub views: Vec<SceneView>,
-    /// The work volume: what lies outside it is not drawn as subject.
-    pub bounds: Aabb,
-    /// A box around the hull.
-    pub subject_box: Aabb,
-    /// How views decide points that they do not see.
-    pub unseen: Unseen,
     /// The virtual bodies.
     pub bodies: Vec<Drawn>,
     /// The height of the floor; `None` draws none.
     pub floor: Option<f64>,
     /// The unit direction in which the light falls.
     pub light: Vector3<f64>,
+}
+
+impl Scene {
+    /// The scene without its view `index`: neither its silhouette nor its colours count.
+    pub fn without_view(&self, index: usize) -> Self {
+        let mut scene = self.clone();
+        let left_out = scene.views.remove(index);
+        let keeps = |view: &View| view.is_enabled() && view.name() != left_out.camera().name();
+        let views = self.hull.views().iter().map(|view| view.clone().with_enabled(keeps(view))).collect();
+        scene.hull = Hull::new(views, *self.hull.bounds(), self.hull.unseen(), self.hull.time());
+        scene
+    }
+
+    /// The scene in which view `index` gives the subject no colours; its silhouette still counts.
+    pub fn without_colours_of(&self, index: usize) -> Self {
+        let mut scene = self.clone();
+        scene.views[index].leave_out_colours();
+        scene
+    }
 }
 
 impl RealCameras {
@@ -81,10 +97,8 @@ impl RealCameras {
             )));
         }
         Ok(Scene {
+            hull: hull.clone(),
             views,
-            bounds: *hull.bounds(),
-            subject_box: *hull.aabb(),
-            unseen: hull.unseen(),
             bodies: Vec::new(),
             floor: Some(0.0),
             light: Vector3::new(0.25, 0.15, -1.0).normalize(),

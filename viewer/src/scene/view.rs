@@ -82,8 +82,12 @@ impl SceneView {
         self.photo.as_ref().filter(|_| self.uses_colour)
     }
 
-    /// Leaves the view's colours out, for measurements: its silhouette still counts.
-    pub fn leave_out_colours(&mut self) {
+    /// Whether pixel `(i, j)` belongs to the silhouette.
+    pub fn is_subject(&self, i: i32, j: i32) -> bool {
+        self.rect.contains(i, j) && self.distance.at(i, j) < 0.0
+    }
+
+    pub(super) fn leave_out_colours(&mut self) {
         self.uses_colour = false;
     }
 }

@@ -55,10 +55,7 @@ impl Mesh {
                 normal: (1.0, 0.0),
                 brightness,
             };
-            self.add_turned(
-                &[side(0.0, LINE_BRIGHTNESS), side(line, 1.0), side(0.5 * length, 1.0)],
-                upper,
-            );
+            self.add_turned(&[side(0.0, LINE_BRIGHTNESS), side(line, 1.0), side(0.5 * length, 1.0)], upper);
         }
     }
 

@@ -1,2 +1,0 @@
-//! `vhull-view`.
-fn main() {}

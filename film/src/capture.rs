@@ -1,5 +1,6 @@
 //! What a film is made from: the frames of a captured subject, and what to show of them.
 
+use crate::playback_options::PlaybackOptions;
 use crate::window::Window;
 use image::RgbImage;
 use nalgebra::Point3;
@@ -63,6 +64,9 @@ pub trait Story {
 
     /// The position of the light, in the world.
     fn light(&self) -> Point3<f64>;
+
+    /// How to play the recording of it so that the same happens at the same time; `None` where there is no recording.
+    fn playback(&self) -> Option<PlaybackOptions>;
 }
 
 /// The index of the camera that is called `wanted` or has that number; without `wanted` the best one of the story.

@@ -26,6 +26,7 @@ mod log;
 mod paced;
 #[cfg(feature = "ode")]
 mod part;
+mod playback_options;
 #[cfg(feature = "ode")]
 mod plot;
 mod ray_cast;
@@ -60,9 +61,10 @@ pub use log::{Entry, Log};
 pub use paced::{Pace, PaceReport, PacedFrames, Tally, run_paced};
 #[cfg(feature = "ode")]
 pub use part::Part;
+pub use playback_options::PlaybackOptions;
 pub use recorded::{
-    ASSUMED_RATE, BackgroundImages, FrameTime, FrameTimes, Playback, PlaybackOptions, RecordedHulls,
-    check_subject, ground, in_the_way,
+    ASSUMED_RATE, BackgroundImages, FrameTime, FrameTimes, Playback, RecordedHulls, check_subject,
+    ground, in_the_way,
 };
 #[cfg(feature = "ode")]
 pub use run::{FilmOptions, FilmReport, run_film};

@@ -66,14 +66,14 @@ pub fn run_film(
     }
 
     // What was simulated before an error is written all the same.
-    let still_until = capture.still_until();
-    let written = summary::write(out, name, &film, &log, still_until, &capture.moments())?;
+    let bodies = simulation.bodies_file(capture.playback());
+    let written = summary::write(out, name, &film, &log, &bodies, capture)?;
     played.map_err(|e| {
         let count = log.entries.len();
         Error::argument(format!("{e}; the {count} frames before are in {}", out.display()))
     })?;
 
-    let mut text = summary::table(&log, simulation, still_until, capture.subject());
+    let mut text = summary::table(&log, simulation, capture.still_until(), capture.subject());
     text += &summary::speeds(&log, simulation);
     text += &summary::summary(frames, capture.cameras().len(), started.elapsed());
     for (path, what) in written {

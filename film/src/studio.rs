@@ -1,6 +1,7 @@
 //! Synthetic cameras that film what happens in a room, through all steps of a real system: image, noise, segmentation, mask.
 
 use crate::capture::{FRAME_RATE, Frames, Story};
+use crate::playback_options::PlaybackOptions;
 use crate::sensor::Sensor;
 use crate::window::Window;
 use image::RgbImage;
@@ -178,6 +179,10 @@ impl<S: Scenario> Story for Studio<S> {
 
     fn light(&self) -> Point3<f64> {
         self.scene.room.light_position()
+    }
+
+    fn playback(&self) -> Option<PlaybackOptions> {
+        None
     }
 }
 

@@ -1,11 +1,14 @@
 //! The results of a run: files, and a table for the terminal.
 
+use crate::bodies_file::BodiesFile;
 use crate::body_shape;
+use crate::capture::Story;
 use crate::film::Film;
 use crate::log::{Entry, Log};
 use crate::plot;
 use crate::simulated_body::{AT_REST, State, Support};
 use crate::simulation::{Simulation, lean_deg};
+use crate::states::States;
 use crate::subject_speed::quantile;
 use ode_visual_hull::Result;
 use std::fmt::Write;
@@ -25,21 +28,23 @@ pub(crate) fn write(
     name: &str,
     film: &Film,
     log: &Log,
-    still_until: f64,
-    moments: &[f64; 3],
+    bodies: &BodiesFile,
+    story: &impl Story,
 ) -> Result<Vec<(PathBuf, &'static str)>> {
     let mut written = Vec::new();
     if !film.is_empty() {
         let (path, strip) = (dir.join(format!("{name}.gif")), dir.join(format!("{name}.png")));
         film.write(&path)?;
-        film.write_strip(moments, &strip)?;
+        film.write_strip(&story.moments(), &strip)?;
         written.extend([(path, "film"), (strip, "three stills")]);
     }
 
-    let (states, heights) = (dir.join("states.csv"), dir.join("heights.svg"));
+    let (states, heights) = (dir.join(States::NAME), dir.join("heights.svg"));
+    let of_bodies = dir.join(BodiesFile::NAME);
     log.write_csv(&states)?;
-    plot::write(&heights, log, still_until)?;
-    written.extend([(states, "states"), (heights, "heights")]);
+    bodies.write(&of_bodies)?;
+    plot::write(&heights, log, story.still_until())?;
+    written.extend([(states, "states"), (of_bodies, "bodies"), (heights, "heights")]);
 
     Ok(written)
 }

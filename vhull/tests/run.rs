@@ -2,9 +2,15 @@
 
 use image::{GrayImage, Rgb, RgbImage};
 use nalgebra::{Isometry3, Point3, Vector3};
+use ode_visual_hull::hull::{HullData, Motion};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::Rig;
+use ode_visual_hull::shape::Shape;
 use ode_visual_hull::synthetic::{Placed, Solid, Subject, Texture, layout, silhouette};
+use ode_visual_hull_film::{
+    BodiesFile, FinishedRun, Frames, Playback, PlaybackOptions, STEPS_PER_SECOND, States, UnseenPolicy,
+    VolumeOptions,
+};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -90,6 +96,12 @@ fn states(recording: &Path) -> Vec<Vec<f64>> {
     lines.map(|line| line.split(',').map(|number| number.parse().unwrap()).collect()).collect()
 }
 
+/// The bodies and states of the last run.
+fn finished(recording: &Path) -> FinishedRun {
+    let out = recording.join("out");
+    FinishedRun::read(out.join(States::NAME), out.join(BodiesFile::NAME)).unwrap()
+}
+
 #[test]
 fn a_box_falls_on_the_subject_and_stays() {
     let recording = record("table", table, 3);
@@ -116,6 +128,42 @@ fn a_mix_alternates_boxes_and_balls_and_no_gif_writes_no_film() {
     assert!(["box 1", "ball 2", "box 3"].iter().all(|name| text.contains(name)), "{text}");
     assert_eq!(states(&recording).len(), 3 * 7);
     assert!(!recording.join("out/run.gif").exists());
+}
+
+#[test]
+fn the_bodies_of_a_run_are_described_with_where_they_were_and_how_the_recording_was_played() {
+    let recording = record("described", table, 3);
+    let arguments = ["--drop", "mix", "--count", "2", "--wait", "0.2", "--linger", "0.5", "--no-gif"];
+    let text = success(&recording, &[&arguments[..], &["--motion", "held", "--frames", "1.."]].concat());
+    assert!(text.contains("bodies.toml"), "{text}");
+
+    let run = finished(&recording);
+    let drawn = run.drawn(0);
+    assert_eq!(drawn[0].shape, Shape::cube(0.1));
+    assert_eq!(drawn[1].shape, Shape::Sphere { radius: 0.05 });
+    assert_ne!(drawn[0].colour, drawn[1].colour);
+    let rows = states(&recording);
+    assert_eq!(run.times().len() * 2, rows.len());
+    for k in 0..run.times().len() {
+        for (one, row) in run.drawn(k).iter().zip(&rows[2 * k..]) {
+            assert_eq!(one.world_from_body.translation.vector.as_slice(), &row[2..5]);
+        }
+    }
+
+    // What was left to the recording, its rate and work volume, is filled in.
+    let played = run.playback().unwrap();
+    let bounds = Some(Recording::open(&recording).unwrap().rig().work_volume().unwrap());
+    let volume = VolumeOptions { bounds, unseen: UnseenPolicy::Outside };
+    let expected = PlaybackOptions { frames: Some(1..3), rate: Some(30.0), wait: 0.2, linger: 0.5, volume };
+    assert_eq!((&played.options, played.motion), (&expected, Motion::Held));
+
+    let arguments = ["--rate", "60", "--bounds", "-0.5,0.5,-0.5,0.5,0,1", "--unseen", "abstain"];
+    success(&recording, &[&["--count", "1", "--wait", "0", "--no-gif"], &arguments[..]].concat());
+    let played = finished(&recording).playback().unwrap().clone();
+    let bounds = played.options.volume.bounds.unwrap();
+    assert_eq!((bounds.min, bounds.max), (Point3::new(-0.5, -0.5, 0.0), Point3::new(0.5, 0.5, 1.0)));
+    assert_eq!(played.options.volume.unseen, UnseenPolicy::Abstain);
+    assert_eq!((played.options.rate, played.motion), (Some(60.0), Motion::Interpolated));
 }
 
 #[test]
@@ -212,6 +260,18 @@ fn the_film_shows_the_image_that_is_nearest_to_the_time_of_the_hull() {
         let stills = image::open(recording.join("out/run.png")).unwrap().into_rgb8();
         let [red, ..] = stills.get_pixel(stills.width() - 4, 3).0;
         assert!(red.abs_diff(40 * frame) < 4, "{motion}: {red}");
+
+        // What the run has left behind leads to the same image again.
+        let run = finished(&recording);
+        let played = run.playback().unwrap();
+        let data = HullData::new();
+        let opened = Recording::open(&recording).unwrap();
+        let mut playback = Playback::new(opened, &recording, &played.options, &data).unwrap();
+        let steps = (run.collided_at(24) * STEPS_PER_SECOND).round() as u32;
+        (0..=steps).for_each(|k| playback.publish(f64::from(k) / STEPS_PER_SECOND, &data).unwrap());
+        let hull = data.in_motion(played.motion, run.collided_at(24)).unwrap();
+        let image = playback.picture(0, hull.time()).unwrap();
+        assert_eq!(image.get_pixel(3, 3).0, [40 * frame; 3], "{motion}");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::table::Table;
 use crate::arguments::{Movement, VolumeOptions, parse_frames, shown_frames};
-use crate::recorded::PlaybackOptions;
+use crate::playback_options::PlaybackOptions;
 use clap::ValueEnum;
 use nalgebra::Point3;
 use ode_visual_hull::Result;

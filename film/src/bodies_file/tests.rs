@@ -1,6 +1,6 @@
 use super::*;
 use crate::arguments::{UnseenPolicy, VolumeOptions};
-use crate::recorded::PlaybackOptions;
+use crate::playback_options::PlaybackOptions;
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::hull::{Aabb, Motion};
 use ode_visual_hull::shape::{Convex, Heightfield, TriMesh};

@@ -11,4 +11,4 @@ pub use background_images::{BackgroundImages, FrameTime};
 pub use frame_times::{ASSUMED_RATE, FrameTimes};
 pub use hulls::RecordedHulls;
 pub use obstacle::{ground, in_the_way};
-pub use playback::{Playback, PlaybackOptions, check_subject};
+pub use playback::{Playback, check_subject};

@@ -1,11 +1,12 @@
 //! A recording as a capture: its first frame is held for a while, then it plays at its own pace.
 
 use super::background_images::{BackgroundImages, FrameTime};
-use super::frame_times::FrameTimes;
+use super::frame_times::{ASSUMED_RATE, FrameTimes};
 use super::hulls::{RecordedHulls, evenly_spaced};
 use super::timeline::{Publication, Timeline};
 use crate::arguments::{VolumeOptions, shown_frames};
 use crate::capture::{FRAME_RATE, Frames, Story};
+use crate::playback_options::PlaybackOptions;
 use crate::window::Window;
 use image::{GrayImage, RgbImage};
 use nalgebra::{Point3, Vector3};
@@ -25,21 +26,6 @@ const MARGIN: f64 = 0.4;
 /// Number of frames whose hulls are made beforehand, to know where the subject will be.
 const SAMPLED_FRAMES: usize = 24;
 
-/// What of a recording is played, and how.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct PlaybackOptions {
-    /// The numbers of the frames; all by default.
-    pub frames: Option<Range<u32>>,
-    /// Images a second; by default as the recording says, else [`ASSUMED_RATE`](super::ASSUMED_RATE).
-    pub rate: Option<f64>,
-    /// Seconds for which the first frame is held.
-    pub wait: f64,
-    /// Seconds for which the last frame is held.
-    pub linger: f64,
-    /// Where the subject is.
-    pub volume: VolumeOptions,
-}
-
 /// A recording that is played.
 pub struct Playback {
     recording: Recording,
@@ -47,7 +33,8 @@ pub struct Playback {
     /// The recorded frames that are played, and when.
     frames: Vec<FrameTime>,
     timeline: Timeline,
-    wait: f64,
+    /// How it is played, with all that is left to the recording filled in.
+    options: PlaybackOptions,
     /// The hulls of some frames, starting with the first frame.
     sampled_hulls: Vec<Arc<Hull>>,
     /// The part of the world that the film shows.
@@ -76,6 +63,7 @@ impl Playback {
         check_subject(dir, frames[0].0, &sampled_hulls[0])?;
 
         let times: Vec<f64> = frames.iter().map(|&(_, time)| time).collect();
+        let options = filled_in(options, &recorded.recording, &frame_times, &frames)?;
         let backgrounds = recorded.recording.rig().cameras().iter().map(|_| None).collect();
         let shown = sampled_hulls.iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
         let mut playback = Self {
@@ -83,7 +71,7 @@ impl Playback {
             frame_times,
             frames,
             timeline: Timeline::new(&times, options.wait, options.linger),
-            wait: options.wait,
+            options,
             shown: shown.reduce(|a, b| a.union(&b)).unwrap_or(*sampled_hulls[0].aabb()).grown(MARGIN),
             sampled_hulls,
             published: None,
@@ -150,6 +138,24 @@ fn frames_of(
         )));
     }
     Ok(frames)
+}
+
+/// The options with what they leave to the recording: the numbers of the `frames`, an assumed rate, the work volume.
+fn filled_in(
+    options: &PlaybackOptions,
+    recording: &Recording,
+    frame_times: &FrameTimes,
+    frames: &[FrameTime],
+) -> Result<PlaybackOptions> {
+    let (first, last) = (frames[0].0, frames[frames.len() - 1].0);
+    let volume = VolumeOptions { bounds: Some(options.volume.of(recording.rig())?), ..options.volume };
+    let assumed = frame_times.is_assumed.then_some(ASSUMED_RATE);
+    Ok(PlaybackOptions {
+        frames: Some(first..last.saturating_add(1)),
+        rate: options.rate.or(assumed),
+        volume,
+        ..options.clone()
+    })
 }
 
 /// Checks that there is a subject in `frame` of the recording in folder `dir`, whose hull is `hull`.
@@ -230,12 +236,12 @@ impl Story for Playback {
     }
 
     fn still_until(&self) -> f64 {
-        self.wait
+        self.options.wait
     }
 
     fn moments(&self) -> [f64; 3] {
         let end = self.frames() as f64 / FRAME_RATE;
-        [0.2, self.wait - 0.1, 0.5 * (self.wait + end)]
+        [0.2, self.options.wait - 0.1, 0.5 * (self.options.wait + end)]
     }
 
     /// The nearest camera.
@@ -254,5 +260,9 @@ impl Story for Playback {
 
     fn light(&self) -> Point3<f64> {
         Point3::new(1.5, -1.0, 4.0)
+    }
+
+    fn playback(&self) -> Option<PlaybackOptions> {
+        Some(self.options.clone())
     }
 }

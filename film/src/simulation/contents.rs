@@ -1,8 +1,10 @@
 //! What is in the world of a simulation: bodies, what is fixed, joints, and how their surfaces are.
 
 use super::Simulation;
+use crate::bodies_file::{BodiesFile, DrawnPart, PlayedRecording};
 use crate::body_shape::check_drawable;
 use crate::part::{Part, mass_of};
+use crate::playback_options::PlaybackOptions;
 use crate::simulated_body::{SimulatedBody, drawn};
 use nalgebra::{Isometry3, Translation3};
 use ode_visual_hull::ode::{Damping, JointKind, Shape, Surface};
@@ -87,6 +89,21 @@ impl Simulation {
         }
         self.world.add_joint(bodies.map(|index| index.map(|i| self.bodies[i].id)), kind)?;
         Ok(())
+    }
+
+    /// What bodies and fixed parts look like, to be drawn again later. `playback` tells how the recording of the subject is
+    /// played, where there is one.
+    pub fn bodies_file(&self, playback: Option<PlaybackOptions>) -> BodiesFile {
+        let drawn = |part: &Part| DrawnPart {
+            shape: part.shape.clone(),
+            body_from_part: part.body_from_part,
+            colour: part.colour,
+        };
+        BodiesFile {
+            bodies: self.bodies.iter().map(|one| one.parts.iter().map(drawn).collect()).collect(),
+            fixed: self.fixed.clone(),
+            playback: playback.map(|options| PlayedRecording { options, motion: self.motion() }),
+        }
     }
 }
 

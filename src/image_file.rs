@@ -35,28 +35,48 @@ fn unreadable(path: &Path, found: &dyn std::fmt::Display) -> Error {
 /// Writes a PNG atomically: to a temporary name first, which readers ignore.
 pub(crate) fn write_png<P, C>(path: &Path, image: &ImageBuffer<P, C>) -> Result<()>
 where
-    P: PixelWithColorType<Subpixel = u8>,
-    C: Deref<Target = [u8]>,
+    P: PixelWithColorType<Subpixel = u8> + Sync,
+    C: Deref<Target = [u8]> + Sync,
 {
     write_pngs([(path, image)])
 }
 
-/// Writes several PNGs: all of them, or none if one cannot be written.
+/// Writes several PNGs: all of them, or none if one cannot be written. Each is encoded on a thread of its own, which takes
+/// longer than all else.
 pub(crate) fn write_pngs<'a, P, C>(
     files: impl IntoIterator<Item = (&'a Path, &'a ImageBuffer<P, C>)>,
 ) -> Result<()>
 where
-    P: PixelWithColorType<Subpixel = u8> + 'a,
-    C: Deref<Target = [u8]> + 'a,
+    P: PixelWithColorType<Subpixel = u8> + Sync + 'a,
+    C: Deref<Target = [u8]> + Sync + 'a,
 {
+    let encoded = std::thread::scope(|scope| {
+        let encode = |(path, image)| (path, scope.spawn(move || encoded(path, image)));
+        let threads: Vec<_> = files.into_iter().map(encode).collect();
+        threads
+            .into_iter()
+            .map(|(path, thread)| {
+                let bytes = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+                Ok((path, bytes))
+            })
+            .collect::<Result<Vec<_>>>()
+    })?;
+
     let mut parts = Parts::default();
-    for (path, image) in files {
-        let mut bytes = Cursor::new(Vec::new());
-        let encoded = image.write_to(&mut bytes, ImageFormat::Png);
-        encoded.map_err(|e| Error::file(path, format!("expected to write a png, found: {e}")))?;
-        parts.write(path, bytes.get_ref())?;
-    }
+    encoded.iter().try_for_each(|(path, bytes)| parts.write(path, bytes))?;
     parts.persist()
+}
+
+/// The bytes of the PNG of `image`, which will be written to `path`.
+fn encoded<P, C>(path: &Path, image: &ImageBuffer<P, C>) -> Result<Vec<u8>>
+where
+    P: PixelWithColorType<Subpixel = u8>,
+    C: Deref<Target = [u8]>,
+{
+    let mut bytes = Cursor::new(Vec::new());
+    let written = image.write_to(&mut bytes, ImageFormat::Png);
+    written.map_err(|e| Error::file(path, format!("expected to write a png, found: {e}")))?;
+    Ok(bytes.into_inner())
 }
 
 /// Files written under temporary names. Those that are not renamed in the end are removed.

@@ -62,7 +62,7 @@ impl Pictures {
         pictures: &[ImageBuffer<P, Vec<u8>>],
     ) -> Result<()>
     where
-        P: PixelWithColorType<Subpixel = u8>,
+        P: PixelWithColorType<Subpixel = u8> + Sync,
     {
         let mut paths = Vec::new();
         for camera in rig.cameras() {

@@ -14,7 +14,7 @@ use ode_visual_hull_film::Movement;
 #[command(name = "figure1", version, after_help = EXAMPLES)]
 pub struct Options {
     /// Play the masks by the wall clock on a thread of their own, simulate on another, and tell what was late: no film.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "record")]
     pub pace: bool,
     /// Which hull the boxes meet at the simulation's time.
     #[arg(long, value_enum, default_value = "interpolated")]

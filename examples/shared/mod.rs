@@ -34,6 +34,9 @@ pub struct FilmArguments {
     /// Write states and plot only, without a film: several times faster.
     #[arg(long)]
     pub no_gif: bool,
+    /// Folder for a recording of the synthetic cameras: the masks that the bodies meet, and images without noise.
+    #[arg(long, value_name = "DIR")]
+    pub record: Option<PathBuf>,
 }
 
 impl FilmArguments {
@@ -66,6 +69,9 @@ pub fn film<S: Scenario>(
     let Filmed { scenario, cameras, bounds, place, motion, name, out } = filmed;
     let data = Arc::new(HullData::new());
     let mut studio = Studio::new(scenario, cameras, bounds, u64::from(arguments.seed), &data)?;
+    if let Some(dir) = &arguments.record {
+        studio.record(dir)?;
+    }
     let pixel_size = data.at(0.0)?.pixel_size(&place);
     let mut simulation = Simulation::new(&data, pixel_size, motion)?;
     add_bodies(&mut simulation)?;

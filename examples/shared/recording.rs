@@ -15,7 +15,7 @@ const LINGER: f64 = 1.0;
 #[command(next_help_heading = "Recording")]
 pub struct RecordingArguments {
     /// Folder of a recording with masks, whose subject takes the place of the synthetic person.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with = "record")]
     pub recording: Option<PathBuf>,
     /// Recorded images a second [default: as frames.csv or the videos say; of a film, else 30].
     #[arg(long, value_name = "RATE", value_parser = parse_rate, requires = "recording")]

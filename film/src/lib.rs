@@ -63,7 +63,7 @@ pub use paced::{Pace, PaceReport, PacedFrames, Tally, run_paced};
 pub use part::Part;
 pub use playback_options::PlaybackOptions;
 pub use recorded::{
-    ASSUMED_RATE, BackgroundImages, FrameTime, FrameTimes, Playback, RecordedHulls, check_subject,
+    ASSUMED_RATE, BackgroundImages, FrameTime, FrameTimes, FramesCsv, Playback, RecordedHulls, check_subject,
     ground, in_the_way,
 };
 #[cfg(feature = "ode")]

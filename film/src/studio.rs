@@ -1,5 +1,7 @@
 //! Synthetic cameras that film what happens in a room, through all steps of a real system: image, noise, segmentation, mask.
 
+mod recorder;
+
 use crate::capture::{FRAME_RATE, Frames, Story};
 use crate::playback_options::PlaybackOptions;
 use crate::sensor::Sensor;
@@ -11,8 +13,11 @@ use ode_visual_hull::camera::{Camera, Ray};
 use ode_visual_hull::hull::{Aabb, Hull, HullData};
 use ode_visual_hull::pipeline::Pipeline;
 use ode_visual_hull::segment::{CleanPlate, Segmenter, Thresholds};
+use ode_visual_hull::silhouette::PackedMask;
 use ode_visual_hull::source::ImageSet;
 use ode_visual_hull::synthetic::{Hit, Room, Scene, Subject, clean_plate, render_over};
+use recorder::Recorder;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Sensor noise, in grey levels.
@@ -56,8 +61,12 @@ pub struct Studio<S> {
     /// The scene, and its images without noise.
     scene: Scene,
     images: Vec<RgbImage>,
-    /// The frame published last.
+    /// The frame published last, and its masks.
     frame: Option<usize>,
+    masks: Vec<PackedMask>,
+    bounds: Aabb,
+    /// The recording of the frames, if one is written.
+    recorder: Option<Recorder>,
     /// The subject in the picture taken last.
     pictured: Subject,
 }
@@ -93,10 +102,33 @@ impl<S: Scenario> Studio<S> {
             scene,
             images: Vec::new(),
             frame: None,
+            masks: Vec::new(),
+            bounds,
+            recorder: None,
             pictured: Subject::default(),
         };
         studio.publish(0.0, data)?;
         Ok(studio)
+    }
+
+    /// Writes the frames from the present one on as a recording to folder `dir`: the masks that are published, and the images
+    /// without noise, which would take two to three times the space.
+    ///
+    /// # Errors
+    /// A folder that holds a recording already, or cannot be written.
+    pub fn record(&mut self, dir: &Path) -> Result<()> {
+        self.recorder = Some(Recorder::new(dir, &self.cameras, &self.plates, self.bounds)?);
+        self.record_frame()
+    }
+
+    /// Adds the frame published last to the recording.
+    fn record_frame(&mut self) -> Result<()> {
+        match (&mut self.recorder, self.frame) {
+            (Some(recorder), Some(frame)) => {
+                recorder.add(frame as u32, time_of(frame), &self.images, &self.masks)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Moves the subject to where it is in `frame`. While it stands, its images are those of the frame before.
@@ -128,8 +160,9 @@ impl<S: Scenario> Frames for Studio<S> {
             let exposure = (frame * self.cameras.len() + view) as u32;
             Ok(self.sensor.expose(&self.images[view], exposure))
         })?;
-        self.pipeline.publish(ImageSet::simultaneous(frame as u32, time_of(frame), noisy))?;
-        Ok(())
+        let captured = self.pipeline.publish(ImageSet::simultaneous(frame as u32, time_of(frame), noisy))?;
+        self.masks = captured.masks.into_iter().flatten().collect();
+        self.record_frame()
     }
 
     /// The image without noise, which would only make the film larger.
@@ -182,7 +215,7 @@ impl<S: Scenario> Story for Studio<S> {
     }
 
     fn playback(&self) -> Option<PlaybackOptions> {
-        None
+        self.recorder.as_ref().map(Recorder::playback)
     }
 }
 

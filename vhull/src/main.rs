@@ -9,7 +9,6 @@ mod progress;
 mod run;
 mod segment;
 mod synth;
-mod times;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -3,7 +3,6 @@
 use crate::Outcome;
 use crate::arguments::parse_size;
 use crate::progress;
-use crate::times::Times;
 use clap::ValueEnum;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use ode_visual_hull::camera::Camera;
@@ -13,6 +12,7 @@ use ode_visual_hull::synthetic::{
     Placed, Room, Scene, Solid, Subject, Texture, add_noise, clean_plate, coverage, layout, render_over,
 };
 use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::FramesCsv;
 use std::path::PathBuf;
 
 /// Write a recording of a synthetic subject: images, backgrounds and masks of a ring of cameras.
@@ -97,7 +97,7 @@ pub fn run(options: &Options) -> Result<Outcome> {
     };
     recording.write_backgrounds(&plates.iter().map(&mut expose).collect::<Result<Vec<_>>>()?)?;
 
-    let mut times = Times::open(&options.dir, None)?;
+    let mut times = FramesCsv::open(&options.dir, None)?;
     let bar = progress::bar(options.frames as usize, "frames");
     for frame in 0..options.frames {
         let scene = Scene { subject: subject(options.subject, f64::from(frame) / RATE)?, room: room.clone() };

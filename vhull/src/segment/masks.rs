@@ -1,11 +1,11 @@
 //! Writer of the masks of a recording.
 
 use super::Options;
-use crate::times::Times;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::silhouette::PackedMask;
 use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::FramesCsv;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ pub struct Masks {
     as_runs: bool,
     /// Table of times beside masks in a folder of their own; `None` where the images have no known times or the folder
     /// has a table from the user.
-    times: Option<Times>,
+    times: Option<FramesCsv>,
 }
 
 impl Masks {
@@ -50,7 +50,7 @@ impl Masks {
         // Masks in a folder of their own lose the images that hold their times.
         let times = match &options.out {
             Some(out) if !matches!(images.frame_times(streaming), Ok(None)) => {
-                Times::open(out, options.force.then_some(&options.frames))?
+                FramesCsv::open(out, options.force.then_some(&options.frames))?
             }
             _ => None,
         };

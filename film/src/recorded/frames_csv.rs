@@ -12,12 +12,12 @@ const COLUMNS: &str = "frame,time";
 
 /// The table of capture times in a recording's folder; each frame appends a line.
 #[derive(Debug)]
-pub struct Times {
+pub struct FramesCsv {
     path: PathBuf,
     is_new: bool,
 }
 
-impl Times {
+impl FramesCsv {
     /// Opens the table in `dir` and removes the lines of frames in `rewritten`. `None` where the table has columns
     /// other than [`COLUMNS`].
     ///
@@ -52,6 +52,9 @@ impl Times {
     }
 
     /// Appends `frame`, captured at `time` seconds.
+    ///
+    /// # Errors
+    /// A table that cannot be written.
     pub fn add(&mut self, frame: u32, time: f64) -> Result<()> {
         // The heading is written with the first frame, so that no empty table is left behind.
         let heading = if self.is_new { format!("{COLUMNS}\n") } else { String::new() };

@@ -24,9 +24,9 @@ use std::sync::Arc;
 /// The recording's masks collide with the bodies, at the pace at which they were recorded. The first frame is held
 /// until the bodies have come to rest. Between its frames the subject moves on and pushes bodies with its own speed
 /// (`--motion`). World z is up, the floor at z = 0. Writes a film (GIF, 30 frames a second) and three stills of it, the
-/// state of each body in each frame of the film (CSV), what the bodies look like and how the recording was played (TOML), and
-/// a plot of their heights, and prints what became of the bodies, and how fast they were beside the subject. The film shows the recording's images or videos (these need ffmpeg), or its
-/// masks where there are none.
+/// state of each body in each frame of the film (CSV), what the bodies look like and how the recording was played (TOML),
+/// and a plot of their heights. Prints what became of the bodies, and how fast they were beside the subject. The film shows
+/// the recording's images or videos (these need ffmpeg), or its masks where there are none.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {

@@ -18,9 +18,6 @@ const MIN_LEAP_PX: f32 = 0.5;
 /// The smallest depth in front of a camera, in metres.
 const MIN_DEPTH: f32 = 1e-3;
 
-/// Halvings of the last leap.
-const BISECTIONS: u32 = 4;
-
 /// How far a ray goes on where too few views see it, in metres.
 const BLIND_STEP: f32 = 0.01;
 
@@ -71,9 +68,11 @@ pub struct MarchView<'s> {
     /// The focal length in pixels.
     focal: f32,
     distances: &'s [f32],
-    /// First column and row of the distances, and their numbers.
-    first: [i32; 2],
-    counts: [i32; 2],
+    /// Image position of the first of the distances, and columns and rows from there to the last one.
+    first: [f32; 2],
+    last: [f32; 2],
+    /// Distances in a row.
+    stride: usize,
 }
 
 /// The images of a ray's points in one view: homogeneous coordinates `at_origin + t slope`.
@@ -114,8 +113,16 @@ impl<'s> March<'s> {
 
     /// Where `ray` enters the hull within the `range` of distances along it. `lines` is scratch memory.
     pub fn entry(&self, ray: &Ray, range: Range<f32>, lines: &mut Lines) -> Option<Entry> {
-        let (before, entry) = self.first_inside(ray, range, 0.0, lines)?;
-        Some(Entry { t: self.bisected(lines, before, entry.t), ..entry })
+        let (before, Entry { t, view }) = self.first_inside(ray, range, 0.0, lines)?;
+
+        // The distance from the silhouette that ends the hull there is nearly linear over the last leap.
+        let distance = |t: f32| {
+            let h = lines.0[view].at(t);
+            self.views[view].distance(h.x / h.z, h.y / h.z)
+        };
+        let (outside, inside) = (distance(before), distance(t));
+        let part = if outside > inside { (outside / (outside - inside)).clamp(0.0, 1.0) } else { 1.0 };
+        Some(Entry { t: before + part * (t - before), view })
     }
 
     /// A distance along `ray` before which no ray enters the hull that starts with it and is at most `spread` radians off.
@@ -206,25 +213,6 @@ impl<'s> March<'s> {
         ts.filter_map(worst_at).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, entry)| entry)
     }
 
-    /// The entry between `outside` and `inside`.
-    fn bisected(&self, lines: &Lines, mut outside: f32, mut inside: f32) -> f32 {
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (outside + inside);
-            if self.is_inside(lines, middle) {
-                inside = middle;
-            } else {
-                outside = middle;
-            }
-        }
-        inside
-    }
-
-    /// Whether no view sees background at distance `t` along the ray of `lines`.
-    fn is_inside(&self, lines: &Lines, t: f32) -> bool {
-        let mut lines = lines.0.iter().enumerate();
-        lines.all(|(view, line)| !matches!(self.verdict(view, line, t, 0.0), Verdict::Outside(_)))
-    }
-
     /// The outward unit normal of the hull at `point` on its surface, where `view` decides.
     pub fn normal(&self, point: &Point3<f32>, view: usize) -> Vector3<f32> {
         let view = &self.views[view];
@@ -251,8 +239,10 @@ impl<'s> MarchView<'s> {
             image: Vector2::new(width as f32, height as f32),
             focal: view.camera().intrinsics()[(0, 0)] as f32,
             distances: distances.values(),
-            first: [known.x0, known.y0],
-            counts: [known.width() as i32, known.height() as i32],
+            first: [known.x0 as f32 + 0.5, known.y0 as f32 + 0.5],
+            last: [known.width() as f32 - 1.0, known.height() as f32 - 1.0],
+            // A silhouette without pixels has no distances; two columns keep the arithmetic simple.
+            stride: known.width().max(2),
         }
     }
 
@@ -276,25 +266,30 @@ impl<'s> MarchView<'s> {
 
     /// The signed distance at image position `(u, v)`, bilinear between pixel centres. Beyond the known ones it is at most
     /// the true distance, since the silhouette lies within their rectangle.
+    #[inline]
     pub fn distance(&self, u: f32, v: f32) -> f32 {
-        let [columns, rows] = self.counts;
-        let (column, row) = (u - 0.5 - self.first[0] as f32, v - 0.5 - self.first[1] as f32);
-        let x = column.clamp(0.0, (columns - 1) as f32);
-        let y = row.clamp(0.0, (rows - 1) as f32);
-        let (i, j) = ((x as i32).min(columns - 2).max(0), (y as i32).min(rows - 2).max(0));
-        let (right, below) = (x - i as f32, y - j as f32);
-        let at = (j * columns + i) as usize;
-        let (Some(upper), Some(lower)) = (
-            self.distances.get(at..at + 2),
-            self.distances.get(at + columns as usize..at + columns as usize + 2),
-        ) else {
-            return f32::MAX;
-        };
-        let mix = |pair: &[f32]| pair[0] + (pair[1] - pair[0]) * right;
-        let (upper, lower) = (mix(upper), mix(lower));
-        let distance = upper + (lower - upper) * below;
-        let (du, dv) = (column - x, row - y);
-        if du == 0.0 && dv == 0.0 { distance } else { (du * du + dv * dv + distance * distance).sqrt() }
+        let [columns, rows] = self.last;
+        let (column, row) = (u - self.first[0], v - self.first[1]);
+        if column >= 0.0 && row >= 0.0 && column < columns && row < rows {
+            return self.interpolated(column, row);
+        }
+        let (x, y) = (column.clamp(0.0, columns), row.clamp(0.0, rows));
+        let (du, dv, distance) = (column - x, row - y, self.interpolated(x, y));
+        (du * du + dv * dv + distance * distance).sqrt()
+    }
+
+    /// The distance at this column and row of the known ones.
+    #[inline]
+    fn interpolated(&self, column: f32, row: f32) -> f32 {
+        let (i, j) = ((column as usize).min(self.stride - 2), row as usize);
+        let (right, below) = (column - i as f32, row - j as f32);
+        let at = j * self.stride + i;
+        let upper = self.distances.get(at..at + 2);
+        // In the last row nothing is below.
+        let lower = self.distances.get(at + self.stride..at + self.stride + 2).or(upper);
+        let (Some(&[a, b]), Some(&[c, d])) = (upper, lower) else { return f32::MAX };
+        let (upper, lower) = (a + (b - a) * right, c + (d - c) * right);
+        upper + (lower - upper) * below
     }
 
     /// The gradient of the distance, over two pixels, so that steps of pixels are smoothed.
@@ -351,3 +346,6 @@ fn clip_to_box(bounds: &Aabb, spread: f32, ray: &Ray, range: (f32, f32)) -> Opti
         clip_to_half_line(bounds.max[axis] as f32 - origin, spread - direction, range)
     })
 }
+
+#[cfg(test)]
+mod tests;

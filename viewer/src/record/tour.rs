@@ -195,3 +195,6 @@ fn smooth(points: &[(f64, f64); 4], time: f64) -> f64 {
         + to.1 * (3.0 * s2 - 2.0 * s3)
         + arrives * (s3 - s2)
 }
+
+#[cfg(test)]
+mod tests;

@@ -118,7 +118,7 @@ impl Mesh {
         let least = Vector3::ith(up.iamin(), 1.0);
         let along = up.cross(&least).normalize() * PLANE_REACH;
         let across = up.cross(&along);
-        let middle = Point3::from(up * offset / normal.norm());
+        let middle = Point3::from(up * offset);
         self.add_flat(&[middle - along - across, middle + along - across, middle + along + across]);
         self.add_flat(&[middle - along - across, middle + along + across, middle - along + across]);
     }
@@ -174,3 +174,6 @@ fn inset(
     let along = (a + b) * (LINE / (1.0 + a.dot(&b)).max(1e-3));
     own + along * (farthest / along.norm().max(f64::MIN_POSITIVE)).min(1.0)
 }
+
+#[cfg(test)]
+mod tests;

@@ -19,7 +19,7 @@ pub struct FramesCsv {
 
 impl FramesCsv {
     /// Opens the table in `dir` and removes the lines of frames in `rewritten`. `None` where the table has columns
-    /// other than [`COLUMNS`].
+    /// other than frame and time.
     ///
     /// # Errors
     /// A table that exists and cannot be read, or cannot be written.

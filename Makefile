@@ -15,17 +15,24 @@ INSTALLED := $(INCLUDEDIR)/ode_visual_hull.h $(LIBDIR)/pkgconfig/ode_visual_hull
 	$(addprefix $(LIBDIR)/$(LIBRARY),.a .so .so.$(MAJOR) .so.$(VERSION))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup lib install uninstall demo demo-real showcase test figures bench clean
+.PHONY: help setup lib install uninstall demo demo-real showcase test test-viewer figures bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' $(MAKEFILE_LIST) | expand -t 18
 
-demo: setup ## a stack of boxes on a real box that is lifted and tilted: film, table and plot in target/demo
-	cargo run --release --example box_stack
+VHULL_VIEW := cargo run --quiet --release --package ode-visual-hull-viewer --no-default-features --bin vhull-view --
+
+demo: setup ## a stack of boxes on a real box that is lifted and tilted: two films, table and plot in target/demo
+	@rm -rf target/demo/recording
+	cargo run --release --example box_stack -- --record target/demo/recording
+	@cargo build --release --package ode-visual-hull-viewer --no-default-features
+	$(VHULL_VIEW) film target/demo/recording --states target/demo/states.csv --tour examples/box_stack/tour.toml \
+		--size 480x360 --out target/demo/from_anywhere.gif
 
 demo-real: ## a real person knocks over such a stack: fetches a recording, film, table and plot in target/demo-real
 	@scripts/setup ffmpeg python3-pip
 	cargo build --release --package vhull
+	cargo build --release --package ode-visual-hull-viewer --no-default-features
 	@scripts/demo-real $(or $(CARGO_TARGET_DIR),target)
 
 SHOWCASE := domino_spiral pyramid newtons_cradle balance_bird grab grab_with_button
@@ -37,17 +44,30 @@ showcase: setup ## scenes that other engines show too, and hands that grab, all 
 test: setup ## formatting, lints, documentation and all tests
 	@scripts/lints
 	cargo fmt --all --check
-	cargo clippy --workspace --all-targets -- --deny warnings
+	cargo clippy --all-targets -- --deny warnings
 	tests/without_ode.sh
-	RUSTDOCFLAGS="--deny warnings" cargo doc --workspace --no-deps
-	cargo test --workspace
+	RUSTDOCFLAGS="--deny warnings" cargo doc --no-deps
+	cargo test
 	tests/install.sh
 	tests/thread_sanitizer.sh
 	tests/ode_demos.sh
 
+# The viewer's libraries take as long to build as everything else, so that they have a target of their own. Mesa's rasteriser
+# stands in where there is no GPU.
+VIEWER := --package ode-visual-hull-viewer
+
+test-viewer: ## lints, documentation and tests of the viewer, on a GPU or on Mesa's rasteriser without one
+	@scripts/setup libegl1 libgl1-mesa-dri
+	cargo clippy $(VIEWER) --all-targets -- --deny warnings
+	cargo clippy $(VIEWER) --no-default-features --all-targets -- --deny warnings
+	RUSTDOCFLAGS="--deny warnings" cargo doc $(VIEWER) --no-deps
+	cargo test $(VIEWER)
+
 figures: setup ## measures every quality figure: tables, and target/figures.json
 	cargo run --release --example figures
 	cargo run --release --package ode-visual-hull-bench -- --only segmentation --only motion
+	@scripts/setup libegl1 libgl1-mesa-dri
+	cargo run --release $(VIEWER) --example view_figures
 
 bench: setup ## the library beside the paper's algorithm and rebuilt meshes: docs/performance.md, and target/figures.json
 	cargo run --release --package ode-visual-hull-bench

@@ -30,37 +30,25 @@ fn rays_enter_where_the_exact_ray_cast_says_to_within_two_pixels() {
     let (rendered, scene) = person();
     let march = March::new(&scene);
     let pixel = rendered.hull.pixel_size(&Point3::new(0.0, 0.0, 0.9));
-    let (mut hits, mut lines) = (0, Lines::default());
-    for ray in rays(3000) {
+    let mut lines = Lines::default();
+    let (mut asked, mut differ) = (0, 0);
+    for ray in rays(4000) {
         let exact = rendered.hull.ray_cast(&ray);
         let found = march.entry(&single(&ray), 0.0..f32::MAX, &mut lines);
-        match exact {
-            // Distances are to the borders of whole pixels, exact entries to coverage edges: a chord through the hull that is
-            // shorter than that difference may be missed, and an entry at a small angle to the surface moves along it.
-            Some((Some(entry), exit)) if exit.t - entry.t > 8.0 * pixel => {
-                hits += 1;
-                let found = found.unwrap_or_else(|| panic!("{ray:?} misses the hull"));
-                let slope = entry.normal.dot(&ray.direction).abs().max(0.1);
-                assert!((f64::from(found.t) - entry.t).abs() < 2.0 * pixel / slope, "{found:?}, {entry:?}");
+        let agree = match (exact, found) {
+            // An entry at a small angle to the surface moves along it by more than the surface does.
+            (Some((Some(exact), _)), Some(found)) => {
+                let slope = exact.normal.dot(&ray.direction).abs().max(0.1);
+                (f64::from(found.t) - exact.t).abs() < 2.0 * pixel / slope
             }
-            Some(_) => (),
-            None => {
-                let inside = |t: f64| rendered.hull.inside(&ray.at(t));
-                let is_near = |t: f64| (-6..=6).any(|k| inside(t + f64::from(k) * 0.5 * pixel));
-                let near_surface = found.is_none_or(|entry| {
-                    let point = ray.at(entry.t.into());
-                    let beside = |axis: usize, sign: f64| {
-                        let mut other = point;
-                        other[axis] += sign * 2.0 * pixel;
-                        rendered.hull.inside(&other)
-                    };
-                    is_near(entry.t.into()) || (0..3).any(|axis| beside(axis, 1.0) || beside(axis, -1.0))
-                });
-                assert!(near_surface, "{ray:?} enters what no view shows: {found:?}");
-            }
-        }
+            (None, None) => continue,
+            _ => false,
+        };
+        asked += 1;
+        differ += usize::from(!agree);
     }
-    assert!(hits > 500, "{hits}");
+    // Rays that only graze a limb: the exact surface is that of coverage, this one that of whole pixels. A limb has 8 pixels.
+    assert!(asked > 1000 && differ as f64 <= 0.04 * asked as f64, "{differ} of {asked}");
 }
 
 #[test]

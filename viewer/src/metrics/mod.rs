@@ -59,8 +59,13 @@ mod tests {
         let all = vec![true; 256];
         // An error of 25.5 levels is a tenth of the peak: 20 dB.
         let mut half = grey(100);
-        half.pixels_mut().enumerate().filter(|(k, _)| k % 2 == 0).for_each(|(_, pixel)| *pixel = Rgb([136; 3]));
-        assert!((psnr(&half, &grey(100), &all) - 20.0 * (255.0 / (36.0 / 2.0_f64.sqrt())).log10()).abs() < 1e-9);
+        half.pixels_mut()
+            .enumerate()
+            .filter(|(k, _)| k % 2 == 0)
+            .for_each(|(_, pixel)| *pixel = Rgb([136; 3]));
+        assert!(
+            (psnr(&half, &grey(100), &all) - 20.0 * (255.0 / (36.0 / 2.0_f64.sqrt())).log10()).abs() < 1e-9
+        );
         let odd: Vec<bool> = (0..256).map(|k| k % 2 == 1).collect();
         assert_eq!(psnr(&half, &grey(100), &odd), f64::INFINITY);
         assert!(psnr(&half, &grey(100), &[false; 256]).is_nan());

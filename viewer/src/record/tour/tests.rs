@@ -25,7 +25,9 @@ fn a_tour_passes_through_its_keys_and_stands_still_before_and_after_them() {
     }
     let second = tour.at(2.0);
     let expected = Point3::new(0.0, 4.0 * 30_f64.to_radians().cos(), 2.0);
-    assert!((second.eye() - expected).norm() < 1e-9 && (second.field_of_view.to_degrees() - 30.0).abs() < 1e-9);
+    assert!(
+        (second.eye() - expected).norm() < 1e-9 && (second.field_of_view.to_degrees() - 30.0).abs() < 1e-9
+    );
     for time in [4.0, 9.0] {
         let (found, expected) = (tour.at(time).camera((640, 480)).unwrap(), camera());
         assert!((found.centre() - expected.centre()).norm() < 1e-9);
@@ -67,12 +69,18 @@ fn a_tour_that_is_none_says_which_key_and_what_was_expected() {
         ("", "expected a tour with [[key]] tables"),
         ("key = []", "expected at least one [[key]], found none"),
         ("[[key]]\ntime = 0\nspeed = 3", "unknown field `speed`"),
-        (&key("time = 0\neye = [1, 0, 1]"), "key 2: expected a time in seconds after that of the key before, found 0"),
+        (
+            &key("time = 0\neye = [1, 0, 1]"),
+            "key 2: expected a time in seconds after that of the key before, found 0",
+        ),
         (&key("time = 1"), "key 2: expected either eye, or azimuth and distance, or camera"),
         (&key("time = 1\ncamera = \"right\""), "key 2: camera: expected one of left, found right"),
         (&key("time = 1\neye = [nan, 0, 1]"), "key 2: expected finite numbers, found nan or inf"),
         (&key("time = 1\nazimuth = 1\ndistance = 0"), "key 2: expected an eye away from the target"),
-        (&key("time = 1\neye = [1, 0, 1]\nfield_of_view = 180"), "key 2: field_of_view: expected 1 to 150 degrees, found 180"),
+        (
+            &key("time = 1\neye = [1, 0, 1]\nfield_of_view = 180"),
+            "key 2: field_of_view: expected 1 to 150 degrees, found 180",
+        ),
     ];
     for (text, expected) in refused {
         let message = parse(text).unwrap_err();

@@ -17,7 +17,8 @@ const INSET: f64 = 0.05;
 
 fn tetrahedron() -> Convex {
     let corner = |x: f64, y: f64, z: f64| Point3::new(x - INSET, y - INSET, z - INSET);
-    let points = vec![corner(0.0, 0.0, 0.0), corner(0.3, 0.0, 0.0), corner(0.0, 0.3, 0.0), corner(0.0, 0.0, 0.3)];
+    let points =
+        vec![corner(0.0, 0.0, 0.0), corner(0.3, 0.0, 0.0), corner(0.0, 0.3, 0.0), corner(0.0, 0.0, 0.3)];
     Convex::new(points, &[vec![0, 2, 1], vec![0, 1, 3], vec![0, 3, 2], vec![1, 2, 3]]).unwrap()
 }
 
@@ -70,7 +71,9 @@ fn a_point_is_inside_a_mesh_where_it_is_inside_the_shape() {
         (Shape::Box { sides: 2.0 * half }, &|p| (0..3).all(|axis| p[axis].abs() < half[axis])),
         // A polyhedron is a little smaller than its ball.
         (Shape::Sphere { radius: 0.2 }, &|p| p.coords.norm() < 0.2),
-        (Shape::Convex(Arc::new(tetrahedron())), &|p| p.coords.min() > -INSET && p.coords.sum() < 0.3 - 3.0 * INSET),
+        (Shape::Convex(Arc::new(tetrahedron())), &|p| {
+            p.coords.min() > -INSET && p.coords.sum() < 0.3 - 3.0 * INSET
+        }),
     ];
     for (shape, expected) in inside {
         let mesh = Mesh::of(&shape);

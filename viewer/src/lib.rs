@@ -10,6 +10,8 @@
 //! coloured by the images of the real cameras. Nothing here needs a window or ODE.
 
 pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod history;
 pub mod metrics;
 pub mod orbit;

@@ -88,6 +88,19 @@ fn pictures_of_the_processor_are_the_golden_ones() {
     check("cpu_bare", &drawn(&mut renderer, &bare).colour);
 }
 
+#[cfg(feature = "gpu")]
+#[test]
+fn pictures_of_a_gpu_are_the_golden_ones() {
+    let mut renderer =
+        Renderer::open(RendererKind::Gpu, Method::Blend).unwrap_or_else(|error| panic!("{error}"));
+    let plain = DrawOptions::default();
+    for (name, method) in
+        [("gpu_blend", Method::Blend), ("gpu_hull", Method::Hull), ("gpu_sweep", Method::Sweep)]
+    {
+        check(name, &drawn(&mut renderer, &DrawOptions { method, ..plain }).colour);
+    }
+}
+
 #[test]
 fn a_picture_from_the_place_of_a_real_camera_shows_its_image() {
     let (scene, cameras) = &*SCENE;

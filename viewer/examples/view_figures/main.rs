@@ -5,14 +5,15 @@
 mod flicker;
 mod occlusion;
 mod quality;
+mod speed;
 
 use ode_visual_hull_testing::figure::Figure;
 use ode_visual_hull_testing::figure_table;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let measured =
-        [quality::measure, occlusion::measure, flicker::measure].into_iter().map(|measure| measure());
+    let groups = [quality::measure, occlusion::measure, flicker::measure, speed::measure];
+    let measured = groups.into_iter().map(|measure| measure());
     let figures: Vec<Figure> = match measured.collect::<ode_visual_hull::Result<Vec<_>>>() {
         Ok(groups) => groups.into_iter().flatten().collect(),
         Err(error) => {

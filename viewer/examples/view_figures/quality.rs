@@ -68,6 +68,7 @@ pub fn measure() -> Result<Vec<Figure>> {
         let volume = VolumeOptions { bounds: Some(capture.bounds), ..VolumeOptions::default() };
         let scene = CapturedFrames::open(&dir, &volume)?.scene(capture.frame)?;
         let blend = compared(&scene, Method::Blend, LeftOut::Colours)?;
+        let sweep = Comparison::mean(&compared(&scene, Method::Sweep, LeftOut::Colours)?);
         let shape = Comparison::mean(&compared(&scene, Method::Hull, LeftOut::Colours)?);
         let strict = Comparison::mean(&compared(&scene, Method::Blend, LeftOut::View)?);
         own.extend(compared(&scene, Method::Blend, LeftOut::Nothing)?);
@@ -81,7 +82,12 @@ pub fn measure() -> Result<Vec<Figure>> {
             bounded("psnr", blend.psnr, AtLeast(capture.psnr)),
             bounded("ssim", blend.ssim, AtLeast(capture.ssim)),
             bounded("iou", blend.iou, AtLeast(capture.iou)),
+            bounded("psnr_over_sweep", blend.psnr - sweep.psnr, AtLeast(0.0)),
+            bounded("ssim_over_sweep", blend.ssim - sweep.ssim, AtLeast(0.0)),
             bounded("psnr_over_hull", blend.psnr - shape.psnr, AtLeast(0.0)),
+            bounded("ssim_over_hull", blend.ssim - shape.ssim, AtLeast(0.0)),
+            bounded("sweep_psnr", sweep.psnr, AtLeast(capture.sweep[0])),
+            bounded("sweep_ssim", sweep.ssim, AtLeast(capture.sweep[1])),
             reported("psnr_hull", shape.psnr),
             reported("ssim_hull", shape.ssim),
             reported("psnr_of_both", blend.psnr_of_both),
@@ -106,7 +112,8 @@ pub fn measure() -> Result<Vec<Figure>> {
 
 /// A comparison for each camera.
 fn compared(scene: &Scene, method: Method, left_out: LeftOut) -> Result<Vec<Comparison>> {
-    let mut renderer = Renderer::open(RendererKind::Cpu, method)?;
+    let kind = if method == Method::Sweep { RendererKind::Gpu } else { RendererKind::Cpu };
+    let mut renderer = Renderer::open(kind, method)?;
     let options =
         DrawOptions { method, snap: false, shadows: false, surroundings: false, ..DrawOptions::default() };
     let mut found = Vec::new();

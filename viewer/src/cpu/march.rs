@@ -13,7 +13,7 @@ use ode_visual_hull::hull::{Aabb, Unseen};
 use std::ops::Range;
 
 /// The smallest leap, in pixels of the view that decides. What is thinner may be missed.
-const MIN_LEAP_PX: f32 = 0.5;
+const MIN_LEAP_PX: f32 = 0.25;
 
 /// The smallest depth in front of a camera, in metres.
 const MIN_DEPTH: f32 = 1e-3;
@@ -292,7 +292,7 @@ impl<'s> MarchView<'s> {
         upper + (lower - upper) * below
     }
 
-    /// The gradient of the distance, over two pixels, so that steps of pixels are smoothed.
+    /// The gradient of the distance, over three pixels, so that steps of pixels are smoothed.
     fn gradient(&self, u: f32, v: f32) -> Vector2<f32> {
         const REACH: f32 = 3.0;
         let along = |du: f32, dv: f32| self.distance(u + du, v + dv) - self.distance(u - du, v - dv);

@@ -19,6 +19,9 @@ mod surroundings;
 
 use crate::picture::{DrawOptions, Picture, to_rgb};
 use crate::scene::Scene;
+#[cfg(feature = "gpu")]
+pub(crate) use depth_map::{CELL, VISIBILITY_BIAS};
+
 use blend::Blend;
 use eye::Eye;
 use march::{Lines, March};
@@ -27,57 +30,87 @@ use pixel::{PixelPainter, TILE};
 use raster::Triangles;
 use rayon::prelude::*;
 use shadow::{LightView, Shadow};
+use std::sync::OnceLock;
 
-/// Draws pictures of one scene on the processor.
+/// Draws pictures of one scene on the processor. What a picture needs is prepared with the first one that needs it.
 #[derive(Debug)]
 pub struct CpuRenderer<'s> {
     scene: &'s Scene,
     march: March<'s>,
-    blend: Blend<'s>,
     bodies: Triangles,
-    shadow_of_bodies: Shadow,
-    shadow_of_subject: Shadow,
+    blend: OnceLock<Blend<'s>>,
+    shadows: OnceLock<Shadows>,
+}
+
+/// The shadows of bodies and subject.
+#[derive(Debug)]
+struct Shadows {
+    bodies: Shadow,
+    subject: Shadow,
 }
 
 impl<'s> CpuRenderer<'s> {
-    /// Prepares to draw `scene` from any place.
+    /// Draws `scene` from any place.
     pub fn new(scene: &'s Scene) -> Self {
-        let march = March::new(scene);
-        let blend = Blend::new(scene, &march);
-        let bodies = Triangles::new(scene);
-        let light = LightView::new(scene, &bodies);
-        let shadow_of_bodies = Shadow::of_bodies(&light, &bodies);
-        let shadow_of_subject = Shadow::of_subject(&light, &march);
-        Self { scene, march, blend, bodies, shadow_of_bodies, shadow_of_subject }
+        Self {
+            scene,
+            march: March::new(scene),
+            bodies: Triangles::new(scene),
+            blend: OnceLock::new(),
+            shadows: OnceLock::new(),
+        }
     }
 
     /// The scene from the place of `camera`, whose lens is ignored.
+    ///
+    /// The method sweep is drawn as blend: it needs a GPU.
     pub fn draw(&self, camera: &Camera, options: &DrawOptions) -> Picture {
+        self.composed(camera, options, None)
+    }
+
+    /// The scene from the place of `camera` around the subject of `layer`, which a GPU has drawn from there.
+    pub(crate) fn compose(&self, camera: &Camera, options: &DrawOptions, layer: &Picture) -> Picture {
+        self.composed(camera, options, Some(layer))
+    }
+
+    fn composed(&self, camera: &Camera, options: &DrawOptions, layer: Option<&Picture>) -> Picture {
         let eye = Eye::new(camera);
         let (width, height) = eye.size();
         let fragments = self.bodies.draw(&eye.projection(), eye.size());
-        let painter = PixelPainter::new(self, &eye, *options);
+        let painter = PixelPainter::new(self, &eye, *options, layer);
 
         let mut picture = Picture::new(width, height);
         let Picture { colour, content, depth } = &mut picture;
         let w = width as usize;
         let band = w * TILE;
-        let bands =
-            colour.par_chunks_mut(3 * band).zip(content.par_chunks_mut(band)).zip(depth.par_chunks_mut(band));
-        bands.zip(fragments.par_chunks(band)).enumerate().for_each(
-            |(j, (((colour, content), depth), fragments))| {
-                let mut lines = Lines::default();
-                let starts = painter.tile_starts(j, w, &mut lines);
-                let pixels = colour.chunks_exact_mut(3).zip(content).zip(depth).zip(fragments);
-                for (index, (((colour, content), depth), fragment)) in pixels.enumerate() {
-                    let (x, y) = (index % w, j * TILE + index / w);
-                    let at = (x as f32 + 0.5, y as f32 + 0.5);
-                    let seen = painter.paint(at, fragment, starts[x / TILE], &mut lines);
-                    colour.copy_from_slice(&to_rgb(seen.colour));
-                    (*content, *depth) = (seen.content, seen.depth);
-                }
-            },
-        );
+        let bands = colour.par_chunks_mut(3 * band).zip(content.par_chunks_mut(band));
+        let bands = bands.zip(depth.par_chunks_mut(band)).zip(fragments.par_chunks(band));
+        bands.enumerate().for_each(|(j, (((colour, content), depth), fragments))| {
+            let mut lines = Lines::default();
+            let starts = painter.tile_starts(j, w, &mut lines);
+            let pixels = colour.chunks_exact_mut(3).zip(content).zip(depth).zip(fragments);
+            for (index, (((colour, content), depth), fragment)) in pixels.enumerate() {
+                let (x, y) = (index % w, j * TILE + index / w);
+                let seen = painter.paint((x, y), fragment, starts[x / TILE], &mut lines);
+                colour.copy_from_slice(&to_rgb(seen.colour));
+                (*content, *depth) = (seen.content, seen.depth);
+            }
+        });
         picture
+    }
+
+    fn blend(&self) -> &Blend<'s> {
+        self.blend.get_or_init(|| Blend::new(self.scene, &self.march))
+    }
+
+    fn shadows(&self) -> &Shadows {
+        self.shadows.get_or_init(|| {
+            let light = LightView::new(self.scene, &self.bodies);
+            let (bodies, subject) = rayon::join(
+                || Shadow::of_bodies(&light, &self.bodies),
+                || Shadow::of_subject(&light, &self.march),
+            );
+            Shadows { bodies, subject }
+        })
     }
 }

@@ -6,7 +6,7 @@ use super::march::{Entry, Lines, Ray};
 use super::raster::Fragment;
 use super::shadow::DARKNESS;
 use super::surroundings::{floor_colour, floor_distance, photo_colour, sky_colour};
-use crate::picture::{Colour, Content, DrawOptions, Method};
+use crate::picture::{Colour, Content, DrawOptions, Method, Picture};
 use nalgebra::{Point3, Vector3};
 use std::ops::Range;
 
@@ -20,10 +20,12 @@ pub const TILE: usize = 8;
 const TILE_REACH: f32 = 12.0;
 
 /// Draws the pixels of one picture.
-pub struct PixelPainter<'r> {
-    renderer: &'r CpuRenderer<'r>,
+pub struct PixelPainter<'r, 's> {
+    renderer: &'r CpuRenderer<'s>,
     eye: &'r Eye,
     options: DrawOptions,
+    /// The subject alone, where a GPU has drawn it.
+    layer: Option<&'r Picture>,
     /// The view from whose place the picture is drawn.
     own: Option<usize>,
     light: Vector3<f32>,
@@ -37,38 +39,53 @@ pub struct Seen {
     pub depth: f32,
 }
 
-impl<'r> PixelPainter<'r> {
-    /// Draws what `renderer` has prepared, from `eye`.
-    pub fn new(renderer: &'r CpuRenderer<'r>, eye: &'r Eye, options: DrawOptions) -> Self {
+impl<'r, 's> PixelPainter<'r, 's> {
+    /// Draws what `renderer` has prepared, from `eye`; the subject is taken from `layer` where there is one.
+    pub fn new(
+        renderer: &'r CpuRenderer<'s>,
+        eye: &'r Eye,
+        options: DrawOptions,
+        layer: Option<&'r Picture>,
+    ) -> Self {
         let own = eye.real_view(renderer.scene);
-        Self { renderer, eye, options, own, light: renderer.scene.light.cast() }
+        Self { renderer, eye, options, layer, own, light: renderer.scene.light.cast() }
     }
 
     /// For each tile in row `j` of tiles, of a picture of this width, the distance before which the subject is in none of its
     /// pixels; `None` if it is in none at all.
     pub fn tile_starts(&self, j: usize, width: usize, lines: &mut Lines) -> Vec<Option<f32>> {
         let middle = |k: usize| (k as f32 + 0.5) * TILE as f32;
+        let spread = TILE_REACH * self.eye.radians_per_pixel();
         let start = |i: usize| {
-            // A real camera's silhouette may hold pixels that the hull does not.
-            if self.own.is_some() {
+            // The subject is drawn already, or a real camera's silhouette holds pixels that the hull does not.
+            if self.layer.is_some() || self.own.is_some() {
                 return Some(0.0);
             }
-            let spread = TILE_REACH * self.eye.radians_per_pixel();
             self.renderer.march.cone_entry(&self.eye.ray(middle(i), middle(j)), spread, lines)
         };
         (0..width.div_ceil(TILE)).map(start).collect()
     }
 
-    /// The pixel at image position `at`, which shows `fragment` where no subject is in front of it.
+    /// The pixel in column `x` and row `y`, which shows `fragment` where no subject is in front of it.
     ///
     /// The subject is nowhere nearer than `start` metres; it is not there at all if that is `None`.
-    pub fn paint(&self, at: (f32, f32), fragment: &Fragment, start: Option<f32>, lines: &mut Lines) -> Seen {
-        let ray = self.eye.ray(at.0, at.1);
+    pub fn paint(
+        &self,
+        (x, y): (usize, usize),
+        fragment: &Fragment,
+        start: Option<f32>,
+        lines: &mut Lines,
+    ) -> Seen {
+        let ray = self.eye.ray(x as f32 + 0.5, y as f32 + 0.5);
         let scale = self.eye.depth_per_metre(&ray.direction);
         let body = fragment.depth / scale;
-        let range = start.map(|start| start..body);
-        if let Some((colour, t)) = range.and_then(|range| self.subject(&ray, range, lines)) {
-            return Seen { colour, content: Content::Subject, depth: t * scale };
+        let subject = start.and_then(|start| match self.layer {
+            Some(layer) => self.in_layer(layer, (x, y), &ray, scale),
+            None => self.marched(&ray, start..body, lines),
+        });
+        if let Some((colour, t)) = subject.filter(|(_, t)| *t < body) {
+            let light = if self.options.shadows { self.subject_light(&ray.at(t)) } else { 1.0 };
+            return Seen { colour: colour * shaded(light), content: Content::Subject, depth: t * scale };
         }
         if fragment.depth.is_finite() {
             let colour = self.body(&ray.at(body), fragment);
@@ -78,21 +95,40 @@ impl<'r> PixelPainter<'r> {
         Seen { colour, content: Content::Surroundings, depth: t * scale }
     }
 
-    /// The colour of the subject along `ray` and its distance, if that is in `range`.
-    fn subject(&self, ray: &Ray, range: Range<f32>, lines: &mut Lines) -> Option<(Colour, f32)> {
-        let renderer = self.renderer;
-        let entry = renderer.march.entry(ray, range.clone(), lines);
-        let Entry { t, view } =
-            entry.or_else(|| self.filled(ray).filter(|entry| range.contains(&entry.t)))?;
-        let normal = renderer.march.normal(&ray.at(t), view);
-        let light =
-            if self.options.shadows { renderer.shadow_of_bodies.at(&ray.at(t), &normal) } else { 1.0 };
-        let (colour, t) = match (self.photo(ray), self.options.method) {
-            (Some(colour), _) => (colour, t),
-            (None, Method::Hull) => (Colour::repeat(GREY) * self.brightness(&normal), t),
-            (None, _) => renderer.blend.colour(&renderer.march, ray, t, self.options.refine),
-        };
-        Some((colour * shaded(light), t))
+    /// The colour of the subject in a pixel of the `layer`, and its distance along the pixel's ray.
+    fn in_layer(
+        &self,
+        layer: &Picture,
+        (x, y): (usize, usize),
+        ray: &Ray,
+        scale: f32,
+    ) -> Option<(Colour, f32)> {
+        let index = y * layer.colour.width() as usize + x;
+        if layer.content[index] != Content::Subject {
+            return self.filled(ray).map(|entry| self.coloured(ray, &entry));
+        }
+        let pixel = &layer.colour.as_raw()[3 * index..3 * index + 3];
+        let drawn = Colour::new(f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2]));
+        Some((self.photo(ray).unwrap_or(drawn), layer.depth[index] / scale))
+    }
+
+    /// The colour of the subject along `ray`, if it enters the hull in this `range` of distances, and the surface's distance.
+    fn marched(&self, ray: &Ray, range: Range<f32>, lines: &mut Lines) -> Option<(Colour, f32)> {
+        let entry = self.renderer.march.entry(ray, range, lines).or_else(|| self.filled(ray))?;
+        Some(self.coloured(ray, &entry))
+    }
+
+    /// The colour of the subject where `ray` enters the hull, and the distance of its surface.
+    fn coloured(&self, ray: &Ray, entry: &Entry) -> (Colour, f32) {
+        let march = &self.renderer.march;
+        match (self.photo(ray), self.options.method) {
+            (Some(colour), _) => (colour, entry.t),
+            (None, Method::Hull) => {
+                let normal = march.normal(&ray.at(entry.t), entry.view);
+                (Colour::repeat(GREY) * self.brightness(&normal), entry.t)
+            }
+            (None, _) => self.renderer.blend().colour(march, ray, entry.t, self.options.refine),
+        }
     }
 
     /// Where the subject is along `ray`, which misses the hull, but belongs to the silhouette of the real camera at this place:
@@ -124,7 +160,7 @@ impl<'r> PixelPainter<'r> {
         if let Some(colour) = self.photo(ray) {
             // The photograph shows the subject's own shadow.
             let light = match floor {
-                Some(t) if self.options.shadows => self.renderer.shadow_of_bodies.on_ground(&ray.at(t)),
+                Some(t) if self.options.shadows => self.renderer.shadows().bodies.on_ground(&ray.at(t)),
                 _ => 1.0,
             };
             return (colour * shaded(light), t);
@@ -138,15 +174,21 @@ impl<'r> PixelPainter<'r> {
         (floor_colour(&point, t, self.eye.footprint(t) / -ray.direction.z, shaded(light)), t)
     }
 
+    /// The part of the light that reaches `point` of the subject past the bodies; its images show its own shadows.
+    fn subject_light(&self, point: &Point3<f32>) -> f32 {
+        self.renderer.shadows().bodies.at(point, &-self.light)
+    }
+
     /// The part of the light that reaches `point` on the floor.
     fn ground_light(&self, point: &Point3<f32>) -> f32 {
-        self.renderer.shadow_of_bodies.on_ground(point).min(self.renderer.shadow_of_subject.on_ground(point))
+        let shadows = self.renderer.shadows();
+        shadows.bodies.on_ground(point).min(shadows.subject.on_ground(point))
     }
 
     /// The part of the light that reaches `point` on a body.
     fn body_light(&self, point: &Point3<f32>, normal: &Vector3<f32>) -> f32 {
-        let CpuRenderer { shadow_of_bodies, shadow_of_subject, .. } = self.renderer;
-        shadow_of_bodies.at(point, normal).min(shadow_of_subject.at(point, normal))
+        let shadows = self.renderer.shadows();
+        shadows.bodies.at(point, normal).min(shadows.subject.at(point, normal))
     }
 
     /// Brightness of a surface with this outward normal.

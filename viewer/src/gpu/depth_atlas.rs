@@ -25,8 +25,7 @@ impl DepthAtlas {
     /// Textures for the depth maps of `scene`.
     pub fn new(device: &Device, layouts: &Layouts, scene: &Scene) -> Self {
         let (part, parts) = layout(scene);
-        let count = scene.views.len() as u32;
-        let size = (part.0 * parts, part.1 * count.div_ceil(parts));
+        let size = Self::size(scene);
         use wgpu::TextureUsages as Usages;
         let depth =
             texture(device, "depth maps", size, DEPTH, Usages::RENDER_ATTACHMENT | Usages::TEXTURE_BINDING);
@@ -37,6 +36,12 @@ impl DepthAtlas {
         let mut atlas = Self { part, parts, cells: Vec::new(), depth_view, mask_view, tiles };
         atlas.set_scene(scene);
         atlas
+    }
+
+    /// Width and height of the textures for `scene`.
+    pub fn size(scene: &Scene) -> (u32, u32) {
+        let ((columns, rows), parts) = layout(scene);
+        (columns * parts, rows * (scene.views.len() as u32).div_ceil(parts))
     }
 
     /// Whether the textures have the right size for `scene`.

@@ -54,7 +54,7 @@ impl Frame<'_> {
         let passes = match options.method {
             Method::Blend => vec![(Pass::MaskedPixels, 0..1), (Pass::Blend, 0..1)],
             Method::Hull => vec![(Pass::MaskedPixels, 0..1), (Pass::Hull, 0..1)],
-            Method::Sweep => sweep(options.planes),
+            Method::Sweep => sweep(options.planes.max(1)),
         };
         let pipelines =
             passes.iter().map(|(pass, _)| self.pipeline(*pass, options.refine && *pass == Pass::Blend));

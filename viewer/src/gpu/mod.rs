@@ -1,9 +1,14 @@
 //! The subject on a GPU, or on a rasteriser on the processor, as [`CpuRenderer`](crate::cpu::CpuRenderer) draws it.
 //!
 //! ```text
-//!   Scene ──► Upload ──► DepthAtlas ──► tiles ──► Target ──► Picture
-//!          (texture arrays) (once a scene)  (once a picture)
+//!   Scene ──► Upload ──► DepthAtlas ──┐
+//!       (texture arrays)  (hull)      ▼
+//!   Camera ──► Tiles ──► entries ──► subject ──► Target ──► Picture
+//!        (where rays start)  (where they enter)
 //! ```
+//!
+//! What lies above is drawn once a scene, what lies below once a picture. A rasteriser on the processor skips what the depth test
+//! rejects, but not the branches of a shader that no pixel takes. So each pass leaves out what the last one has ruled out.
 
 mod depth_atlas;
 mod device;
@@ -90,7 +95,7 @@ impl GpuRenderer {
             Some(target) => target,
             None => Target::new(&self.device, &self.layouts, camera.size())?,
         };
-        let placement = Placement { scale: 1.0, shift: [0.0; 2], own: 0, planes: options.planes };
+        let placement = Placement { scale: 1.0, shift: [0.0; 2], own: 0, planes: options.planes.max(1) };
         prepared.write_eye(&self.device, camera, placement);
         let mut encoder = self.device.raw().create_command_encoder(&Default::default());
         let mut frame = Frame {

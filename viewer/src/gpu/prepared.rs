@@ -8,11 +8,14 @@ use super::pipelines::{Pass, Pipelines};
 use super::shader::Variant;
 use super::target::{clear_depths, cleared_mask};
 use super::tiles::TILE;
-use super::upload::Upload;
+use super::upload::{Upload, size_of};
 use crate::cpu::CELL;
 use crate::scene::Scene;
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::{Error, Result};
+
+/// More than the bytes that any uniform buffer holds for a view.
+const BYTES_PER_VIEW: u64 = 256;
 
 /// A scene on the device. Scenes of as many views of the same sizes use its memory in turn.
 #[derive(Debug)]
@@ -173,30 +176,25 @@ impl Prepared {
 
 fn check(device: &Device, scene: &Scene) -> Result<()> {
     let limits = device.raw().limits();
-    let most_views =
-        limits.max_texture_array_layers.min((limits.max_uniform_buffer_binding_size / 256) as u32);
-    if scene.views.len() as u32 > most_views {
+    let blocks = limits.max_uniform_buffer_binding_size / BYTES_PER_VIEW;
+    let most_views = u64::from(limits.max_texture_array_layers).min(blocks);
+    if scene.views.len() as u64 > most_views {
         return Err(Error::argument(format!(
             "scene: expected at most {most_views} views for {}, found {}; leave views out, or draw without it (--renderer cpu)",
             device.name(),
             scene.views.len()
         )));
     }
-    let most = limits.max_texture_dimension_2d;
-    for view in &scene.views {
-        let (width, height) = view.camera().size();
-        // Depth maps at half the resolution lie side by side.
-        let side = (scene.views.len() as f64).sqrt().ceil() as u32;
-        if width.max(height) * side.div_ceil(2).max(1) > most {
-            return Err(Error::view(
-                view.camera().name(),
-                format!(
-                    "expected images that fit textures of {most} pixels on {}, found {width} x {height}; draw without it \
-                     (--renderer cpu)",
-                    device.name()
-                ),
-            ));
-        }
+
+    let (most, atlas) = (limits.max_texture_dimension_2d, DepthAtlas::size(scene));
+    let [width, height, _] = size_of(scene);
+    let sides = [atlas.0, atlas.1, width, height];
+    match sides.into_iter().max() {
+        Some(side) if side > most => Err(Error::argument(format!(
+            "scene: expected images of all views that fit textures of {most} pixels on {}, found that they need {side}; use \
+             smaller images or fewer views, or draw without it (--renderer cpu)",
+            device.name()
+        ))),
+        _ => Ok(()),
     }
-    Ok(())
 }

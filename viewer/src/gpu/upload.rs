@@ -154,7 +154,8 @@ fn coloured(view: &SceneView) -> Rect {
     view.rect().grown(COLOUR_MARGIN).intersection(&Rect::of_image(width, height))
 }
 
-fn size_of(scene: &Scene) -> [u32; 3] {
+/// Width, height and number of the layers for `scene`.
+pub fn size_of(scene: &Scene) -> [u32; 3] {
     let sizes = scene.views.iter().map(|view| view.camera().size());
     let (width, height) = sizes.fold((0, 0), |(w, h), size| (w.max(size.0), h.max(size.1)));
     let margin = 2 * MARGIN as u32;

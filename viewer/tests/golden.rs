@@ -27,7 +27,7 @@ const FLIP: f32 = 0.001;
 static SCENE: LazyLock<(Scene, Vec<Camera>)> = LazyLock::new(|| {
     let rendered = Rendered::new(Subject::person_at(0.4), 6, (320, 240)).expect("a scene");
     let images: Vec<_> = rendered.images.iter().cloned().map(Some).collect();
-    let mut scene = RealCameras::new(&rendered.cameras).scene(&rendered.hull, &images).expect("a scene");
+    let mut scene = RealCameras::new(&rendered.cameras).scene(&rendered.hull, images).expect("a scene");
     let body = |shape: Shape, place: [f64; 3], colour: [u8; 3]| Drawn {
         shape,
         world_from_body: Isometry3::new(Vector3::from(place), Vector3::new(0.2, 0.3, 0.4)),

@@ -24,7 +24,7 @@ fn person(cameras: usize, unseen: Unseen) -> Scene {
     let hull = publish_masks(&data, &masks, 0.0).unwrap();
     let studio = synthetic::Scene { subject, room: Room::default() };
     let images: Vec<_> = cameras.iter().map(|camera| Some(synthetic::render(camera, &studio))).collect();
-    RealCameras::new(&cameras).scene(&hull, &images).unwrap()
+    RealCameras::new(&cameras).scene(&hull, images).unwrap()
 }
 
 /// Between the first two cameras.

@@ -28,7 +28,7 @@ pub fn measure() -> Result<Vec<Figure>> {
     for frame in 0..FRAMES {
         let (images, hull) = rendered.exposed(NOISE, frame)?;
         let images: Vec<_> = images.into_iter().map(Some).collect();
-        let scene = cameras.scene(&hull, &images)?;
+        let scene = cameras.scene(&hull, images)?;
         let mut picture = renderer.draw(&scene, &viewpoint, &DrawOptions::default())?;
         alone.push(picture.clone());
         history.steady(&mut picture, &viewpoint);

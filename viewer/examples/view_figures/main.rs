@@ -12,7 +12,7 @@ use ode_visual_hull_testing::figure_table;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let groups = [speed::measure];
+    let groups = [quality::measure, occlusion::measure, flicker::measure, speed::measure];
     let measured = groups.into_iter().map(|measure| measure());
     let figures: Vec<Figure> = match measured.collect::<ode_visual_hull::Result<Vec<_>>>() {
         Ok(groups) => groups.into_iter().flatten().collect(),

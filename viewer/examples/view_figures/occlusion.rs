@@ -23,7 +23,7 @@ pub fn measure() -> Result<Vec<Figure>> {
     let mut random = Random(7);
     let rendered = Rendered::new(Subject::person_at(0.4), 8, (640, 480))?;
     let images: Vec<_> = rendered.images.iter().cloned().map(Some).collect();
-    let mut scene = RealCameras::new(&rendered.cameras).scene(&rendered.hull, &images)?;
+    let mut scene = RealCameras::new(&rendered.cameras).scene(&rendered.hull, images)?;
 
     // Bodies stand around the subject, and do not reach into its hull.
     let mut solids = Vec::new();

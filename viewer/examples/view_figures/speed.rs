@@ -58,7 +58,7 @@ pub fn measure() -> Result<Vec<Figure>> {
     for round in 0..ROUNDS {
         let images: Vec<_> = rendered.images.iter().cloned().map(Some).collect();
         let started = Instant::now();
-        let mut scene = cameras.scene(&rendered.hull, &images)?;
+        let mut scene = cameras.scene(&rendered.hull, images)?;
         let preparation = milliseconds(started);
         add_bodies(&mut scene);
         let orbit = Orbit::around(scene.hull.aabb(), 0.5 * round as f64);

@@ -10,9 +10,13 @@ use crate::picture::Colour;
 use crate::scene::{Scene, SceneView};
 use image::RgbImage;
 use nalgebra::{Point3, Vector3};
+use std::sync::OnceLock;
 
 /// The number of cameras whose colours are blended.
 pub const BEST: usize = 3;
+
+/// Cameras whose directions from the subject differ by less than this from the viewpoint's may count, in radians.
+const SAME_SIDE: f32 = 1.9;
 
 /// The fourth power of the angle, in radians, from which on angles are told apart.
 const SAME_ANGLE: f32 = 1e-6;
@@ -36,6 +40,7 @@ const SOFTNESS: f32 = 5.0;
 /// The cameras that give the subject its colours.
 #[derive(Debug)]
 pub struct Blend<'s> {
+    scene: &'s Scene,
     cameras: Vec<ColourCamera<'s>>,
 }
 
@@ -46,7 +51,8 @@ struct ColourCamera<'s> {
     view: usize,
     centre: Point3<f32>,
     photo: &'s RgbImage,
-    depth_map: DepthMap,
+    /// Made for the first picture in which the camera may count.
+    depth_map: OnceLock<DepthMap>,
 }
 
 /// The best cameras for a point, the best first.
@@ -70,16 +76,26 @@ struct Agreement {
 
 impl<'s> Blend<'s> {
     /// The cameras of `scene` with colours.
-    pub fn new(scene: &'s Scene, march: &March) -> Self {
+    pub fn new(scene: &'s Scene) -> Self {
         let camera = |(view, one): (usize, &'s SceneView)| {
-            one.colours().map(|photo| ColourCamera {
-                view,
-                centre: one.centre().cast(),
-                photo,
-                depth_map: DepthMap::new(march, one, view),
-            })
+            let photo = one.colours()?;
+            Some(ColourCamera { view, centre: one.centre().cast(), photo, depth_map: OnceLock::new() })
         };
-        Self { cameras: scene.views.iter().enumerate().filter_map(camera).collect() }
+        Self { scene, cameras: scene.views.iter().enumerate().filter_map(camera).collect() }
+    }
+
+    /// Makes the depth maps of the cameras that count in a picture from `origin`: of those that are on the same side of the
+    /// subject, or of all if there are none.
+    pub fn prepare(&self, march: &March, origin: &Point3<f32>) {
+        let middle: Point3<f32> = self.scene.hull.aabb().centre().cast();
+        let is_near = |camera: &&ColourCamera| (camera.centre - middle).angle(&(origin - middle)) < SAME_SIDE;
+        let mut near: Vec<_> = self.cameras.iter().filter(is_near).collect();
+        if near.is_empty() {
+            near.extend(&self.cameras);
+        }
+        for camera in near {
+            camera.depth_map.get_or_init(|| DepthMap::new(march, &self.scene.views[camera.view], camera.view));
+        }
     }
 
     /// The colour of the subject where `ray` enters the hull, at distance `t`, and the distance of the surface along the ray: `t`,
@@ -107,7 +123,8 @@ impl<'s> Blend<'s> {
     fn choose(&self, march: &March, point: &Point3<f32>, direction: &Vector3<f32>) -> Choice {
         let mut best = [Chosen::default(); BEST + 1];
         for (camera, one) in self.cameras.iter().enumerate() {
-            let seen = one.visibility(&march.views()[one.view], point);
+            let Some(depth_map) = one.depth_map.get() else { continue };
+            let seen = one.visibility(depth_map, &march.views()[one.view], point);
             let weight = seen / one.squared_angle(point, direction).powi(2).max(SAME_ANGLE);
             if let Some(place) = best.iter().position(|other| weight > other.weight) {
                 best[place..].rotate_right(1);
@@ -148,7 +165,7 @@ impl<'s> Blend<'s> {
 
 impl ColourCamera<'_> {
     /// How well the camera, which is `view`, sees `point`.
-    fn visibility(&self, view: &MarchView, point: &Point3<f32>) -> f32 {
+    fn visibility(&self, depth_map: &DepthMap, view: &MarchView, point: &Point3<f32>) -> f32 {
         let h = view.homogeneous(point);
         let (u, v) = (h.x / h.z, h.y / h.z);
         let (width, height) = (self.photo.width() as f32, self.photo.height() as f32);
@@ -156,7 +173,7 @@ impl ColourCamera<'_> {
             return 0.0;
         }
         let feather = (-view.distance(u, v) / FEATHER_PX).clamp(0.0, 1.0);
-        (self.depth_map.visibility(&h) * feather).max(UNSEEN)
+        (depth_map.visibility(&h) * feather).max(UNSEEN)
     }
 
     /// The squared angle at `point` between the camera's ray and `direction`, in radians.

@@ -1,4 +1,4 @@
-//! How far the hull is from each real camera, at half the resolution: whether a camera sees a point of it.
+//! How far the hull is from each real camera, at a quarter of the resolution: whether a camera sees a point of it.
 
 use super::eye::Eye;
 use super::march::{Lines, March, Ray};
@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 /// Pixels of the image along a side of a cell.
-pub const CELL: i32 = 2;
+pub const CELL: i32 = 4;
 
 /// A point up to this far behind the hull's surface, as a camera sees it, counts as seen, in metres: the hull of few cameras is
 /// much larger than the subject. From there on it is seen less and less, and not at all from twice as far.

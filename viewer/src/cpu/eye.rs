@@ -39,6 +39,11 @@ impl Eye {
         }
     }
 
+    /// Its place.
+    pub fn origin(&self) -> Point3<f32> {
+        self.origin
+    }
+
     /// Width and height of the picture in pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size

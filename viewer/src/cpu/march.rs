@@ -111,13 +111,14 @@ impl<'s> March<'s> {
         &self.views
     }
 
-    /// Where `ray` enters the hull within the `range` of distances along it. `lines` is scratch memory.
+    /// Where `ray` enters the hull within the `range` of distances along it.
     pub fn entry(&self, ray: &Ray, range: Range<f32>, lines: &mut Lines) -> Option<Entry> {
         let (before, Entry { t, view }) = self.first_inside(ray, range, 0.0, lines)?;
 
         // The distance from the silhouette that ends the hull there is nearly linear over the last leap.
+        let line = Line::new(&self.views[view].projection, ray);
         let distance = |t: f32| {
-            let h = lines.0[view].at(t);
+            let h = line.at(t);
             self.views[view].distance(h.x / h.z, h.y / h.z)
         };
         let (outside, inside) = (distance(before), distance(t));
@@ -140,22 +141,16 @@ impl<'s> March<'s> {
         spread: f32,
         lines: &mut Lines,
     ) -> Option<(f32, Entry)> {
-        let (mut from, to) = clip_to_box(&self.bounds, spread, ray, (range.start, range.end))?;
-        lines.0.clear();
-        for view in &self.views {
-            let line = Line::new(&view.projection, ray);
-            if self.min_views.is_none() {
-                from = line.from_front(from)?;
-            }
-            lines.0.push(line);
-        }
+        let (from, to) = clip_to_box(&self.bounds, spread, ray, (range.start, range.end))?;
+        let count = self.views.len();
+        lines.begin(count);
 
         // A view is asked until it lets the ray pass; the ray is inside where all views in turn did.
-        let count = self.views.len();
-        let (mut t, mut before) = (from, from);
-        let (mut view, mut decided_by, mut passed, mut seen) = (0, 0, 0, 0);
+        let (mut t, mut before, mut decided_by) = (from, from, lines.decided_by);
+        let (mut turn, mut passed, mut seen) = (0, 0, 0);
         while t <= to {
-            match self.verdict(view, &lines.0[view], t, spread) {
+            let (view, line) = lines.of_turn(turn, &self.views, ray);
+            match self.verdict(view, line, t, spread) {
                 Verdict::Outside(leap) => {
                     (before, decided_by) = (t, view);
                     t += leap;
@@ -164,7 +159,7 @@ impl<'s> March<'s> {
                 verdict => {
                     let is_seen = matches!(verdict, Verdict::Inside);
                     (passed, seen) = (passed + 1, seen + usize::from(is_seen));
-                    view = if view + 1 == count { 0 } else { view + 1 };
+                    turn = if turn + 1 == count { 0 } else { turn + 1 };
                 }
             }
             if passed == count {
@@ -176,6 +171,7 @@ impl<'s> March<'s> {
                 (passed, seen) = (0, 0);
             }
         }
+        lines.decided_by = decided_by;
         None
     }
 
@@ -183,6 +179,7 @@ impl<'s> March<'s> {
     fn verdict(&self, view: usize, line: &Line, t: f32, spread: f32) -> Verdict {
         let (view, h) = (&self.views[view], line.at(t));
         let distance = match self.min_views {
+            None if h.z < MIN_DEPTH => return Verdict::Outside(line.leap_to_front(h.z)),
             None => Some(view.distance(h.x / h.z, h.y / h.z)),
             Some(_) => view.distance_at(&h),
         };
@@ -225,9 +222,33 @@ impl<'s> March<'s> {
     }
 }
 
-/// Scratch memory of [`March::entry`]: the images of a ray in all views.
+/// Scratch memory of [`March::entry`]: the images of a ray in the views that were asked about it, in the order in which
+/// they are asked.
 #[derive(Debug, Default)]
-pub struct Lines(Vec<Line>);
+pub struct Lines {
+    lines: Vec<Line>,
+    count: usize,
+    /// The view that decided the last ray that missed the hull: it is asked first, since neighbouring rays miss likewise.
+    decided_by: usize,
+    first: usize,
+}
+
+impl Lines {
+    fn begin(&mut self, count: usize) {
+        self.lines.clear();
+        self.count = count;
+        self.first = if self.decided_by < count { self.decided_by } else { 0 };
+    }
+
+    /// The view whose turn it is, and the ray's image in it.
+    fn of_turn(&mut self, turn: usize, views: &[MarchView], ray: &Ray) -> (usize, &Line) {
+        let view = (self.first + turn) % self.count;
+        if turn == self.lines.len() {
+            self.lines.push(Line::new(&views[view].projection, ray));
+        }
+        (view, &self.lines[turn])
+    }
+}
 
 impl<'s> MarchView<'s> {
     fn new(view: &'s SceneView) -> Self {
@@ -320,9 +341,10 @@ impl Line {
         if slower <= 0.0 { f32::INFINITY } else { distance * depth * depth / slower }
     }
 
-    /// The distance from which on, and not before `from`, the ray is in front of the camera; `None` if it never is.
-    fn from_front(&self, from: f32) -> Option<f32> {
-        clip_to_half_line(self.at_origin.z - MIN_DEPTH, self.slope.z, (from, f32::MAX)).map(|(from, _)| from)
+    /// How many metres the ray goes on from a point at this depth before it is in front of the camera.
+    fn leap_to_front(&self, depth: f32) -> f32 {
+        // The factor keeps it there in spite of rounding.
+        if self.slope.z > 0.0 { (1.001 * MIN_DEPTH - depth) / self.slope.z + 1e-4 } else { f32::INFINITY }
     }
 }
 

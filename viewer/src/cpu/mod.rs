@@ -38,7 +38,7 @@ pub struct CpuRenderer<'s> {
     scene: &'s Scene,
     march: March<'s>,
     bodies: Triangles,
-    blend: OnceLock<Blend<'s>>,
+    blend: Blend<'s>,
     shadows: OnceLock<Shadows>,
 }
 
@@ -56,7 +56,7 @@ impl<'s> CpuRenderer<'s> {
             scene,
             march: March::new(scene),
             bodies: Triangles::new(scene),
-            blend: OnceLock::new(),
+            blend: Blend::new(scene),
             shadows: OnceLock::new(),
         }
     }
@@ -76,6 +76,9 @@ impl<'s> CpuRenderer<'s> {
     fn composed(&self, camera: &Camera, options: &DrawOptions, layer: Option<&Picture>) -> Picture {
         let eye = Eye::new(camera);
         let (width, height) = eye.size();
+        if layer.is_none() || eye.real_view(self.scene).is_some() {
+            self.blend.prepare(&self.march, &eye.origin());
+        }
         let fragments = self.bodies.draw(&eye.projection(), eye.size());
         let painter = PixelPainter::new(self, &eye, *options, layer);
 
@@ -97,10 +100,6 @@ impl<'s> CpuRenderer<'s> {
             }
         });
         picture
-    }
-
-    fn blend(&self) -> &Blend<'s> {
-        self.blend.get_or_init(|| Blend::new(self.scene, &self.march))
     }
 
     fn shadows(&self) -> &Shadows {

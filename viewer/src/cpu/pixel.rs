@@ -127,7 +127,7 @@ impl<'r, 's> PixelPainter<'r, 's> {
                 let normal = march.normal(&ray.at(entry.t), entry.view);
                 (Colour::repeat(GREY) * self.brightness(&normal), entry.t)
             }
-            (None, _) => self.renderer.blend().colour(march, ray, entry.t, self.options.refine),
+            (None, _) => self.renderer.blend.colour(march, ray, entry.t, self.options.refine),
         }
     }
 

@@ -79,7 +79,7 @@ impl CapturedFrames {
             ));
         }
         let images: Vec<_> = recording.images(frame)?.into_iter().map(Some).collect();
-        self.cameras.scene(&hull, &images)
+        self.cameras.scene(&hull, images)
     }
 }
 
@@ -136,7 +136,7 @@ impl FinishedScenes {
         }
         let hull = self.data.in_motion(self.played.motion, time)?;
         let images = self.images(&hull)?;
-        let mut scene = self.cameras.scene(&hull, &images)?;
+        let mut scene = self.cameras.scene(&hull, images)?;
         scene.bodies = self.run.drawn(k);
         Ok(scene)
     }

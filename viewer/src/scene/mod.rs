@@ -80,15 +80,13 @@ impl RealCameras {
     /// # Errors
     /// Fewer or more images than cameras, none at all, or one of another size than its camera; a hull of other cameras,
     /// one without views that are enabled, or an empty one.
-    pub fn scene(&self, hull: &Hull, images: &[Option<RgbImage>]) -> Result<Scene> {
-        self.check(hull, images)?;
-        let enabled = (0..self.cameras.len()).filter(|&view| hull.views()[view].is_enabled());
-        let view = |view: usize| {
-            let photo = images[view].as_ref();
+    pub fn scene(&self, hull: &Hull, images: Vec<Option<RgbImage>>) -> Result<Scene> {
+        self.check(hull, &images)?;
+        let enabled = images.into_par_iter().enumerate().filter(|(view, _)| hull.views()[*view].is_enabled());
+        let view = |(view, photo): (usize, Option<RgbImage>)| {
             SceneView::new(&hull.views()[view], photo, self.undistortions[view].as_ref(), hull.unseen())
         };
-        let views: Vec<_> =
-            enabled.collect::<Vec<_>>().into_par_iter().map(view).collect::<Result<Vec<_>>>()?;
+        let views: Vec<_> = enabled.map(view).collect::<Result<Vec<_>>>()?;
         if views.iter().all(|view| view.photo().is_none()) {
             return Err(Error::argument(format!(
                 "images: expected one of at least one of the cameras {}, found none; draw the shape alone with the method hull, or \

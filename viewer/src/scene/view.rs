@@ -27,7 +27,7 @@ pub struct SceneView {
 impl SceneView {
     pub(super) fn new(
         view: &View,
-        photo: Option<&RgbImage>,
+        photo: Option<RgbImage>,
         undistortion: Option<&Undistortion>,
         unseen: Unseen,
     ) -> Result<Self> {
@@ -93,11 +93,11 @@ impl SceneView {
 }
 
 /// `photo` as the pinhole of `view` sees it.
-fn undistorted(view: &View, photo: &RgbImage, undistortion: Option<&Undistortion>) -> Result<RgbImage> {
+fn undistorted(view: &View, photo: RgbImage, undistortion: Option<&Undistortion>) -> Result<RgbImage> {
     let (width, height) = view.camera().size();
     let Some(undistortion) = undistortion else {
         if photo.dimensions() == (width, height) {
-            return Ok(photo.clone());
+            return Ok(photo);
         }
         return Err(Error::view(
             view.name(),
@@ -110,6 +110,6 @@ fn undistorted(view: &View, photo: &RgbImage, undistortion: Option<&Undistortion
         ));
     };
     let mut pinhole_image = RgbImage::default();
-    undistortion.apply_to_image(photo, &Rect::of_image(width, height), &mut pinhole_image)?;
+    undistortion.apply_to_image(&photo, &Rect::of_image(width, height), &mut pinhole_image)?;
     Ok(pinhole_image)
 }

@@ -7,7 +7,7 @@ use ode_visual_hull_testing::rendered::Rendered;
 fn person() -> (Rendered, Scene) {
     let rendered = Rendered::new(Subject::person_at(0.4), 6, (320, 240)).unwrap();
     let images: Vec<_> = rendered.images.iter().cloned().map(Some).collect();
-    let scene = crate::scene::RealCameras::new(&rendered.cameras).scene(&rendered.hull, &images).unwrap();
+    let scene = crate::scene::RealCameras::new(&rendered.cameras).scene(&rendered.hull, images).unwrap();
     (rendered, scene)
 }
 

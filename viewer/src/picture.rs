@@ -30,12 +30,23 @@ pub struct DrawOptions {
     pub surroundings: bool,
     /// The number of planes of the method sweep.
     pub planes: u32,
+    /// Whether the method sweep begins where rays enter the visual hull, which makes it faster. Without it, each pixel tries
+    /// all planes up to the first that is consistent, as published, and parts of the hull between two planes are left out.
+    pub cull_planes: bool,
 }
 
 impl Default for DrawOptions {
     fn default() -> Self {
         let method = Method::default();
-        Self { method, refine: true, snap: true, shadows: true, surroundings: true, planes: 100 }
+        Self {
+            method,
+            refine: true,
+            snap: true,
+            shadows: true,
+            surroundings: true,
+            planes: 100,
+            cull_planes: true,
+        }
     }
 }
 

@@ -125,6 +125,22 @@ fn a_sweep_covers_the_hull_without_holes() {
 }
 
 #[test]
+fn a_sweep_that_begins_at_the_hull_draws_what_one_over_all_planes_draws() {
+    let scene = person(6, Unseen::Outside);
+    let mut device = renderer(&scene);
+    let camera = viewpoint((320, 240));
+    let mut sweep =
+        |cull_planes| device.draw(&camera, &DrawOptions { cull_planes, ..options(Method::Sweep) }).unwrap();
+    let (culled, plain) = (sweep(true), sweep(false));
+    // They differ where a ray is in the hull between two planes alone: at its outline.
+    let (a, b) = (subject(&culled), subject(&plain));
+    assert!(intersection_over_union(&a, &b) > 0.97, "{}", intersection_over_union(&a, &b));
+    let both: Vec<bool> = a.iter().zip(&b).map(|(a, b)| *a && *b).collect();
+    let found = psnr(&culled.colour, &plain.colour, &both);
+    assert!(found > 30.0, "{found} dB");
+}
+
+#[test]
 fn a_picture_is_the_same_when_it_is_drawn_again() {
     let (scene, other) = (person(6, Unseen::Outside), person(4, Unseen::Outside));
     let mut device = renderer(&scene);

@@ -94,7 +94,9 @@ impl<'s> Blend<'s> {
             near.extend(&self.cameras);
         }
         for camera in near {
-            camera.depth_map.get_or_init(|| DepthMap::new(march, &self.scene.views[camera.view], camera.view));
+            camera
+                .depth_map
+                .get_or_init(|| DepthMap::new(march, &self.scene.views[camera.view], camera.view));
         }
     }
 

@@ -116,7 +116,7 @@ impl<'s> March<'s> {
         let (before, Entry { t, view }) = self.first_inside(ray, range, 0.0, lines)?;
 
         // The distance from the silhouette that ends the hull there is nearly linear over the last leap.
-        let line = Line::new(&self.views[view].projection, ray);
+        let line = self.views[view].line(ray);
         let distance = |t: f32| {
             let h = line.at(t);
             self.views[view].distance(h.x / h.z, h.y / h.z)
@@ -143,7 +143,7 @@ impl<'s> March<'s> {
     ) -> Option<(f32, Entry)> {
         let (from, to) = clip_to_box(&self.bounds, spread, ray, (range.start, range.end))?;
         let count = self.views.len();
-        lines.begin(count);
+        lines.begin(&self.views, &ray.origin);
 
         // A view is asked until it lets the ray pass; the ray is inside where all views in turn did.
         let (mut t, mut before, mut decided_by) = (from, from, lines.decided_by);
@@ -198,7 +198,7 @@ impl<'s> March<'s> {
     /// Silhouettes that do not fit one another leave holes in the hull, as a real camera sees it.
     pub fn least_outside(&self, ray: &Ray, own: usize) -> Option<Entry> {
         let (from, to) = clip_to_box(&self.bounds, 0.0, ray, (MIN_DEPTH, f32::MAX))?;
-        let lines: Vec<Line> = self.views.iter().map(|view| Line::new(&view.projection, ray)).collect();
+        let lines: Vec<Line> = self.views.iter().map(|view| view.line(ray)).collect();
         let step = (to - from) / LEAST_STEPS as f32;
         let worst_at = |t: f32| {
             let of_view = |(view, line): (&MarchView, &Line)| view.distance_at(&line.at(t));
@@ -208,6 +208,14 @@ impl<'s> March<'s> {
         };
         let ts = (0..=LEAST_STEPS).map(|k| from + step * k as f32);
         ts.filter_map(worst_at).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, entry)| entry)
+    }
+
+    /// The outward unit normal of the hull's surface near `point`: where the view decides whose silhouette's edge is nearest.
+    pub fn normal_near(&self, point: &Point3<f32>) -> Vector3<f32> {
+        let distance = |view: &MarchView| view.distance_at(&view.homogeneous(point)).unwrap_or(f32::MIN);
+        let distances = self.views.iter().map(distance).enumerate();
+        let nearest = distances.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(view, _)| view);
+        self.normal(point, nearest)
     }
 
     /// The outward unit normal of the hull at `point` on its surface, where `view` decides.
@@ -227,24 +235,32 @@ impl<'s> March<'s> {
 #[derive(Debug, Default)]
 pub struct Lines {
     lines: Vec<Line>,
-    count: usize,
+    /// The origin of the ray, and its images in the views that were asked: rays of a picture share it.
+    origin: Option<Point3<f32>>,
+    at_origin: Vec<Option<Vector3<f32>>>,
     /// The view that decided the last ray that missed the hull: it is asked first, since neighbouring rays miss likewise.
     decided_by: usize,
     first: usize,
 }
 
 impl Lines {
-    fn begin(&mut self, count: usize) {
+    fn begin(&mut self, views: &[MarchView], origin: &Point3<f32>) {
         self.lines.clear();
-        self.count = count;
-        self.first = if self.decided_by < count { self.decided_by } else { 0 };
+        self.first = if self.decided_by < views.len() { self.decided_by } else { 0 };
+        if self.origin != Some(*origin) || self.at_origin.len() != views.len() {
+            self.origin = Some(*origin);
+            self.at_origin.clear();
+            self.at_origin.resize(views.len(), None);
+        }
     }
 
     /// The view whose turn it is, and the ray's image in it.
     fn of_turn(&mut self, turn: usize, views: &[MarchView], ray: &Ray) -> (usize, &Line) {
-        let view = (self.first + turn) % self.count;
+        let view = self.first + turn;
+        let view = if view < views.len() { view } else { view - views.len() };
         if turn == self.lines.len() {
-            self.lines.push(Line::new(&views[view].projection, ray));
+            let at_origin = self.at_origin[view].get_or_insert_with(|| views[view].homogeneous(&ray.origin));
+            self.lines.push(Line::new(*at_origin, &views[view].projection, &ray.direction));
         }
         (view, &self.lines[turn])
     }
@@ -270,6 +286,11 @@ impl<'s> MarchView<'s> {
     /// Homogeneous image coordinates of `point`: `(u depth, v depth, depth)`.
     pub fn homogeneous(&self, point: &Point3<f32>) -> Vector3<f32> {
         self.projection.fixed_columns::<3>(0) * point.coords + self.projection.column(3)
+    }
+
+    /// The image of `ray`.
+    fn line(&self, ray: &Ray) -> Line {
+        Line::new(self.homogeneous(&ray.origin), &self.projection, &ray.direction)
     }
 
     /// The signed distance from the silhouette's edge in pixels, negative inside, at homogeneous image coordinates; `None`
@@ -322,10 +343,8 @@ impl<'s> MarchView<'s> {
 }
 
 impl Line {
-    fn new(projection: &Matrix3x4<f32>, ray: &Ray) -> Self {
-        let turn = projection.fixed_columns::<3>(0);
-        let at_origin = turn * ray.origin.coords + projection.column(3);
-        let slope = turn * ray.direction;
+    fn new(at_origin: Vector3<f32>, projection: &Matrix3x4<f32>, direction: &Vector3<f32>) -> Self {
+        let slope = projection.fixed_columns::<3>(0) * direction;
         let speed = (slope.xy() * at_origin.z - at_origin.xy() * slope.z).norm();
         Self { at_origin, slope, speed }
     }

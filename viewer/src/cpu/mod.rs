@@ -69,6 +69,7 @@ impl<'s> CpuRenderer<'s> {
     }
 
     /// The scene from the place of `camera` around the subject of `layer`, which a GPU has drawn from there.
+    #[cfg(feature = "gpu")]
     pub(crate) fn compose(&self, camera: &Camera, options: &DrawOptions, layer: &Picture) -> Picture {
         self.composed(camera, options, Some(layer))
     }

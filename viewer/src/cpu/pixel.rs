@@ -176,7 +176,12 @@ impl<'r, 's> PixelPainter<'r, 's> {
 
     /// The part of the light that reaches `point` of the subject past the bodies; its images show its own shadows.
     fn subject_light(&self, point: &Point3<f32>) -> f32 {
-        self.renderer.shadows().bodies.at(point, &-self.light)
+        let lit = self.renderer.shadows().bodies.at(point, &-self.light);
+        if lit == 1.0 {
+            return lit;
+        }
+        // Most points are in no shadow, so that few need a normal.
+        self.renderer.shadows().bodies.at(point, &self.renderer.march.normal_near(point))
     }
 
     /// The part of the light that reaches `point` on the floor.

@@ -54,14 +54,15 @@ impl Frame<'_> {
         let passes = match options.method {
             Method::Blend => vec![(Pass::MaskedPixels, 0..1), (Pass::Blend, 0..1)],
             Method::Hull => vec![(Pass::MaskedPixels, 0..1), (Pass::Hull, 0..1)],
-            Method::Sweep => sweep(options.planes.max(1)),
+            Method::Sweep if options.cull_planes => sweep(options.planes.max(1)),
+            Method::Sweep => vec![(Pass::PlainSweep, 0..1)],
         };
         let pipelines =
             passes.iter().map(|(pass, _)| self.pipeline(*pass, options.refine && *pass == Pass::Blend));
         let pipelines: Vec<_> = pipelines.collect();
         let Self { prepared, target, area: [x, y, width, height], .. } = *self;
         let mut mask = cleared_mask(&target.mask_view);
-        if options.method == Method::Sweep {
+        if options.method == Method::Sweep && options.cull_planes {
             // All is masked at first.
             mask.depth_ops =
                 Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard });

@@ -29,6 +29,8 @@ pub enum Pass {
     EnteredPixels,
     /// One plane of a sweep.
     Sweep,
+    /// A sweep over all planes, pixel by pixel.
+    PlainSweep,
     /// The pixels that no plane has covered.
     Rest,
 }
@@ -77,6 +79,7 @@ fn compiled(
         Pass::Hull => ("screen", "hull", &[COLOUR, DEPTH]),
         Pass::EnteredPixels => ("band", "entered_pixels", &[COLOUR, DEPTH]),
         Pass::Sweep => ("plane", "sweep", &[COLOUR, DEPTH]),
+        Pass::PlainSweep => ("screen", "plain_sweep", &[COLOUR, DEPTH]),
         Pass::Rest => ("behind", "rest", &[COLOUR, DEPTH]),
     };
     // A target cannot be read by the pass that draws it.

@@ -51,7 +51,9 @@ mod tests {
 
     /// Vertical stripes four pixels wide, `right` pixels to the right.
     fn stripes(right: u32) -> RgbImage {
-        RgbImage::from_fn(16, 16, |x, _| Rgb([if (x + 16 - right) / 4 % 2 == 0 { 60 } else { 180 }; 3]))
+        RgbImage::from_fn(16, 16, |x, _| {
+            Rgb([if ((x + 16 - right) / 4).is_multiple_of(2) { 60 } else { 180 }; 3])
+        })
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::scene::{RealCameras, Scene};
 use image::RgbImage;
+use nalgebra::Point3;
 use ode_visual_hull::hull::{Aabb, Hull, HullData};
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::{Error, Result};
@@ -117,11 +118,14 @@ impl FinishedScenes {
         self.run.times()
     }
 
-    /// A box around all places where the subject is.
-    pub fn subject_box(&self) -> Aabb {
-        let boxes =
-            self.playback.sampled_hulls().iter().map(|hull| *hull.aabb()).filter(|aabb| !aabb.is_empty());
-        boxes.reduce(|a, b| a.union(&b)).unwrap_or(*self.playback.first().aabb())
+    /// A box around all places where the subject is, and where the bodies are in the first frame.
+    pub fn shown_box(&self) -> Aabb {
+        let hulls = self.playback.sampled_hulls().iter().map(|hull| *hull.aabb());
+        let subject = hulls.filter(|aabb| !aabb.is_empty()).reduce(|a, b| a.union(&b));
+        let subject = subject.unwrap_or(*self.playback.first().aabb());
+        let bodies = self.run.drawn(0).into_iter().map(|body| body.world_from_body.translation.vector.into());
+        let places: Vec<Point3<f64>> = bodies.collect();
+        if places.is_empty() { subject } else { subject.union(&Aabb::of_points(&places)) }
     }
 
     /// The scene of frame `k`. Frames have to be asked for in their order.

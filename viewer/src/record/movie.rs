@@ -105,7 +105,7 @@ impl Encoder {
         }
         let written = self.frames.as_mut().map_or(Ok(()), |frames| frames.write_all(frame));
         // A broken pipe says nothing; ffmpeg's last words do.
-        written.or_else(|e| Err(self.last_words().unwrap_or_else(|| e.to_string())))
+        written.map_err(|e| self.last_words().unwrap_or_else(|| e.to_string()))
     }
 
     fn finish(mut self) -> std::result::Result<(), String> {

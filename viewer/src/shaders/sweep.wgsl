@@ -118,3 +118,26 @@ fn entered_pixels(@location(0) @interpolate(flat) band: f32, @builtin(position) 
         discard;
     }
 }
+
+// All planes from near to far, up to the first that is consistent; the most consistent one where none is.
+@fragment
+fn plain_sweep(@builtin(position) fragment: vec4f) -> Pixel {
+    let position = image_position(fragment.xy);
+    var best = Agreement(vec3f(0.0), NOTHING);
+    var depth = 0.0;
+    for (var k = 0.0; k < eye.planes.z; k += 1.0) {
+        let at = plane_depth(k);
+        let found = agreement(position, at);
+        if found.deviation < best.deviation {
+            best = found;
+            depth = at;
+        }
+        if found.deviation <= CONSISTENT {
+            break;
+        }
+    }
+    if best.deviation >= NOTHING {
+        discard;
+    }
+    return pixel(best.colour, depth);
+}

@@ -91,7 +91,7 @@ pub fn run(options: &Options) -> Result<()> {
 }
 
 fn tour(options: &Options, scenes: &FinishedScenes) -> Result<Tour> {
-    let subject = scenes.subject_box();
+    let subject = scenes.shown_box();
     match &options.tour {
         Some(path) => Tour::read(path, scenes.cameras().cameras(), &subject),
         None => {

@@ -67,7 +67,8 @@ fn normals_are_of_unit_length_and_point_out_of_their_triangles() {
 fn a_point_is_inside_a_mesh_where_it_is_inside_the_shape() {
     let mut random = Random(5);
     let half = Vector3::new(0.05, 0.1, 0.2);
-    let inside: [(Shape, &dyn Fn(&Point3<f64>) -> bool); 3] = [
+    type IsInside<'i> = &'i dyn Fn(&Point3<f64>) -> bool;
+    let inside: [(Shape, IsInside); 3] = [
         (Shape::Box { sides: 2.0 * half }, &|p| (0..3).all(|axis| p[axis].abs() < half[axis])),
         // A polyhedron is a little smaller than its ball.
         (Shape::Sphere { radius: 0.2 }, &|p| p.coords.norm() < 0.2),

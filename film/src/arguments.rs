@@ -106,6 +106,14 @@ pub fn parse_bounds(text: &str) -> std::result::Result<Aabb, String> {
     Aabb::new(Point3::new(x0, y0, z0), Point3::new(x1, y1, z1)).map_err(|error| error.to_string())
 }
 
+/// Parses width and height of an image in pixels, as `640x480`.
+pub fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
+    let numbers = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    numbers
+        .filter(|&(w, h)| w > 0 && h > 0)
+        .ok_or_else(|| format!("expected two whole numbers above zero as in 640x480, found {text}"))
+}
+
 /// Parses a finite number above zero.
 pub fn parse_positive(text: &str) -> std::result::Result<f64, String> {
     let number = text.parse().ok().filter(|&number: &f64| number.is_finite() && number > 0.0);

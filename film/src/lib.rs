@@ -48,7 +48,7 @@ mod window;
 
 pub use arguments::{
     Movement, UnseenPolicy, VolumeOptions, numbers, parse_bounds, parse_frames, parse_positive, parse_rate,
-    parse_times, shown_frames,
+    parse_size, parse_times, shown_frames,
 };
 pub use bodies_file::{BodiesFile, DrawnPart, PlayedRecording};
 pub use capture::{FRAME_RATE, Frames, STEPS_PER_SECOND, Story, view_of};

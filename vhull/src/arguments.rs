@@ -3,7 +3,7 @@
 use ode_visual_hull::recording::Recording;
 use ode_visual_hull::rig::{Calibration, Hints};
 use ode_visual_hull::{Error, MissingHint, Result};
-use ode_visual_hull_film::parse_positive;
+use ode_visual_hull_film::{parse_positive, parse_size};
 use std::path::Path;
 
 /// File name of the calibration in the folder of a recording.
@@ -65,14 +65,6 @@ fn option(what: MissingHint) -> &'static str {
         MissingHint::MetresPerUnit => "--unit METRES",
         _ => "--help",
     }
-}
-
-/// Parses width and height of an image in pixels, as `640x480`.
-pub fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
-    let numbers = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-    numbers
-        .filter(|&(w, h)| w > 0 && h > 0)
-        .ok_or_else(|| format!("expected two whole numbers above zero as in 640x480, found {text}"))
 }
 
 /// Parses a length in metres above zero.

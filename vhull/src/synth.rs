@@ -1,7 +1,6 @@
 //! `vhull synth`: a recording of a synthetic subject, so that every subcommand can be tried without cameras.
 
 use crate::Outcome;
-use crate::arguments::parse_size;
 use crate::progress;
 use clap::ValueEnum;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
@@ -13,6 +12,7 @@ use ode_visual_hull::synthetic::{
 };
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::FramesCsv;
+use ode_visual_hull_film::parse_size;
 use std::path::PathBuf;
 
 /// Write a recording of a synthetic subject: images, backgrounds and masks of a ring of cameras.

@@ -66,14 +66,27 @@ fn sight(view: View, index: u32, h: vec3f, point: vec3f, direction: vec3f) -> Si
     return Sight(in_image, edge, counts * visible, counts * max(visible, UNSEEN) / angle);
 }
 
-// The best cameras for the point of the ray at t.
+// Cameras whose directions from the subject differ by less than this from the viewpoint's may count: its cosine.
+const SAME_SIDE: f32 = -0.3233;
+
+fn is_on_same_side(centre: vec3f) -> bool {
+    let middle = 0.5 * (eye.bounds_min.xyz + eye.bounds_max.xyz);
+    return dot(normalize(centre - middle), normalize(eye.origin.xyz - middle)) > SAME_SIDE;
+}
+
+// The best cameras for the point of the ray at t: of those on the viewpoint's side, or of all if there are none.
 fn choose(position: vec3f, direction: vec3f, t: f32) -> Choice {
     let point = eye.origin.xyz + direction * t;
     let along = normalize(direction);
     var best = vec4f(0.0);
     var cameras = vec4f(0.0);
+    var any_near = false;
     // each view {
-    {
+    let near_VIEW = views.all[VIEW].centre.w > 0.0 && is_on_same_side(views.all[VIEW].centre.xyz);
+    any_near = any_near || near_VIEW;
+    // }
+    // each view {
+    if near_VIEW || !any_near {
         let h = eye.lines[VIEW].at_origin.xyz + eye.lines[VIEW].slope * position * t;
         let found = sight(views.all[VIEW], VIEWu, h, point, along).weight;
         let better = vec4f(found) > best;

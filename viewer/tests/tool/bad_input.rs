@@ -34,7 +34,7 @@ fn what_is_no_recording_or_has_no_such_frame_camera_or_image_is_refused() {
         "--frame: expected one of the 2 frames with masks from 0 to 1, found 9",
     );
     refused(&folder, &["--frame", "1"], "expected images of frame 1, found none; frames with images: 0");
-    refused(&folder, &["--camera", "nobody"], "--camera: expected one of ");
+    refused(&folder, &["--camera", "right"], "--camera: expected one of ");
     refused(&folder, &["--out", "still.xyz"], "expected to write a picture, .png or .jpg");
     refused(&folder, &["--eye", "0,0,0.9", "--target", "0,0,0.9"], "expected an eye away from its target");
 }

@@ -3,7 +3,7 @@
 use image::RgbImage;
 use nalgebra::Point3;
 use ode_visual_hull::{Error, Result};
-use ode_visual_hull_film::numbers;
+use ode_visual_hull_film::{numbers, parse_size};
 use ode_visual_hull_viewer::scene::Scene;
 use ode_visual_hull_viewer::{DrawOptions, Method, Renderer, RendererKind};
 use std::path::Path;
@@ -18,7 +18,7 @@ pub struct DrawingOptions {
     #[arg(long, value_enum, default_value_t = RendererKind::Auto, help_heading = "Drawing")]
     pub renderer: RendererKind,
     /// Size of the pictures in pixels.
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, default_value = "640x480", help_heading = "Drawing")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_picture_size, default_value = "640x480", help_heading = "Drawing")]
     pub size: (u32, u32),
     /// Rays along a pixel's side: more make smoother edges, and take longer.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4), default_value_t = 2, help_heading = "Drawing")]
@@ -82,10 +82,12 @@ pub fn parse_place(text: &str) -> std::result::Result<Point3<f64>, String> {
 }
 
 /// Parses width and height of a picture in pixels, as `640x480`.
-pub fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
-    let numbers = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-    let in_range = |&(w, h): &(u32, u32)| (16..=8192).contains(&w) && (16..=8192).contains(&h);
-    numbers
-        .filter(in_range)
-        .ok_or_else(|| format!("expected two whole numbers from 16 to 8192 as in 640x480, found {text}"))
+fn parse_picture_size(text: &str) -> std::result::Result<(u32, u32), String> {
+    let size = parse_size(text)?;
+    let in_range = |length: u32| (16..=8192).contains(&length);
+    if in_range(size.0) && in_range(size.1) {
+        Ok(size)
+    } else {
+        Err(format!("expected 16 to 8192 pixels a side, found {text}"))
+    }
 }

@@ -101,6 +101,19 @@ fn pictures_of_a_gpu_are_the_golden_ones() {
     }
 }
 
+#[cfg(feature = "gpu")]
+#[test]
+fn a_gpu_and_the_processor_draw_pictures_that_an_observer_cannot_tell_apart() {
+    let mut gpu = Renderer::open(RendererKind::Gpu, Method::Blend).unwrap_or_else(|error| panic!("{error}"));
+    for method in [Method::Blend, Method::Hull] {
+        let options = DrawOptions { method, ..DrawOptions::default() };
+        let (a, b) = (drawn(&mut Renderer::Cpu, &options), drawn(&mut gpu, &options));
+        // A GPU blends colours of eight bits, and rays that graze the subject may hit or miss.
+        let error = flip(&a.colour, &b.colour);
+        assert!(error < 0.01, "{method:?}: {error}");
+    }
+}
+
 #[test]
 fn a_picture_from_the_place_of_a_real_camera_shows_its_image() {
     let (scene, cameras) = &*SCENE;

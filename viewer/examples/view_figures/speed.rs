@@ -33,6 +33,7 @@ fn candidates() -> Vec<Candidate> {
     let refined = DrawOptions::default();
     let plain = DrawOptions { refine: false, ..refined };
     let sweep = DrawOptions { method: Method::Sweep, ..refined };
+    let subject = DrawOptions { shadows: false, surroundings: false, ..plain };
     let candidate = |name, kind, size, options| Candidate { name, kind, size, options };
     vec![
         candidate("frame_ms", RendererKind::Gpu, VGA, refined),
@@ -40,6 +41,8 @@ fn candidates() -> Vec<Candidate> {
         candidate("frame_720p_ms", RendererKind::Gpu, (1280, 720), refined),
         candidate("sweep_ms", RendererKind::Gpu, VGA, DrawOptions { cull_planes: false, ..sweep }),
         candidate("culled_sweep_ms", RendererKind::Gpu, VGA, sweep),
+        candidate("subject_ms", RendererKind::Gpu, VGA, subject),
+        candidate("cpu_subject_ms", RendererKind::Cpu, VGA, subject),
         candidate("cpu_frame_ms", RendererKind::Cpu, VGA, refined),
         candidate("cpu_frame_plain_ms", RendererKind::Cpu, VGA, plain),
         candidate("cpu_frame_720p_ms", RendererKind::Cpu, (1280, 720), refined),

@@ -78,6 +78,24 @@ fn the_sweep_without_a_graphics_library_is_refused_with_what_else_to_do() {
     refused(&folder, &["--method", "sweep", "--renderer", "cpu"], "use --renderer gpu or --method blend");
 }
 
+#[cfg(all(feature = "gpu", target_os = "linux"))]
+#[test]
+fn without_an_adapter_the_gpu_is_refused_with_what_to_install_and_auto_draws_on_the_processor() {
+    let folder = recorded("no_adapter", 5, 2);
+    // Neither OpenGL nor Vulkan finds a driver.
+    let without = |renderer: &str| {
+        let mut command = command(&folder, &["still", "person", "--size", "64x48", "--renderer", renderer]);
+        command.env("__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null").env("VK_DRIVER_FILES", "/dev/null");
+        command.env("VK_ICD_FILENAMES", "/dev/null");
+        finished(command)
+    };
+    let run = without("gpu");
+    let says = "found no adapter of Vulkan or OpenGL; install Mesa";
+    assert!(!run.succeeded && run.error.contains(says), "{}", run.error);
+    let run = without("auto");
+    assert!(run.succeeded && run.out.contains("drawn by the processor"), "{}{}", run.out, run.error);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_an_error_that_names_the_file() {

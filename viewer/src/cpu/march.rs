@@ -176,6 +176,7 @@ impl<'s> March<'s> {
     }
 
     /// What view number `view` says of the place at distance `t` along the ray of `line`, and of all within `spread` radians.
+    #[inline(always)]
     fn verdict(&self, view: usize, line: &Line, t: f32, spread: f32) -> Verdict {
         let (view, h) = (&self.views[view], line.at(t));
         let distance = match self.min_views {
@@ -308,7 +309,7 @@ impl<'s> MarchView<'s> {
 
     /// The signed distance at image position `(u, v)`, bilinear between pixel centres. Beyond the known ones it is at most
     /// the true distance, since the silhouette lies within their rectangle.
-    #[inline]
+    #[inline(always)]
     pub fn distance(&self, u: f32, v: f32) -> f32 {
         let [columns, rows] = self.last;
         let (column, row) = (u - self.first[0], v - self.first[1]);
@@ -321,7 +322,7 @@ impl<'s> MarchView<'s> {
     }
 
     /// The distance at this column and row of the known ones.
-    #[inline]
+    #[inline(always)]
     fn interpolated(&self, column: f32, row: f32) -> f32 {
         let (i, j) = ((column as usize).min(self.stride - 2), row as usize);
         let (right, below) = (column - i as f32, row - j as f32);

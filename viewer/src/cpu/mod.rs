@@ -29,7 +29,7 @@ use ode_visual_hull::camera::Camera;
 use pixel::{PixelPainter, TILE};
 use raster::Triangles;
 use rayon::prelude::*;
-use shadow::{LightView, Shadow};
+use shadow::{GroundLight, LightView, Shadow};
 use std::sync::OnceLock;
 
 /// Draws pictures of one scene on the processor. What a picture needs is prepared with the first one that needs it.
@@ -47,6 +47,9 @@ pub struct CpuRenderer<'s> {
 struct Shadows {
     bodies: Shadow,
     subject: Shadow,
+    /// What reaches the ground past the bodies, and past both.
+    past_bodies: GroundLight,
+    past_both: GroundLight,
 }
 
 impl<'s> CpuRenderer<'s> {
@@ -110,7 +113,9 @@ impl<'s> CpuRenderer<'s> {
                 || Shadow::of_bodies(&light, &self.bodies),
                 || Shadow::of_subject(&light, &self.march),
             );
-            Shadows { bodies, subject }
+            let past_bodies = GroundLight::past(&[&bodies]);
+            let past_both = GroundLight::past(&[&bodies, &subject]);
+            Shadows { bodies, subject, past_bodies, past_both }
         })
     }
 }

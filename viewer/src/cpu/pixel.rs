@@ -160,7 +160,7 @@ impl<'r, 's> PixelPainter<'r, 's> {
         if let Some(colour) = self.photo(ray) {
             // The photograph shows the subject's own shadow.
             let light = match floor {
-                Some(t) if self.options.shadows => self.renderer.shadows().bodies.on_ground(&ray.at(t)),
+                Some(t) if self.options.shadows => self.renderer.shadows().past_bodies.at(&ray.at(t)),
                 _ => 1.0,
             };
             return (colour * shaded(light), t);
@@ -170,7 +170,7 @@ impl<'r, 's> PixelPainter<'r, 's> {
         }
         let Some(t) = floor.filter(|_| ray.direction.z < 0.0) else { return (sky_colour(ray), t) };
         let point = ray.at(t);
-        let light = if self.options.shadows { self.ground_light(&point) } else { 1.0 };
+        let light = if self.options.shadows { self.renderer.shadows().past_both.at(&point) } else { 1.0 };
         (floor_colour(&point, t, self.eye.footprint(t) / -ray.direction.z, shaded(light)), t)
     }
 
@@ -182,12 +182,6 @@ impl<'r, 's> PixelPainter<'r, 's> {
         }
         // Most points are in no shadow, so that few need a normal.
         self.renderer.shadows().bodies.at(point, &self.renderer.march.normal_near(point))
-    }
-
-    /// The part of the light that reaches `point` on the floor.
-    fn ground_light(&self, point: &Point3<f32>) -> f32 {
-        let shadows = self.renderer.shadows();
-        shadows.bodies.on_ground(point).min(shadows.subject.on_ground(point))
     }
 
     /// The part of the light that reaches `point` on a body.

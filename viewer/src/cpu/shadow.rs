@@ -38,8 +38,14 @@ pub struct Shadow {
     view: LightView,
     /// Distances along the light at which it meets something, infinite where it does not.
     depths: Vec<f32>,
-    /// What part of the light reaches the ground below everything, blurred: 0 in full shadow.
-    ground: Vec<f32>,
+}
+
+/// What part of the light reaches the ground, which is below everything.
+#[derive(Debug)]
+pub struct GroundLight {
+    view: LightView,
+    /// Blurred: 0 in full shadow.
+    parts: Vec<f32>,
 }
 
 impl LightView {
@@ -91,7 +97,7 @@ impl Shadow {
     /// The shadow of the bodies.
     pub fn of_bodies(view: &LightView, bodies: &Triangles) -> Self {
         let fragments = bodies.draw(&view.projection(), (CELLS as u32, CELLS as u32));
-        Self::new(view, fragments.iter().map(|fragment| fragment.depth).collect())
+        Self { view: view.clone(), depths: fragments.iter().map(|fragment| fragment.depth).collect() }
     }
 
     /// The shadow of the subject.
@@ -105,27 +111,7 @@ impl Shadow {
                 }
             }
         });
-        Self::new(view, depths)
-    }
-
-    fn new(view: &LightView, depths: Vec<f32>) -> Self {
-        let is_lit = |x: usize, y: usize| f32::from(depths[y * CELLS + x].is_infinite());
-        let near = |k: usize| k.saturating_sub(BLUR)..(k + BLUR + 1).min(CELLS);
-        let blurred = |index: usize| {
-            let (x, y) = (index % CELLS, index / CELLS);
-            let cells = near(y).flat_map(|y| near(x).map(move |x| (x, y)));
-            let (sum, count) =
-                cells.fold((0.0, 0.0), |(sum, count), (x, y)| (sum + is_lit(x, y), count + 1.0));
-            sum / count
-        };
-        let ground = (0..CELLS * CELLS).map(blurred).collect();
-        Self { view: view.clone(), depths, ground }
-    }
-
-    /// The part of the light that reaches `point`, 0 to 1, which lies on the ground below everything.
-    pub fn on_ground(&self, point: &Point3<f32>) -> f32 {
-        let place = self.view.place(point);
-        self.mixed(&place, |index| self.ground[index])
+        Self { view: view.clone(), depths }
     }
 
     /// The part of the light that reaches `point` of a surface with this outward unit normal, 0 to 1.
@@ -138,20 +124,46 @@ impl Shadow {
 
         // A little above the surface, or cells that it crosses would lie in its own shadow.
         let place = self.view.place(&(point + normal * (1.5 * self.view.cell[0].max(self.view.cell[1]))));
-        let lit = self.mixed(&place, |index| f32::from(self.depths[index] + BIAS >= place.z));
+        let lit = mixed(&place, |index| f32::from(self.depths[index] + BIAS >= place.z));
         1.0 - facing * (1.0 - lit)
     }
+}
 
-    /// `of` at a place of the map, bilinear between the middles of cells; 1 beyond the map.
-    fn mixed(&self, place: &Vector3<f32>, of: impl Fn(usize) -> f32) -> f32 {
-        let (x, y) = (place.x - 0.5, place.y - 0.5);
-        let last = (CELLS - 1) as f32;
-        if !(0.0..last).contains(&x) || !(0.0..last).contains(&y) {
-            return 1.0;
-        }
-        let (i, j) = (x as usize, y as usize);
-        let (right, below) = (x - i as f32, y - j as f32);
-        let row = |j: usize| of(j * CELLS + i) * (1.0 - right) + of(j * CELLS + i + 1) * right;
-        row(j) * (1.0 - below) + row(j + 1) * below
+impl GroundLight {
+    /// The light that comes past all of `shadows`, of which there is at least one.
+    pub fn past(shadows: &[&Shadow]) -> Self {
+        let is_lit = |index: usize| shadows.iter().all(|shadow| shadow.depths[index].is_infinite());
+        let lit: Vec<f32> = (0..CELLS * CELLS).map(|index| f32::from(is_lit(index))).collect();
+        // A square window is the same along rows and then along columns.
+        let mean = |from: &[f32], x: usize, y: usize, along: usize| {
+            let k = if along == 1 { x } else { y };
+            let near = k.saturating_sub(BLUR)..(k + BLUR + 1).min(CELLS);
+            let first = y * CELLS + x - k * along;
+            let count = near.len() as f32;
+            near.map(|k| from[first + k * along]).sum::<f32>() / count
+        };
+        let rows: Vec<f32> =
+            (0..CELLS * CELLS).map(|index| mean(&lit, index % CELLS, index / CELLS, 1)).collect();
+        let parts =
+            (0..CELLS * CELLS).map(|index| mean(&rows, index % CELLS, index / CELLS, CELLS)).collect();
+        Self { view: shadows[0].view.clone(), parts }
     }
+
+    /// The part that reaches `point`, 0 to 1.
+    pub fn at(&self, point: &Point3<f32>) -> f32 {
+        mixed(&self.view.place(point), |index| self.parts[index])
+    }
+}
+
+/// `of` at a place of a map, bilinear between the middles of cells; 1 beyond the map.
+fn mixed(place: &Vector3<f32>, of: impl Fn(usize) -> f32) -> f32 {
+    let (x, y) = (place.x - 0.5, place.y - 0.5);
+    let last = (CELLS - 1) as f32;
+    if !(0.0..last).contains(&x) || !(0.0..last).contains(&y) {
+        return 1.0;
+    }
+    let (i, j) = (x as usize, y as usize);
+    let (right, below) = (x - i as f32, y - j as f32);
+    let row = |j: usize| of(j * CELLS + i) * (1.0 - right) + of(j * CELLS + i + 1) * right;
+    row(j) * (1.0 - below) + row(j + 1) * below
 }

@@ -7,9 +7,19 @@
 //!
 //! All in single precision, as on a GPU.
 
-use crate::scene::{Scene, SceneView};
-use nalgebra::{Matrix3x4, Point3, Vector2, Vector3};
+mod line;
+mod ray;
+mod view;
+
+pub use line::Lines;
+pub use ray::Ray;
+pub use view::MarchView;
+
+use crate::scene::Scene;
+use line::Line;
+use nalgebra::{Point3, Vector3};
 use ode_visual_hull::hull::{Aabb, Unseen};
+use ray::clip_to_box;
 use std::ops::Range;
 
 /// The smallest leap, in pixels of the view that decides. What is thinner may be missed.
@@ -23,22 +33,6 @@ const BLIND_STEP: f32 = 0.01;
 
 /// Places along a ray at which [`March::least_outside`] looks.
 const LEAST_STEPS: u32 = 256;
-
-/// A half-line in the world.
-#[derive(Debug, Clone, Copy)]
-pub struct Ray {
-    /// Where it starts.
-    pub origin: Point3<f32>,
-    /// Unit direction.
-    pub direction: Vector3<f32>,
-}
-
-impl Ray {
-    /// The point at distance `t` metres.
-    pub fn at(&self, t: f32) -> Point3<f32> {
-        self.origin + self.direction * t
-    }
-}
 
 /// Where a ray enters the hull.
 #[derive(Debug, Clone, Copy)]
@@ -57,31 +51,6 @@ pub struct March<'s> {
     bounds: Aabb,
     /// The number of views that have to see a point of the hull, where views abstain.
     min_views: Option<usize>,
-}
-
-/// One view, as rays need it.
-#[derive(Debug)]
-pub struct MarchView<'s> {
-    projection: Matrix3x4<f32>,
-    /// Width and height of the image in pixels.
-    image: Vector2<f32>,
-    /// The focal length in pixels.
-    focal: f32,
-    distances: &'s [f32],
-    /// Image position of the first of the distances, and columns and rows from there to the last one.
-    first: [f32; 2],
-    last: [f32; 2],
-    /// Distances in a row.
-    stride: usize,
-}
-
-/// The images of a ray's points in one view: homogeneous coordinates `at_origin + t slope`.
-#[derive(Debug, Clone, Copy)]
-struct Line {
-    at_origin: Vector3<f32>,
-    slope: Vector3<f32>,
-    /// The speed of the image is this over the squared depth, in pixels a metre.
-    speed: f32,
 }
 
 /// What one view says of a point.
@@ -229,164 +198,6 @@ impl<'s> March<'s> {
         let normal = (row(0) - row(2) * u) * gradient.x + (row(1) - row(2) * v) * gradient.y;
         normal.try_normalize(1e-12).unwrap_or_else(Vector3::z)
     }
-}
-
-/// Scratch memory of [`March::entry`]: the images of a ray in the views that were asked about it, in the order in which
-/// they are asked.
-#[derive(Debug, Default)]
-pub struct Lines {
-    lines: Vec<Line>,
-    /// The origin of the ray, and its images in the views that were asked: rays of a picture share it.
-    origin: Option<Point3<f32>>,
-    at_origin: Vec<Option<Vector3<f32>>>,
-    /// The view that decided the last ray that missed the hull: it is asked first, since neighbouring rays miss likewise.
-    decided_by: usize,
-    first: usize,
-}
-
-impl Lines {
-    fn begin(&mut self, views: &[MarchView], origin: &Point3<f32>) {
-        self.lines.clear();
-        self.first = if self.decided_by < views.len() { self.decided_by } else { 0 };
-        if self.origin != Some(*origin) || self.at_origin.len() != views.len() {
-            self.origin = Some(*origin);
-            self.at_origin.clear();
-            self.at_origin.resize(views.len(), None);
-        }
-    }
-
-    /// The view whose turn it is, and the ray's image in it.
-    fn of_turn(&mut self, turn: usize, views: &[MarchView], ray: &Ray) -> (usize, &Line) {
-        let view = self.first + turn;
-        let view = if view < views.len() { view } else { view - views.len() };
-        if turn == self.lines.len() {
-            let at_origin = self.at_origin[view].get_or_insert_with(|| views[view].homogeneous(&ray.origin));
-            self.lines.push(Line::new(*at_origin, &views[view].projection, &ray.direction));
-        }
-        (view, &self.lines[turn])
-    }
-}
-
-impl<'s> MarchView<'s> {
-    fn new(view: &'s SceneView) -> Self {
-        let distances = view.distance();
-        let known = distances.rect();
-        let (width, height) = view.camera().size();
-        Self {
-            projection: view.projection().cast(),
-            image: Vector2::new(width as f32, height as f32),
-            focal: view.camera().intrinsics()[(0, 0)] as f32,
-            distances: distances.values(),
-            first: [known.x0 as f32 + 0.5, known.y0 as f32 + 0.5],
-            last: [known.width() as f32 - 1.0, known.height() as f32 - 1.0],
-            // A silhouette without pixels has no distances; two columns keep the arithmetic simple.
-            stride: known.width().max(2),
-        }
-    }
-
-    /// Homogeneous image coordinates of `point`: `(u depth, v depth, depth)`.
-    pub fn homogeneous(&self, point: &Point3<f32>) -> Vector3<f32> {
-        self.projection.fixed_columns::<3>(0) * point.coords + self.projection.column(3)
-    }
-
-    /// The image of `ray`.
-    fn line(&self, ray: &Ray) -> Line {
-        Line::new(self.homogeneous(&ray.origin), &self.projection, &ray.direction)
-    }
-
-    /// The signed distance from the silhouette's edge in pixels, negative inside, at homogeneous image coordinates; `None`
-    /// where the view does not see the point.
-    fn distance_at(&self, h: &Vector3<f32>) -> Option<f32> {
-        let (u, v) = (h.x / h.z, h.y / h.z);
-        let is_seen = h.z > MIN_DEPTH && u >= 0.0 && v >= 0.0 && u < self.image.x && v < self.image.y;
-        is_seen.then(|| self.distance(u, v))
-    }
-
-    /// Whether a point at homogeneous image coordinates `h` is in sight and belongs to the silhouette.
-    pub fn is_subject(&self, h: &Vector3<f32>) -> bool {
-        self.distance_at(h).is_some_and(|distance| distance < 0.0)
-    }
-
-    /// The signed distance at image position `(u, v)`, bilinear between pixel centres. Beyond the known ones it is at most
-    /// the true distance, since the silhouette lies within their rectangle.
-    #[inline(always)]
-    pub fn distance(&self, u: f32, v: f32) -> f32 {
-        let [columns, rows] = self.last;
-        let (column, row) = (u - self.first[0], v - self.first[1]);
-        if column >= 0.0 && row >= 0.0 && column < columns && row < rows {
-            return self.interpolated(column, row);
-        }
-        let (x, y) = (column.clamp(0.0, columns), row.clamp(0.0, rows));
-        let (du, dv, distance) = (column - x, row - y, self.interpolated(x, y));
-        (du * du + dv * dv + distance * distance).sqrt()
-    }
-
-    /// The distance at this column and row of the known ones.
-    #[inline(always)]
-    fn interpolated(&self, column: f32, row: f32) -> f32 {
-        let (i, j) = ((column as usize).min(self.stride - 2), row as usize);
-        let (right, below) = (column - i as f32, row - j as f32);
-        let at = j * self.stride + i;
-        let upper = self.distances.get(at..at + 2);
-        // In the last row nothing is below.
-        let lower = self.distances.get(at + self.stride..at + self.stride + 2).or(upper);
-        let (Some(&[a, b]), Some(&[c, d])) = (upper, lower) else { return f32::MAX };
-        let (upper, lower) = (a + (b - a) * right, c + (d - c) * right);
-        upper + (lower - upper) * below
-    }
-
-    /// The gradient of the distance, over three pixels, so that steps of pixels are smoothed.
-    fn gradient(&self, u: f32, v: f32) -> Vector2<f32> {
-        const REACH: f32 = 3.0;
-        let along = |du: f32, dv: f32| self.distance(u + du, v + dv) - self.distance(u - du, v - dv);
-        Vector2::new(along(REACH, 0.0), along(0.0, REACH))
-    }
-}
-
-impl Line {
-    fn new(at_origin: Vector3<f32>, projection: &Matrix3x4<f32>, direction: &Vector3<f32>) -> Self {
-        let slope = projection.fixed_columns::<3>(0) * direction;
-        let speed = (slope.xy() * at_origin.z - at_origin.xy() * slope.z).norm();
-        Self { at_origin, slope, speed }
-    }
-
-    fn at(&self, t: f32) -> Vector3<f32> {
-        self.at_origin + self.slope * t
-    }
-
-    /// How many metres the ray goes on from a point at this depth before its image has moved by `distance` pixels.
-    fn leap(&self, depth: f32, distance: f32) -> f32 {
-        let slower = self.speed - distance * depth * self.slope.z;
-        // A ray that flees from the camera may never move so far.
-        if slower <= 0.0 { f32::INFINITY } else { distance * depth * depth / slower }
-    }
-
-    /// How many metres the ray goes on from a point at this depth before it is in front of the camera.
-    fn leap_to_front(&self, depth: f32) -> f32 {
-        // The factor keeps it there in spite of rounding.
-        if self.slope.z > 0.0 { (1.001 * MIN_DEPTH - depth) / self.slope.z + 1e-4 } else { f32::INFINITY }
-    }
-}
-
-/// The part of the range in which `at_0 + slope t >= 0`.
-fn clip_to_half_line(at_0: f32, slope: f32, (from, to): (f32, f32)) -> Option<(f32, f32)> {
-    let root = -at_0 / slope;
-    let (from, to) = match slope {
-        _ if slope > 0.0 => (from.max(root), to),
-        _ if slope < 0.0 => (from, to.min(root)),
-        _ if at_0 < 0.0 => return None,
-        _ => (from, to),
-    };
-    (from <= to).then_some((from, to))
-}
-
-/// The part of the range in which `ray` is in the box, or at most `spread` radians beside it.
-fn clip_to_box(bounds: &Aabb, spread: f32, ray: &Ray, range: (f32, f32)) -> Option<(f32, f32)> {
-    (0..3).try_fold(range, |range, axis| {
-        let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
-        let range = clip_to_half_line(origin - bounds.min[axis] as f32, direction + spread, range)?;
-        clip_to_half_line(bounds.max[axis] as f32 - origin, spread - direction, range)
-    })
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ impl Eye {
             world_from_image: (turn.matrix() * inverse).cast(),
             forward: camera.forward().cast(),
             projection: camera.projection_matrix().cast(),
-            radians_per_pixel: (1.0 / camera.intrinsics()[(0, 0)]) as f32,
+            radians_per_pixel: (1.0 / camera.intrinsics()[(0, 0)].min(camera.intrinsics()[(1, 1)])) as f32,
             size: camera.size(),
         }
     }

@@ -154,7 +154,7 @@ impl<'s> March<'s> {
             Some(_) => view.distance_at(&h),
         };
         let Some(distance) = distance else { return Verdict::Unseen };
-        let distance = distance - spread * t * view.focal / h.z;
+        let distance = distance - spread * t * view.pixels_per_metre / h.z;
         if distance <= 0.0 {
             return Verdict::Inside;
         }

@@ -16,8 +16,8 @@ const GREY: f32 = 190.0;
 /// Pixels along the side of a tile, for which the subject is looked for together first.
 pub const TILE: usize = 8;
 
-/// Pixels from a tile's middle to its corner, doubled since the images of oblique surfaces are longer.
-const TILE_REACH: f32 = 12.0;
+/// Pixels from a tile's middle to its corner, and a tenth more.
+const TILE_REACH: f32 = 6.3;
 
 /// Draws the pixels of one picture.
 pub struct PixelPainter<'r, 's> {

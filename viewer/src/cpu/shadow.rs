@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Matrix3x4, Point3, RowVector4, Vector3};
 use rayon::prelude::*;
 
 /// Cells along a side of a map.
-const CELLS: usize = 96;
+const CELLS: usize = 80;
 
 /// A point this far behind what the light meets first is still lit, in metres: cells are coarse.
 const BIAS: f32 = 0.03;

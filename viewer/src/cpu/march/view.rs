@@ -5,6 +5,7 @@ use super::line::Line;
 use super::ray::Ray;
 use crate::scene::SceneView;
 use nalgebra::{Matrix3x4, Point3, Vector2, Vector3};
+use ode_visual_hull::camera::Camera;
 
 /// One view, as rays need it.
 #[derive(Debug)]
@@ -12,8 +13,9 @@ pub struct MarchView<'s> {
     pub(super) projection: Matrix3x4<f32>,
     /// Width and height of the image in pixels.
     image: Vector2<f32>,
-    /// The focal length in pixels.
-    pub(super) focal: f32,
+    /// By how many pixels a point's image moves at most for each metre that the point moves, 1 m in front of the camera: more
+    /// than the focal length far off the axis.
+    pub(super) pixels_per_metre: f32,
     distances: &'s [f32],
     /// Image position of the first of the distances, and columns and rows from there to the last one.
     first: [f32; 2],
@@ -30,7 +32,7 @@ impl<'s> MarchView<'s> {
         Self {
             projection: view.projection().cast(),
             image: Vector2::new(width as f32, height as f32),
-            focal: view.camera().intrinsics()[(0, 0)] as f32,
+            pixels_per_metre: pixels_per_metre(view.camera()),
             distances: distances.values(),
             first: [known.x0 as f32 + 0.5, known.y0 as f32 + 0.5],
             last: [known.width() as f32 - 1.0, known.height() as f32 - 1.0],
@@ -96,4 +98,15 @@ impl<'s> MarchView<'s> {
         let along = |du: f32, dv: f32| self.distance(u + du, v + dv) - self.distance(u - du, v - dv);
         Vector2::new(along(REACH, 0.0), along(0.0, REACH))
     }
+}
+
+/// See [`MarchView::pixels_per_metre`]: the derivative of the projection is greatest in a corner of the image.
+fn pixels_per_metre(camera: &Camera) -> f32 {
+    let (k, (width, height)) = (camera.intrinsics(), camera.size());
+    let tangent = |axis: usize, length: u32| {
+        let centre = k[(axis, 2)];
+        centre.abs().max((f64::from(length) - centre).abs()) / k[(axis, axis)]
+    };
+    let (x, y) = (tangent(0, width), tangent(1, height));
+    (k[(0, 0)].max(k[(1, 1)]) * (1.0 + x * x + y * y).sqrt()) as f32
 }

@@ -17,7 +17,7 @@ mod raster;
 mod shadow;
 mod surroundings;
 
-use crate::picture::{DrawOptions, Picture, to_rgb};
+use crate::picture::{DrawOptions, Method, Picture, to_rgb};
 use crate::scene::Scene;
 #[cfg(feature = "gpu")]
 pub(crate) use depth_map::{CELL, VISIBILITY_BIAS};
@@ -80,7 +80,9 @@ impl<'s> CpuRenderer<'s> {
     fn composed(&self, camera: &Camera, options: &DrawOptions, layer: Option<&Picture>) -> Picture {
         let eye = Eye::new(camera);
         let (width, height) = eye.size();
-        if layer.is_none() || eye.real_view(self.scene).is_some() {
+        // The shape has no colours, and those of a layer are needed only where the camera's own silhouette has more than it.
+        let is_coloured_here = layer.is_none() || eye.real_view(self.scene).is_some();
+        if options.method != Method::Hull && is_coloured_here {
             self.blend.prepare(&self.march, &eye.origin());
         }
         let fragments = self.bodies.draw(&eye.projection(), eye.size());

@@ -1,6 +1,6 @@
 //! Films of finished runs.
 
-use super::{Run, command, finished, recorded, view};
+use super::{PERSON, Run, command, finished, recorded, view};
 use nalgebra::Isometry3;
 use ode_visual_hull::hull::Motion;
 use ode_visual_hull::shape::Shape;
@@ -41,6 +41,17 @@ fn film(folder: &Path, more: &[&str]) -> Run {
     view(folder, &[&words, more].concat())
 }
 
+/// Width, height and number of frames of a film.
+fn probed(folder: &Path, name: &str) -> String {
+    let probe = std::process::Command::new("ffprobe")
+        .args(["-v", "error", "-count_frames", "-select_streams", "v:0", "-of", "csv=p=0"])
+        .args(["-show_entries", "stream=width,height,nb_read_frames", name])
+        .current_dir(folder)
+        .output()
+        .expect("ffprobe runs");
+    String::from_utf8_lossy(&probe.stdout).trim().to_owned()
+}
+
 fn refused(folder: &Path, more: &[&str], expected: &str) {
     let run = film(folder, more);
     assert!(!run.succeeded && run.error.contains(expected), "{more:?}: {}", run.error);
@@ -52,13 +63,7 @@ fn a_film_has_a_frame_for_each_entry_of_the_states() {
     for name in ["film.gif", "film.mp4"] {
         let run = film(&folder, &["--out", name]);
         assert!(run.succeeded && run.out.contains("3 frames"), "{}{}", run.out, run.error);
-        let probe = std::process::Command::new("ffprobe")
-            .args(["-v", "error", "-count_frames", "-select_streams", "v:0", "-of", "csv=p=0"])
-            .args(["-show_entries", "stream=width,height,nb_read_frames", name])
-            .current_dir(&folder)
-            .output()
-            .expect("ffprobe runs");
-        assert_eq!(String::from_utf8_lossy(&probe.stdout).trim(), "96,72,3", "{name}");
+        assert_eq!(probed(&folder, name), "96,72,3", "{name}");
     }
 }
 
@@ -82,6 +87,18 @@ fn files_of_a_run_that_are_missing_or_wrong_are_refused_by_name() {
     std::fs::remove_file(folder.join("bodies.toml")).expect("a file");
     std::fs::remove_file(folder.join("states.csv")).expect("a file");
     refused(&folder, &[], "states.csv");
+}
+
+#[test]
+fn a_frame_without_a_subject_ends_the_film_and_the_frames_before_are_kept() {
+    let folder = with_run("lost_subject");
+    let masks = folder.join("person").join(PERSON.cameras[0].name()).join("mask");
+    let mut files: Vec<_> =
+        masks.read_dir().expect("masks").map(|file| file.expect("a mask").path()).collect();
+    files.sort();
+    image::GrayImage::new(160, 120).save(&files[2]).expect("an empty mask");
+    refused(&folder, &["--out", "film.gif"], "the 2 frames before are in film.gif");
+    assert_eq!(probed(&folder, "film.gif"), "96,72,2");
 }
 
 #[test]

@@ -1,9 +1,11 @@
 //! `vhull-view film`: a film of a finished run from a moving viewpoint.
 
 use crate::options::{DrawingOptions, warn};
+use image::RgbImage;
 use indicatif::ProgressBar;
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::FRAME_RATE;
+use ode_visual_hull_viewer::Renderer;
 use ode_visual_hull_viewer::history::History;
 use ode_visual_hull_viewer::orbit::Orbit;
 use ode_visual_hull_viewer::record::{FinishedScenes, Movie, Tour};
@@ -64,29 +66,55 @@ pub fn run(options: &Options) -> Result<()> {
 
     let mut renderer = options.drawing.open()?;
     let mut movie = Movie::create(&options.out, options.drawing.size, FRAME_RATE)?;
-    let count = scenes.times().len();
-    let bar = ProgressBar::new(count as u64);
     let mut notes = Notes::default();
+    let mut frames = 0;
+    let drawn = draw(options, &tour, &mut scenes, &mut renderer, &mut notes, &mut |picture| {
+        movie.push(picture)?;
+        frames += 1;
+        Ok(())
+    });
+
+    // What was drawn before an error is kept.
+    let out = options.out.display();
+    let written = if frames > 0 { movie.finish() } else { Ok(()) };
+    drawn.map_err(|error| match &written {
+        Ok(()) if frames > 0 => Error::argument(format!("{error}; the {frames} frames before are in {out}")),
+        _ => error,
+    })?;
+    written?;
+    notes.print();
+    println!("{frames} frames, drawn by {}: {out}", renderer.description());
+    Ok(())
+}
+
+/// Draws all frames and hands them to `push`.
+fn draw(
+    options: &Options,
+    tour: &Tour,
+    scenes: &mut FinishedScenes,
+    renderer: &mut Renderer,
+    notes: &mut Notes,
+    push: &mut dyn FnMut(RgbImage) -> Result<()>,
+) -> Result<()> {
+    let DrawingOptions { size, samples, .. } = options.drawing;
+    let bar = ProgressBar::new(scenes.times().len() as u64);
     let mut history = (!options.no_history).then(History::default);
-    for k in 0..count {
-        let time = scenes.times()[k];
-        let viewpoint = enlarged(&tour.at(time).camera(options.drawing.size)?, options.drawing.samples)?;
+    for k in 0..scenes.times().len() {
+        let viewpoint = enlarged(&tour.at(scenes.times()[k]).camera(size)?, samples)?;
         let scene = scenes.scene(k).map_err(|e| at_frame(k, &e))?;
         if k == 0 {
             warn(&scene);
         }
         notes.add(k, scene.obstacle(&viewpoint.centre()));
-        let mut picture = renderer.draw(&scene, &viewpoint, &options.drawing.draw_options(options.snap))?;
+        let picture = renderer.draw(&scene, &viewpoint, &options.drawing.draw_options(options.snap));
+        let mut picture = picture.map_err(|e| at_frame(k, &e))?;
         if let Some(history) = &mut history {
             history.steady(&mut picture, &viewpoint);
         }
-        movie.push(reduced(picture, options.drawing.samples))?;
+        push(reduced(picture, samples))?;
         bar.inc(1);
     }
     bar.finish_and_clear();
-    movie.finish()?;
-    notes.print();
-    println!("{count} frames, drawn by {}: {}", renderer.description(), options.out.display());
     Ok(())
 }
 

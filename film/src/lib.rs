@@ -58,7 +58,7 @@ pub use finished_run::FinishedRun;
 #[cfg(feature = "ode")]
 pub use log::{Entry, Log};
 #[cfg(feature = "ode")]
-pub use paced::{Pace, PaceReport, PacedFrames, Tally, run_paced};
+pub use paced::{Pace, PaceReport, PacedFrames, Steps, Tally, run_paced};
 #[cfg(feature = "ode")]
 pub use part::Part;
 pub use playback_options::PlaybackOptions;

@@ -10,18 +10,17 @@
 
 mod frames;
 mod report;
+mod steps;
 
 pub use frames::PacedFrames;
 pub use report::{PaceReport, Tally};
+pub use steps::{MOST_BEHIND, Steps};
 
 use crate::simulation::Simulation;
 use ode_visual_hull::hull::{Hull, HullData, Motion};
 use ode_visual_hull::{Error, Result};
 use std::thread::{scope, sleep};
 use std::time::{Duration, Instant};
-
-/// Steps by which the simulation may be behind the wall clock before it drops some.
-pub const MOST_BEHIND: f64 = 4.0;
 
 /// Rounding error of times, in seconds.
 const ROUNDING: f64 = 1e-6;
@@ -107,24 +106,17 @@ fn simulate(
     pace: &Pace,
     watch: &mut dyn FnMut(&Simulation, f64),
 ) -> Result<PaceReport> {
-    let dt = 1.0 / pace.step_rate;
+    let mut steps = Steps::new(pace.step_rate, 0.0);
     let mut report = PaceReport::default();
-    let (mut busy, mut last_used, mut n) = (0.0, 0, 0_u32);
-    while f64::from(n) * dt < pace.seconds {
-        let behind = (now(started) / dt - f64::from(n)).floor();
-        if behind > MOST_BEHIND {
-            report.steps.dropped += behind as usize;
-            n += behind as u32;
-            simulation.skip(behind * dt);
-        }
-        let due = f64::from(n) * dt;
-        let began = wait_until(started, due);
-        simulation.step(dt)?;
+    let (mut busy, mut last_used) = (0.0, 0);
+    while steps.due() < pace.seconds {
+        simulation.skip(steps.drop_if_behind(now(started)));
+        let began = wait_until(started, steps.due());
+        simulation.step(steps.dt())?;
         let ended = now(started);
         busy += ended - began;
-        report.steps.count(ended <= due + dt);
+        steps.count(ended);
         watch(simulation, ended);
-        n += 1;
 
         if let Some(hull) = simulation.hull() {
             report.mixed += usize::from(is_mixed(&hull));
@@ -137,8 +129,9 @@ fn simulate(
         }
     }
     report.latencies.sort_by(f64::total_cmp);
+    report.steps = steps.tally();
     let done = (report.steps.in_time + report.steps.late) as f64;
-    report.simulation_factor = done * dt / busy;
+    report.simulation_factor = done * steps.dt() / busy;
     Ok(report)
 }
 

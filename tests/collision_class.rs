@@ -425,6 +425,22 @@ fn queries_take_and_return_world_coordinates() {
 }
 
 #[test]
+fn a_hull_tells_by_which_samples_a_geom_collides() {
+    let (mut world, hull) = with_table(SpaceKind::default());
+    let shape = cube(0.2);
+    let (_, geom) = add_body(&mut world, &shape, &at(0.0, 0.0, 2.0));
+    let of_class = world.hull(hull).samples(geom).unwrap().unwrap();
+    assert_eq!(*of_class, shape.sample(world.hull(hull).min_feature()).unwrap());
+
+    let own = sample::from_points(&[point![0.1, 0.0, 0.0]], None).unwrap();
+    world.set_samples(geom, own.clone()).unwrap();
+    assert_eq!(*world.hull(hull).samples(geom).unwrap().unwrap(), own);
+
+    world.remove_geom(geom);
+    assert!(world.hull(hull).samples(geom).is_err());
+}
+
+#[test]
 fn a_panic_in_the_closure_leaves_collide_and_the_world_still_works() {
     let (mut world, hull) = with_table(SpaceKind::default());
     add_body(&mut world, &cube(0.2), &at(0.0, 0.0, TOP + 0.096));

@@ -7,6 +7,7 @@ use super::{body_samples, class};
 use crate::contact::{self, BodyResponse, Mode, Settings};
 use crate::hull::{Hull, HullData, Motion};
 use crate::ode::{check, convert};
+use crate::sample::Samples;
 use crate::{Error, Result};
 use nalgebra::{Isometry3, Point3, Vector3};
 use ode_sys::{dBodyID, dCreateGeom, dGeomID, dSpaceAdd, dSpaceID};
@@ -182,18 +183,24 @@ impl RawHull {
     pub(crate) unsafe fn body_response(&self, other: dGeomID) -> Result<BodyResponse> {
         let nothing = BodyResponse { vector: Vector3::zeros(), colliding: 0 };
         // SAFETY: the caller vouches for the geom.
-        let (world_from_body, found) = unsafe {
-            let pose = convert::any_pose(other);
-            (pose, body_samples::of(other, &pose, self.min_feature())?)
-        };
-        if let Some(error) = found.outdated {
-            self.geom.record_error(error);
-        }
-
-        let (Some(hull), Some(samples)) = (self.frame(), found.samples) else { return Ok(nothing) };
+        let (world_from_body, samples) = unsafe { (convert::any_pose(other), self.samples(other)?) };
+        let (Some(hull), Some(samples)) = (self.frame(), samples) else { return Ok(nothing) };
         let pose = self.pose();
         let response = contact::body_response(&hull, &samples, &(pose.inverse() * world_from_body));
         Ok(BodyResponse { vector: pose * response.vector, ..response })
+    }
+
+    /// The surface samples by which `other` collides with the hull, in its own frame.
+    ///
+    /// # Safety
+    /// `other` is a living geom.
+    pub(crate) unsafe fn samples(&self, other: dGeomID) -> Result<Option<Arc<Samples>>> {
+        // SAFETY: the caller vouches for the geom.
+        let found = unsafe { body_samples::of(other, &convert::any_pose(other), self.min_feature())? };
+        if let Some(error) = found.outdated {
+            self.geom.record_error(error);
+        }
+        Ok(found.samples)
     }
 
     fn pose(&self) -> Isometry3<f64> {

@@ -201,6 +201,18 @@ impl HullView<'_> {
         // SAFETY: the record is alive.
         unsafe { self.hull.body_response(other) }
     }
+
+    /// The surface samples by which geom `body` collides with the hull, in the geom's own frame: those that were set, else
+    /// those of its class and sizes for [`min_feature`](Self::min_feature). `None` for a class that has none.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] if the geom is gone or cannot be sampled.
+    pub fn samples(&self, body: GeomId) -> Result<Option<Arc<Samples>>> {
+        let other = self.world.geoms.find(body)?.raw;
+        // SAFETY: the record is alive.
+        unsafe { self.hull.samples(other) }
+    }
 }
 
 /// A hull geom, for changes.

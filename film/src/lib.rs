@@ -71,7 +71,7 @@ pub use run::{FilmOptions, FilmReport, run_film};
 #[cfg(feature = "ode")]
 pub use simulated_body::{SimulatedBody, State, Support};
 #[cfg(feature = "ode")]
-pub use simulation::{Simulation, lean_deg};
+pub use simulation::{HullContact, Simulation, lean_deg};
 pub use states::States;
 pub use studio::{Scenario, Studio};
 pub use window::Window;

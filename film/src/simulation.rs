@@ -1,6 +1,10 @@
 //! A world of ODE with the hull, a floor, and virtual bodies.
 
 mod contents;
+mod hull_contacts;
+mod pull;
+
+pub use hull_contacts::HullContact;
 
 use crate::capture::STEPS_PER_SECOND;
 use crate::compositor::Drawn;
@@ -9,6 +13,7 @@ use nalgebra::{UnitQuaternion, Vector3, vector};
 use ode_visual_hull::hull::{Hull, HullData, Motion};
 use ode_visual_hull::ode::{GeomId, Ode, Shape, Surface, Swept, World};
 use ode_visual_hull::{Error, Result};
+use pull::Pull;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -29,6 +34,10 @@ pub struct Simulation {
     world: World,
     hull: GeomId,
     bodies: Vec<SimulatedBody>,
+    /// Of the last step.
+    hull_contacts: Vec<HullContact>,
+    /// Of the next step.
+    pulls: Vec<Pull>,
     /// What is drawn and does not move.
     fixed: Vec<Drawn>,
     /// Of contacts between bodies, and of all others.
@@ -66,6 +75,8 @@ impl Simulation {
             world,
             hull,
             bodies: Vec::new(),
+            hull_contacts: Vec::new(),
+            pulls: Vec::new(),
             fixed: Vec::new(),
             body_surface: surface,
             real_surface: surface,
@@ -118,6 +129,7 @@ impl Simulation {
     /// # Errors
     /// As [`Self::advance`].
     pub fn step(&mut self, dt: f64) -> Result<()> {
+        self.apply_pulls(dt)?;
         self.collide(dt)?;
         self.collided_at = Instant::now();
         self.world.quick_step(dt)?;
@@ -155,7 +167,8 @@ impl Simulation {
     /// Collides before a step of `dt` seconds: adds contacts for every pair with a body, and records what each body
     /// touches.
     fn collide(&mut self, dt: f64) -> Result<()> {
-        let Self { world, hull, bodies, held, body_surface, real_surface, time, .. } = self;
+        let Self { world, hull, bodies, hull_contacts, held, body_surface, real_surface, time, .. } = self;
+        hull_contacts.clear();
         for one in bodies.iter_mut() {
             one.touched = Touched::default();
         }
@@ -188,6 +201,7 @@ impl Simulation {
                 if pair.geoms().contains(hull) {
                     one.touched.hull = true;
                     one.deepest = one.deepest.max(depth);
+                    hull_contacts.extend(contacts.iter().map(|contact| HullContact::new(contact, *hull)));
                 } else if other.is_none() {
                     one.touched.floor = true;
                 }
@@ -196,6 +210,7 @@ impl Simulation {
 
         // What sticks to the hull has no contacts with it.
         let hull = world.hull(*hull);
+        hull_contacts.iter_mut().for_each(|contact| contact.find_velocity(&hull));
         for one in bodies.iter_mut().filter(|one| hull.holds(one.id)) {
             one.first_contact.get_or_insert(*time);
             one.touched.hull = true;

@@ -6,7 +6,7 @@ use crate::body_shape::check_drawable;
 use crate::part::{Part, mass_of};
 use crate::playback_options::PlaybackOptions;
 use crate::simulated_body::{SimulatedBody, drawn};
-use nalgebra::{Isometry3, Translation3};
+use nalgebra::{Isometry3, Translation3, Vector3};
 use ode_visual_hull::ode::{Damping, JointKind, Shape, Surface};
 use ode_visual_hull::{Error, Result};
 
@@ -76,16 +76,57 @@ impl Simulation {
         Ok(())
     }
 
+    /// Sets the velocity of a body's centre of mass in m/s, as after a throw; it does not turn any more.
+    ///
+    /// # Errors
+    /// A body that does not exist, or a velocity that is not finite.
+    pub fn set_velocity(&mut self, index: usize, velocity: &Vector3<f64>) -> Result<()> {
+        let mut body = self.world.body_mut(self.check_index("velocity", index)?.id);
+        body.set_linear_velocity(velocity)?;
+        body.set_angular_velocity(&Vector3::zeros())?;
+        body.set_enabled(true);
+        Ok(())
+    }
+
+    /// Removes a body with its joints. The bodies after it move up: their indices become smaller by one, here and in all that
+    /// the simulation tells from now on. A [`Log`](crate::Log) knows bodies by their indices, and must not go on.
+    ///
+    /// # Errors
+    /// A body that does not exist.
+    pub fn remove(&mut self, index: usize) -> Result<()> {
+        let id = self.check_index("removal", index)?.id;
+        let joints: Vec<_> = self.world.joints().collect();
+        for joint in joints {
+            if self.world.joint(joint).bodies().contains(&Some(id)) {
+                self.world.remove_joint(joint);
+            }
+        }
+        self.world.remove_body_and_geoms(id);
+        self.bodies.remove(index);
+
+        for one in &mut self.bodies {
+            one.touched.bodies.retain(|&other| other != index);
+            one.touched.bodies.iter_mut().filter(|other| **other > index).for_each(|other| *other -= 1);
+        }
+        self.forget_pulls_of(index);
+        Ok(())
+    }
+
+    /// The body with this index, for an argument named `what`.
+    pub(super) fn check_index(&self, what: &str, index: usize) -> Result<&SimulatedBody> {
+        self.bodies.get(index).ok_or_else(|| {
+            let count = self.bodies.len();
+            Error::argument(format!("{what}: expected the index of one of {count} bodies, found {index}"))
+        })
+    }
+
     /// Joins two bodies, given by their indices, at their present poses; `None` is the world.
     ///
     /// # Errors
     /// A body that does not exist, or a joint that ODE cannot make of these bodies.
     pub fn join(&mut self, bodies: [Option<usize>; 2], kind: &JointKind) -> Result<()> {
-        let count = self.bodies.len();
-        if let Some(index) = bodies.into_iter().flatten().find(|&index| index >= count) {
-            return Err(Error::argument(format!(
-                "joint: expected the index of one of {count} bodies, found {index}"
-            )));
+        for index in bodies.into_iter().flatten() {
+            self.check_index("joint", index)?;
         }
         self.world.add_joint(bodies.map(|index| index.map(|i| self.bodies[i].id)), kind)?;
         Ok(())
@@ -111,8 +152,8 @@ impl Simulation {
 mod tests {
     use super::*;
     use crate::capture::STEPS_PER_SECOND;
-    use crate::simulated_body::{GRAVITY, State};
-    use nalgebra::{Point3, Vector3, vector};
+    use crate::simulated_body::{GRAVITY, State, Support};
+    use nalgebra::{Point3, vector};
     use ode_visual_hull::hull::{HullData, Motion};
     use std::sync::Arc;
 
@@ -160,5 +201,44 @@ mod tests {
         // The ball's own inertia turns with it: 2 g h / (1 + 2/5 r2/h2). A step adds up to g / 240, 1.5 % of the speed.
         let expected = (2.0 * GRAVITY * 0.4 / (1.0 + 0.4 * (0.05_f64 / 0.4).powi(2))).sqrt();
         assert!((fastest / expected - 1.0).abs() < 0.02, "{fastest}, expected {expected}");
+    }
+    #[test]
+    fn a_body_that_is_thrown_flies_on_its_parabola() {
+        let mut simulation = empty_world();
+        let start = Isometry3::translation(0.0, 0.0, 1.0);
+        let ball = simulation.add(&Shape::Sphere { radius: 0.05 }, &start, [0; 3]).unwrap();
+        let velocity = vector![2.0, -1.0, 3.0];
+        simulation.set_velocity(ball, &velocity).unwrap();
+        simulation.advance(0.3).unwrap();
+        let expected = start.translation.vector + 0.3 * velocity - 0.5 * GRAVITY * 0.09 * Vector3::z();
+        // Each step moves at the velocity of its end: g x 0.3 s x (1 / 240 s) / 2 lower, 6 mm.
+        assert!((simulation.states()[0].pose.translation.vector - expected).norm() < 7e-3);
+        assert!(simulation.set_velocity(ball, &Vector3::repeat(f64::NAN)).is_err());
+        assert!(simulation.set_velocity(1, &velocity).unwrap_err().to_string().contains("found 1"));
+    }
+
+    #[test]
+    fn after_a_removal_the_later_bodies_move_up_and_go_on() {
+        let mut simulation = empty_world();
+        for k in 0..3 {
+            let pose = Isometry3::translation(0.0, 0.0, 0.1 + 0.2 * f64::from(k));
+            simulation.add(&Shape::cube(0.2), &pose, [k as u8; 3]).unwrap();
+        }
+        simulation.join([Some(2), None], &JointKind::Ball { anchor: PIVOT }).unwrap();
+        simulation.advance(0.2).unwrap();
+
+        // Without the box in the middle, and without the joint of the upper one, nothing holds that up.
+        simulation.remove(2).unwrap();
+        assert_eq!(simulation.world.joints().count(), 0);
+        simulation.add(&Shape::cube(0.2), &Isometry3::translation(0.0, 0.0, 0.5), [3; 3]).unwrap();
+        simulation.advance(0.2).unwrap();
+        simulation.remove(1).unwrap();
+        assert_eq!(simulation.bodies().iter().map(|one| one.colour()[0]).collect::<Vec<_>>(), [0, 3]);
+        simulation.advance(1.0).unwrap();
+        assert_eq!(simulation.supports(), [Support::Floor; 2]);
+        let height = simulation.states()[1].pose.translation.z;
+        // The layer of the contacts is half a millimetre, on each of two floors of the stack.
+        assert!((height - 0.3).abs() < 2e-3, "{height}");
+        assert!(simulation.remove(2).unwrap_err().to_string().contains("one of 2 bodies"));
     }
 }

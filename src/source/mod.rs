@@ -19,8 +19,9 @@
 //!
 //! An image's time is listed ([`Times::Listed`], [`frames_csv`]), or its number divided by a rate ([`Times::Rate`], a
 //! video's own rate), or, for a live device, the time of its arrival. All cameras of a set need the same clock: the
-//! devices of one program share the instant from which they count.
+//! devices of one program share the instant from which they count. A live system that pauses and steps has a [`Clock`].
 
+mod clock;
 mod device;
 mod ffmpeg;
 mod folder;
@@ -32,6 +33,7 @@ mod synchroniser;
 mod times;
 mod video;
 
+pub use clock::Clock;
 pub use device::{Device, DeviceOptions};
 pub use folder::ImageFolder;
 pub use queue::WhenFull;

@@ -5,8 +5,8 @@
 //!   thread of the simulation  step n, collided at n / 120 s ◄──────────────────────┘
 //! ```
 //!
-//! A frame that comes more than a period late is dropped, as a camera would. A simulation that is behind by more than
-//! [`MOST_BEHIND`] steps drops those that are due, so that it is never late silently. Both are counted.
+
+
 
 mod frames;
 mod report;
@@ -14,7 +14,7 @@ mod steps;
 
 pub use frames::PacedFrames;
 pub use report::{PaceReport, Tally};
-pub use steps::{MOST_BEHIND, Steps};
+pub use steps::Steps;
 
 use crate::simulation::Simulation;
 use ode_visual_hull::hull::{Hull, HullData, Motion};

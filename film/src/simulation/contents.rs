@@ -76,6 +76,17 @@ impl Simulation {
         Ok(())
     }
 
+    /// Puts a body, whose frame gets this pose, somewhere else, at rest.
+    ///
+    /// # Errors
+    /// A body that does not exist, or a pose that is not finite.
+    pub fn place(&mut self, index: usize, pose: &Isometry3<f64>) -> Result<()> {
+        let one = self.check_index("pose", index)?;
+        let (id, placed) = (one.id, pose * one.mass_centre);
+        self.world.body_mut(id).set_pose(&placed)?;
+        self.set_velocity(index, &Vector3::zeros())
+    }
+
     /// Sets the velocity of a body's centre of mass in m/s, as after a throw; it does not turn any more.
     ///
     /// # Errors
@@ -215,6 +226,18 @@ mod tests {
         assert!((simulation.states()[0].pose.translation.vector - expected).norm() < 7e-3);
         assert!(simulation.set_velocity(ball, &Vector3::repeat(f64::NAN)).is_err());
         assert!(simulation.set_velocity(1, &velocity).unwrap_err().to_string().contains("found 1"));
+    }
+
+    #[test]
+    fn a_body_that_is_put_somewhere_else_starts_from_rest_there() {
+        let mut simulation = empty_world();
+        let start = Isometry3::translation(0.0, 0.0, 5.0);
+        let index = simulation.add(&Shape::cube(0.2), &start, [0; 3]).unwrap();
+        simulation.advance(0.5).unwrap();
+        simulation.place(index, &start).unwrap();
+        let state = simulation.states()[0];
+        assert_eq!((state.pose, state.linear_velocity), (start, Vector3::zeros()));
+        assert!(simulation.place(1, &start).is_err());
     }
 
     #[test]

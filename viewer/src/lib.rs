@@ -15,6 +15,7 @@ pub mod gpu;
 pub mod history;
 pub mod metrics;
 pub mod orbit;
+pub mod overlay;
 mod picture;
 pub mod record;
 mod renderer;

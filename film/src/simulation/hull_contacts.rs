@@ -79,7 +79,7 @@ mod tests {
         for &time in times {
             let pose = Isometry3::translation(0.0, 0.0, 0.4)
                 * Isometry3::from_parts((time * velocity).into(), Default::default());
-            let subject = Subject::new(vec![Placed::new(solid.clone(), pose, Texture::plain([0; 3]))]);
+            let subject = Subject::new(vec![Placed::new(solid, pose, Texture::plain([0; 3]))]);
             for (view, camera) in cameras.iter().enumerate() {
                 data.set_mask_at(view, &coverage(camera, &subject), time).unwrap();
             }

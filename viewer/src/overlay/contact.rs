@@ -18,6 +18,12 @@ const HEAD: f64 = 0.25;
 /// lines.
 const HIDDEN_CONTACT: f32 = 0.6;
 
+/// Width of a contact's lines, as a multiple of that of plain lines.
+const WIDTH: f64 = 1.5;
+
+/// The largest radius of a sample, in metres: from afar, a body must not vanish behind its samples.
+const SAMPLE_RADIUS: f64 = 0.0025;
+
 /// Opacity of a sample on the other side of its body.
 const HIDDEN_SAMPLE: f32 = 0.1;
 
@@ -38,17 +44,17 @@ impl Overlay {
     ) {
         let ink = |colour| Ink { colour, hidden: HIDDEN_CONTACT };
         let tip = position + normal * (NORMAL_FOR_DEPTH * depth).max(LEAST_NORMAL);
-        self.lines.push(Line { ends: [position, tip], ink: ink(NORMAL) });
+        self.lines.push(Line { ends: [position, tip], width: WIDTH, ink: ink(NORMAL) });
         if velocity.norm() > LEAST_SPEED {
             self.add_arrow(position, velocity * ARROW_SECONDS, ink(ARROW));
         }
-        self.points.push(Dot { at: position, radius: 2.2, ink: ink(POINT) });
+        self.points.push(Dot { at: position, radius: 2.2, most: f64::INFINITY, ink: ink(POINT) });
     }
 
     /// Adds a point of a body's surface, as a small dot.
     pub fn add_sample(&mut self, point: Point3<f64>) {
         let ink = Ink { colour: SAMPLE, hidden: HIDDEN_SAMPLE };
-        self.points.push(Dot { at: point, radius: 0.5, ink });
+        self.points.push(Dot { at: point, radius: 0.5, most: SAMPLE_RADIUS, ink });
     }
 
     /// Adds an arrow with four lines at its head, so that it is one from all sides.
@@ -56,9 +62,9 @@ impl Overlay {
         let tip = from + way;
         let across = way.cross(&Vector3::ith(way.iamin(), 1.0)).normalize();
         let sides = [across, across.cross(&way).normalize()].map(|side| 0.4 * HEAD * way.norm() * side);
-        self.lines.push(Line { ends: [from, tip], ink });
+        self.lines.push(Line { ends: [from, tip], width: WIDTH, ink });
         for side in sides.into_iter().flat_map(|side| [side, -side]) {
-            self.lines.push(Line { ends: [tip, tip - HEAD * way + side], ink });
+            self.lines.push(Line { ends: [tip, tip - HEAD * way + side], width: WIDTH, ink });
         }
     }
 }

@@ -10,7 +10,8 @@ impl Dot {
     /// Draws a disc with a soft edge.
     pub(super) fn draw(&self, pen: &mut Pen<'_>, viewpoint: &Camera) {
         let Some(centre) = viewpoint.project(&self.at).filter(|pixel| pixel.depth > NEAR) else { return };
-        let (radius, (width, height)) = (self.radius * pen.width, pen.size());
+        let most = self.most * viewpoint.intrinsics()[(0, 0)] / centre.depth;
+        let (radius, (width, height)) = ((self.radius * pen.width).min(most), pen.size());
         let reach = |middle: f64, size: f64| {
             let (low, high) = ((middle - radius - 1.0).max(0.0), (middle + radius + 1.0).min(size));
             low.floor() as i64..high.ceil() as i64
@@ -34,12 +35,12 @@ impl Label {
         }
         let lettering = Lettering::for_labels(pen.image.width());
         let (u, v) = (at.u.floor() as i64, at.v.floor() as i64);
-        // Faint words cannot be read: they are half as faint as lines.
-        let opacity = 0.5 + 0.5 * pen.opacity(u, v, at.depth, self.ink);
+        // Words as faint as lines could not be read.
+        let opacity = 0.6 + 0.4 * pen.opacity(u, v, at.depth, self.ink);
         let left = u + i64::from(lettering.advance());
         let top = v - i64::from(lettering.height()) / 2;
         let room = (pen.image.width() as i64 - left).max(0) as u32;
         let text = lettering.fit(&self.text, room);
-        lettering.write_outlined(pen.image, (left, top), &text, self.ink.colour, opacity);
+        lettering.write_on_ground(pen.image, (left, top), &text, self.ink.colour, opacity);
     }
 }

@@ -1,11 +1,11 @@
 //! The axes of the world, and boxes such as the work volume.
 
-use super::Overlay;
+use super::{Ink, Line, Overlay};
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::hull::Aabb;
 
 /// The axes' colours and names.
-const AXES: [([u8; 3], &str); 3] = [([240, 60, 50], "x"), ([70, 210, 70], "y"), ([70, 130, 255], "z")];
+const AXES: [([u8; 3], &str); 3] = [([240, 60, 50], "x"), ([70, 210, 70], "y"), ([110, 170, 255], "z")];
 
 /// The corners at the ends of the edges of a box; bit `k` of a corner tells whether it is at the far end of axis `k`.
 const EDGES: [[usize; 2]; 12] =
@@ -16,7 +16,7 @@ impl Overlay {
     pub fn add_axes(&mut self, length: f64) {
         for (axis, (colour, name)) in AXES.into_iter().enumerate() {
             let end = Point3::from(Vector3::ith(axis, length));
-            self.add_line(Point3::origin(), end, colour);
+            self.lines.push(Line { ends: [Point3::origin(), end], width: 2.0, ink: Ink::new(colour) });
             self.add_label(end, name, colour);
         }
     }

@@ -18,7 +18,7 @@ impl Line {
         let at = |k: u32| viewpoint.project(&(from + (to - from) * (f64::from(k) / f64::from(pieces))));
         for k in 0..pieces {
             if let (Some(from), Some(to)) = (at(k), at(k + 1)) {
-                draw_piece(pen, [from, to], self.ink);
+                draw_piece(pen, [from, to], self.width, self.ink);
             }
         }
     }
@@ -38,18 +38,19 @@ fn before_camera(camera: &Camera, [from, to]: [Point3<f64>; 2]) -> Option<[Point
     }
 }
 
-/// Draws a straight line between two image positions.
+/// Draws a straight line between two image positions, `width` times as wide as plain ones.
 ///
 /// It is drawn column by column where it is flatter than 45 degrees, otherwise row by row. In each of them it covers some pixels
 /// partly; 1 / depth is linear in the image.
-fn draw_piece(pen: &mut Pen<'_>, ends: [Pixel; 2], ink: Ink) {
-    let Some([from, to]) = inside(ends, pen.size(), pen.width) else { return };
+fn draw_piece(pen: &mut Pen<'_>, ends: [Pixel; 2], width: f64, ink: Ink) {
+    let width = width * pen.width;
+    let Some([from, to]) = inside(ends, pen.size(), width) else { return };
     let (du, dv) = (to.u - from.u, to.v - from.v);
     let is_flat = du.abs() >= dv.abs();
     let along_across = |pixel: &Pixel| if is_flat { (pixel.u, pixel.v) } else { (pixel.v, pixel.u) };
     let (start, _) = along_across(&from);
     let (end, _) = along_across(&to);
-    let thickness = pen.width * du.hypot(dv) / (end - start).abs().max(1e-9);
+    let thickness = width * du.hypot(dv) / (end - start).abs().max(1e-9);
     let (first, last) = (start.min(end).floor() as i64, start.max(end).ceil() as i64);
 
     for column in first..last {

@@ -39,6 +39,8 @@ pub struct Overlay {
 #[derive(Debug, Clone, Copy)]
 struct Line {
     ends: [Point3<f64>; 2],
+    /// As a multiple of the width of plain lines.
+    width: f64,
     ink: Ink,
 }
 
@@ -46,8 +48,10 @@ struct Line {
 #[derive(Debug, Clone, Copy)]
 struct Dot {
     at: Point3<f64>,
-    /// In widths of a line.
+    /// In widths of a plain line.
     radius: f64,
+    /// The largest radius, in metres.
+    most: f64,
     ink: Ink,
 }
 
@@ -82,12 +86,12 @@ impl Overlay {
 
     /// Adds a straight line.
     pub fn add_line(&mut self, from: Point3<f64>, to: Point3<f64>, colour: [u8; 3]) {
-        self.lines.push(Line { ends: [from, to], ink: Ink::new(colour) });
+        self.lines.push(Line { ends: [from, to], width: 1.0, ink: Ink::new(colour) });
     }
 
     /// Adds a point, drawn as a small disc.
     pub fn add_point(&mut self, at: Point3<f64>, colour: [u8; 3]) {
-        self.points.push(Dot { at, radius: 2.0, ink: Ink::new(colour) });
+        self.points.push(Dot { at, radius: 2.0, most: f64::INFINITY, ink: Ink::new(colour) });
     }
 
     /// Adds words to the right of a point. Letters beyond ISO 8859-1 become question marks.

@@ -1,7 +1,7 @@
 //! Lines of text on a dark panel in a corner of an image, and banners with warnings and errors.
 
 use super::pen::blend;
-use super::text::Lettering;
+use super::text::{GROUND, GROUND_OPACITY, Lettering};
 use image::RgbImage;
 
 /// A corner of an image.
@@ -33,7 +33,7 @@ struct Paint {
     ink: [u8; 3],
 }
 
-const PANEL: Paint = Paint { ground: [12, 14, 18], opacity: 0.62, ink: [240, 240, 240] };
+const PANEL: Paint = Paint { ground: GROUND, opacity: GROUND_OPACITY, ink: [240, 240, 240] };
 const WARNING: Paint = Paint { ground: [255, 208, 40], opacity: 0.92, ink: [20, 16, 0] };
 const ERROR: Paint = Paint { ground: [190, 24, 24], opacity: 0.92, ink: [255, 255, 255] };
 

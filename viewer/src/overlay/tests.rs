@@ -128,7 +128,7 @@ fn points_are_discs_and_labels_stand_to_their_right() {
     let image = drawn(&overlay, f32::INFINITY);
     let (u, v) = centroid(&image);
     assert!(u > 16.0 && (v - 24.0).abs() < 4.0 && area(&image) > 10.0, "{u}, {v}");
-    assert!(area(&drawn(&overlay, 1.0)) < 0.7 * area(&image));
+    assert!(area(&drawn(&overlay, 1.0)) < 0.75 * area(&image));
 }
 
 #[test]

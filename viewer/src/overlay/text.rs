@@ -16,6 +16,10 @@ use std::convert::Infallible;
 /// What stands in the place of words that do not fit.
 const CUT: &str = "..";
 
+/// What text is written on, so that it can be read on any picture.
+pub(super) const GROUND: [u8; 3] = [12, 14, 18];
+pub(super) const GROUND_OPACITY: f32 = 0.62;
+
 /// A font, at a size that suits a picture.
 #[derive(Clone, Copy)]
 pub(super) struct Lettering {
@@ -85,20 +89,23 @@ impl Lettering {
         let Ok(_) = Text::with_baseline(text, Point::zero(), style, Baseline::Top).draw(&mut paper);
     }
 
-    /// Writes text as [`write`](Self::write) does, with a dark edge, so that it can be read on any ground.
-    pub(super) fn write_outlined(
+    /// Writes text as [`write`](Self::write) does, on a dark ground, so that it can be read on any picture.
+    pub(super) fn write_on_ground(
         &self,
         image: &mut RgbImage,
-        (x, y): (i64, i64),
+        (left, top): (i64, i64),
         text: &str,
         colour: [u8; 3],
         opacity: f32,
     ) {
-        let step = i64::from(self.scale);
-        for (dx, dy) in [(-step, 0), (step, 0), (0, -step), (0, step)] {
-            self.write(image, (x + dx, y + dy), text, [0; 3], 0.6 * opacity);
+        let (width, height) = (i64::from(self.width_of(text)), i64::from(self.height()));
+        let margin = 2 * i64::from(self.scale);
+        for y in (top..top + height).filter(|_| width > 0) {
+            for x in left - margin..left + width + margin {
+                blend(image, x, y, GROUND, GROUND_OPACITY * opacity);
+            }
         }
-        self.write(image, (x, y), text, colour, opacity);
+        self.write(image, (left, top), text, colour, opacity);
     }
 }
 

@@ -333,6 +333,7 @@ fn make_folder(folder: &Path) -> Result<()> {
 
 mod mask_file;
 mod pictures;
+mod round;
 mod streams;
 
 use mask_file::MaskFile;

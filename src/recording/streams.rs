@@ -124,7 +124,7 @@ impl Recording {
     }
 
     /// The times of each camera's images; `None` for a video's own rate.
-    fn times(&self, options: &StreamOptions) -> Result<Vec<Option<Times>>> {
+    pub(super) fn times(&self, options: &StreamOptions) -> Result<Vec<Option<Times>>> {
         if let Some(rate) = options.rate {
             return Ok(vec![Some(Times::Rate(rate)); self.rig.len()]);
         }

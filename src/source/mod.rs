@@ -12,6 +12,8 @@
 //! lost) or drops and counts the oldest image (for live cameras, so that the images are fresh). [`Synchroniser`]
 //! groups the images of several cameras by their times.
 //!
+//! [`Paced`] plays a source by a [`Clock`] as if it were live, again and again; [`Images`] are in memory already.
+//!
 //! Videos and devices are read by the program `ffmpeg`, which supports all common codecs; it runs as a child process
 //! and ends when its source is dropped. Folders need no other program.
 //!
@@ -26,6 +28,8 @@ mod device;
 mod ffmpeg;
 mod folder;
 pub mod frames_csv;
+mod images;
+mod paced;
 mod probe;
 mod queue;
 mod read_ahead;
@@ -36,6 +40,8 @@ mod video;
 pub use clock::Clock;
 pub use device::{Device, DeviceOptions};
 pub use folder::ImageFolder;
+pub use images::Images;
+pub use paced::{Paced, Round};
 pub use queue::WhenFull;
 pub use read_ahead::ReadAhead;
 pub use synchroniser::{ImageSet, Synchroniser};

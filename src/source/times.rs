@@ -46,7 +46,7 @@ impl Times {
     }
 
     /// The seconds from one image to the next; the median for listed times.
-    pub(super) fn period(&self) -> Option<f64> {
+    pub(crate) fn period(&self) -> Option<f64> {
         match self {
             Self::Rate(rate) => Some(1.0 / rate),
             Self::Listed(listed) => {

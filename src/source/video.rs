@@ -74,6 +74,17 @@ impl Video {
         Ok(probe::header(path.as_ref())?.rate)
     }
 
+    /// The number of images in the video at `path`. A file whose header lacks it is read, without decoding.
+    ///
+    /// # Errors
+    /// All errors of [`rate`](Self::rate).
+    pub fn count(path: impl AsRef<Path>) -> Result<Option<u32>> {
+        match probe::header(path.as_ref())?.frames {
+            None => probe::packets(path.as_ref()),
+            known => Ok(known),
+        }
+    }
+
     /// Width and height of the images, in pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size

@@ -1,6 +1,7 @@
 use super::super::tests::{Folder, assert_contains, camera};
 use super::*;
 use crate::rig::Rig;
+use crate::source::Round;
 use image::{Rgb, RgbImage};
 use std::process::Command;
 
@@ -158,4 +159,29 @@ fn a_recording_is_resumed_only_with_its_own_cameras() {
     assert_eq!(Recording::resume(&dir, &rig()).unwrap().frames(), [5]);
     let other = Rig::new(vec![camera("left", (16, 8))]).unwrap();
     assert_contains(&Recording::resume(&dir, &other).unwrap_err().to_string(), &["rig.toml", "found others"]);
+}
+
+#[test]
+fn a_round_spans_the_images_of_all_cameras() {
+    let folder = Folder::new("round");
+    let dir = empty(&folder);
+    let round = |options: &StreamOptions| Recording::open(&dir).unwrap().round(options);
+    write_images(&dir.join("left/image"), &[1, 2, 4], (16, 8));
+    // The header of an mkv does not count its images.
+    write_video(&dir.join("right.b/video.mkv"), 4, "8x16");
+    let default = StreamOptions::default();
+    // 10 images per second, as the video.
+    assert_eq!(round(&default), Round::new(0..5, 0.0, 0.4, 0.1));
+    assert_eq!(round(&StreamOptions { first: 2, ..default }), Round::new(2..5, 0.2, 0.4, 0.1));
+    assert_eq!(round(&StreamOptions { rate: Some(2.0), ..default }), Round::new(0..5, 0.0, 2.0, 0.5));
+    assert_contains(
+        &round(&StreamOptions { first: 4, ..default }).unwrap_err().to_string(),
+        &["right.b", "4"],
+    );
+
+    let times = "frame,left,right.b\n0,,5.0\n1,5.25,5.26\n2,5.5,5.51\n3,,5.76\n4,6.0,\n";
+    std::fs::write(dir.join("frames.csv"), times).unwrap();
+    assert_eq!(round(&default), Round::new(0..5, 5.0, 6.0, 0.25));
+    std::fs::write(dir.join("frames.csv"), "frame,time\n1,5\n").unwrap();
+    assert_contains(&round(&default).unwrap_err().to_string(), &["frames.csv", "two images", "found one"]);
 }

@@ -1,4 +1,4 @@
-//! Live cameras, read through `ffmpeg`.
+//! Live cameras and network streams, read through `ffmpeg`.
 
 use super::ffmpeg::Ffmpeg;
 use super::{CancelHandle, Frame, ReadOptions, Source};
@@ -10,9 +10,11 @@ use std::time::Instant;
 /// The settings requested from a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeviceOptions {
-    /// ffmpeg's name for the kind of device. Default: `v4l2`, Linux's cameras.
-    pub format: String,
-    /// Width and height in pixels: the size at which the camera is calibrated. Default: the camera's own.
+    /// ffmpeg's name for the kind of device. Default: `v4l2`, Linux's cameras. `None` for a network stream or a pipe,
+    /// whose format ffmpeg finds out; it is read without a buffer, for a small delay.
+    pub format: Option<String>,
+    /// Width and height in pixels: the size at which the camera is calibrated. Default: the camera's own. A device is
+    /// asked for it; that of a stream is only checked.
     pub size: Option<(u32, u32)>,
     /// Images per second. Default: the camera's own.
     pub rate: Option<f64>,
@@ -23,16 +25,29 @@ pub struct DeviceOptions {
 
 impl Default for DeviceOptions {
     fn default() -> Self {
-        Self { format: "v4l2".into(), size: None, rate: None, pixels: None }
+        Self { format: Some("v4l2".into()), size: None, rate: None, pixels: None }
     }
 }
 
+/// ffmpeg's options for a stream without a device's format: it finds out the format within 1 s instead of 5, leaves out
+/// the images of that time, which are old, and then hands out each image as soon as it can.
+const LOW_DELAY: [&str; 6] = ["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "1000000"];
+
 impl DeviceOptions {
+    /// The options of a network stream or a pipe: its own format, size and rate.
+    pub fn stream() -> Self {
+        Self { format: None, ..Self::default() }
+    }
+
     /// The options before `-i` on ffmpeg's command line.
     fn input(&self) -> Vec<String> {
+        // Only devices know these options; ffmpeg refuses them for a stream.
+        if self.format.is_none() {
+            return LOW_DELAY.map(str::to_owned).into();
+        }
         let size = self.size.map(|(width, height)| format!("{width}x{height}"));
         let options = [
-            ("-f", Some(self.format.clone())),
+            ("-f", self.format.clone()),
             ("-input_format", self.pixels.clone()),
             ("-video_size", size),
             ("-framerate", self.rate.map(|rate| rate.to_string())),
@@ -42,9 +57,9 @@ impl DeviceOptions {
     }
 }
 
-/// A live camera. Its images are numbered from 0 and carry the time of their arrival in seconds.
+/// A live camera or a network stream. Its images are numbered from 0 and carry the time of their arrival in seconds.
 ///
-/// The stream never ends by itself. An image that is delayed in transfer carries a late time; the time bound of a
+/// It ends only with an error, that it is lost; a [`Reconnecting`](super::Reconnecting) source opens it again. An image that is delayed in transfer carries a late time; the time bound of a
 /// [`Synchroniser`](super::Synchroniser) must allow for it.
 #[derive(Debug)]
 pub struct Device {
@@ -66,6 +81,32 @@ impl Device {
     /// `ffmpeg` is not installed; a device that is missing, in use, or refuses the settings, with ffmpeg's messages; a
     /// camera that delivers another size than requested; a rate that is not positive.
     pub fn open(device: impl Into<PathBuf>, options: &DeviceOptions, epoch: Instant) -> Result<Self> {
+        let mut device = Self::start(device, options, epoch)?;
+
+        // A camera that opens may still deliver nothing, so wait for an image.
+        let Some(ffmpeg) = &mut device.ffmpeg else { return Err(device.lost("it has failed before")) };
+        let Some(image) = ffmpeg.next_picture()? else {
+            let problem = format!(
+                "expected a camera that gives images, found none; {}; check that it is connected, that no other \
+                 program uses it, and that it has this size and rate",
+                ffmpeg.end().quoted()
+            );
+            return Err(Error::file(device.path, problem));
+        };
+
+        device.check_size(&image)?;
+        device.first = Some((image, epoch.elapsed().as_secs_f64()));
+        Ok(device)
+    }
+
+    /// Opens the camera `device`, or the stream of a URL such as `rtsp://camera/live` with
+    /// [`DeviceOptions::stream`], without waiting for its first image: what is wrong with it is the error of the first
+    /// [`next_frame`](Source::next_frame), which another thread can [cancel](Source::cancel_handle). Otherwise as
+    /// [`open`](Self::open).
+    ///
+    /// # Errors
+    /// `ffmpeg` is not installed; a rate that is not positive.
+    pub fn start(device: impl Into<PathBuf>, options: &DeviceOptions, epoch: Instant) -> Result<Self> {
         let path = device.into();
         if let Some(rate) = options.rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
             return Err(Error::argument(format!(
@@ -75,24 +116,10 @@ impl Device {
 
         let input = options.input();
         let input: Vec<_> = input.iter().map(String::as_str).collect();
-        let mut ffmpeg = Ffmpeg::start(&path, &input, "", path.as_os_str())?;
+        let ffmpeg = Some(Ffmpeg::start(&path, &input, "", path.as_os_str())?);
 
-        // A camera that opens may still deliver nothing, so wait for an image.
-        let Some(image) = ffmpeg.next_picture()? else {
-            let problem = format!(
-                "expected a camera that gives images, found none; {}; check that it is connected, that no other \
-                 program uses it, and that it has this size and rate",
-                ffmpeg.end().quoted()
-            );
-            return Err(Error::file(path, problem));
-        };
-
-        let first = Some((image, epoch.elapsed().as_secs_f64()));
         let read_options = ReadOptions { size: options.size, ..ReadOptions::default() };
-        let device =
-            Self { path, read_options, rate: options.rate, epoch, ffmpeg: Some(ffmpeg), first, next: 0 };
-        device.first.iter().try_for_each(|(image, _)| device.check_size(image))?;
-        Ok(device)
+        Ok(Self { path, read_options, rate: options.rate, epoch, ffmpeg, first: None, next: 0 })
     }
 
     fn check_size(&self, image: &RgbImage) -> Result<()> {
@@ -122,14 +149,13 @@ impl Device {
 impl Source for Device {
     fn next_frame(&mut self) -> Option<Result<Frame>> {
         self.ffmpeg.as_ref()?;
-        let number = self.next;
-        self.next += 1;
         let frame = self.picture().and_then(|(image, time)| {
             self.check_size(&image)?;
-            Ok(Frame { number, time, image })
+            Ok(Frame { number: self.next, time, image })
         });
-        if frame.is_err() {
-            self.ffmpeg = None;
+        match frame {
+            Ok(_) => self.next = self.next.wrapping_add(1),
+            Err(_) => self.ffmpeg = None,
         }
         Some(frame)
     }
@@ -145,13 +171,14 @@ impl Source for Device {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::assert_says;
+    use super::super::testing::{Folder, assert_says, write_video};
     use super::super::{ReadAhead, WhenFull};
     use super::*;
+    use std::process::Command;
 
     /// A test pattern from ffmpeg that never ends.
     fn endless() -> Device {
-        let options = DeviceOptions { format: "lavfi".into(), ..DeviceOptions::default() };
+        let options = DeviceOptions { format: Some("lavfi".into()), ..DeviceOptions::default() };
         Device::open("testsrc=s=32x24", &options, Instant::now()).unwrap()
     }
 
@@ -220,6 +247,47 @@ mod tests {
         assert_says(absent, &["/dev/video-none", "found none", "ffmpeg said", "No such file", "connected"]);
         let rate = DeviceOptions { rate: Some(0.0), ..DeviceOptions::default() };
         assert_says(open("/dev/video-none", &rate), &["positive", "found 0"]);
+    }
+
+    #[test]
+    fn a_stream_through_a_pipe_is_read_until_it_ends() {
+        let folder = Folder::new("stream");
+        let pipe = folder.path("pipe");
+        assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let mut writer = Command::new("ffmpeg")
+            .args(["-nostdin", "-loglevel", "quiet", "-y", "-f", "lavfi", "-i", "testsrc=s=32x24"])
+            .args(["-f", "mpegts"])
+            .arg(&pipe)
+            .spawn()
+            .unwrap();
+        let options = DeviceOptions { size: Some((32, 24)), ..DeviceOptions::stream() };
+        let mut device = Device::start(&pipe, &options, Instant::now()).unwrap();
+        let times = [(); 3].map(|()| device.next_frame().unwrap().unwrap().time);
+        assert!(times.is_sorted(), "{times:?}");
+
+        // Without a writer the pipe ends.
+        writer.kill().unwrap();
+        writer.wait().unwrap();
+        let lost = std::iter::from_fn(|| device.next_frame()).find(Result::is_err).unwrap();
+        assert_says(lost, &["pipe", "expected image", "disconnected"]);
+        assert!(device.next_frame().is_none());
+    }
+
+    #[test]
+    fn a_stream_of_another_size_is_an_error() {
+        let folder = Folder::new("stream-size");
+        write_video(&folder.path("clip.avi"), 100, (32, 24));
+        let options = DeviceOptions { size: Some((16, 24)), ..DeviceOptions::stream() };
+        let mut device = Device::start(folder.path("clip.avi"), &options, Instant::now()).unwrap();
+        assert_says(device.next_frame().unwrap(), &["expected 16 x 24", "found 32 x 24"]);
+        assert!(device.next_frame().is_none());
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_started_camera_is_the_error_of_its_first_image() {
+        let mut device = Device::start("/dev/video-none", &DeviceOptions::default(), Instant::now()).unwrap();
+        assert_says(device.next_frame().unwrap(), &["video-none", "expected image 0", "No such file"]);
+        assert!(device.next_frame().is_none());
     }
 
     #[test]

@@ -1,10 +1,13 @@
-//! Sources of colour images: folders, video files, live devices.
+//! Sources of colour images: folders, video files, live devices, network streams.
 //!
 //! ```text
-//!   ImageFolder ─┐                             ┌► ImageSet: an image of each camera,
-//!   Video ───────┼─ Source ─► ReadAhead ─┐     │  or the gap that says which is missing
-//!   Device ──────┘            (a thread  ├─► Synchroniser
-//!   your own                   each)     ┘
+//!   ImageFolder ─┐                               ┌► ImageSet: an image of each camera,
+//!   Video        │                               │  or the gap that says which is missing
+//!   Images       ├─ Source ─► ReadAhead ─┐       │
+//!   Device       │            (a thread  ├─► Synchroniser
+//!   your own    ─┘ │   ▲      each)      ┘
+//!                  ▼   │
+//!         Paced (played by a Clock), Reconnecting (opened again)
 //! ```
 //!
 //! A [`Source`] yields one camera's images in order, each with its number and its time in seconds. [`ReadAhead`] reads
@@ -13,6 +16,9 @@
 //! groups the images of several cameras by their times.
 //!
 //! [`Paced`] plays a source by a [`Clock`] as if it were live, again and again; [`Images`] are in memory already.
+//!
+//! A [`Reconnecting`] source opens a camera or a network stream again when it is lost, and tells its
+//! [status](StreamStatus).
 //!
 //! Videos and devices are read by the program `ffmpeg`, which supports all common codecs; it runs as a child process
 //! and ends when its source is dropped. Folders need no other program.
@@ -33,6 +39,7 @@ mod paced;
 mod probe;
 mod queue;
 mod read_ahead;
+mod reconnecting;
 mod synchroniser;
 mod times;
 mod video;
@@ -44,6 +51,7 @@ pub use images::Images;
 pub use paced::{Paced, Round};
 pub use queue::WhenFull;
 pub use read_ahead::ReadAhead;
+pub use reconnecting::{ReconnectOptions, Reconnecting, StatusHandle, StreamStatus};
 pub use synchroniser::{ImageSet, Synchroniser};
 pub use times::Times;
 pub use video::Video;

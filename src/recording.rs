@@ -203,6 +203,12 @@ impl Recording {
             .collect()
     }
 
+    /// Whether the camera at index `camera` of the rig has an image of the scene without the subject.
+    pub fn has_background(&self, camera: usize) -> bool {
+        let view = self.rig.cameras().get(camera);
+        view.is_some_and(|view| self.dir.join(view.name()).join(BACKGROUND).is_file())
+    }
+
     /// The image of the scene without the subject from the camera at index `camera` of the rig.
     ///
     /// # Errors

@@ -13,6 +13,8 @@ pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod history;
+#[cfg(feature = "window")]
+pub mod live;
 pub mod metrics;
 pub mod orbit;
 pub mod overlay;
@@ -21,6 +23,8 @@ pub mod record;
 mod renderer;
 pub mod scene;
 pub mod supersample;
+#[cfg(feature = "window")]
+pub mod window;
 
 pub use picture::{Content, DrawOptions, Method, Picture};
 pub use renderer::{Renderer, RendererKind};

@@ -14,6 +14,10 @@ const ELEVATION: f64 = 0.30;
 const DISTANCE: f64 = 1.9;
 const FIELD_OF_VIEW: f64 = 50.0 * std::f64::consts::PI / 180.0;
 
+/// Bounds of the distance that zooming leads to, in metres.
+const MIN_DISTANCE: f64 = 0.05;
+const MAX_DISTANCE: f64 = 100.0;
+
 /// A viewpoint given by the place it looks at. World z is up; metres and radians.
 ///
 /// ```text
@@ -81,9 +85,60 @@ impl Orbit {
         Camera::look_at("viewpoint", size, self.field_of_view, self.eye(), self.target, Vector3::z())
     }
 
+    /// This viewpoint turned around its target, by angles in radians counter-clockwise seen from above, and upwards.
+    pub fn turned(self, azimuth: f64, elevation: f64) -> Self {
+        let elevation = (self.elevation + elevation).clamp(-MAX_ELEVATION, MAX_ELEVATION);
+        Self { azimuth: self.azimuth + azimuth, elevation, ..self }
+    }
+
+    /// This viewpoint with its eye `factor` times as far from the target, at least 5 cm.
+    pub fn zoomed(self, factor: f64) -> Self {
+        Self { distance: (self.distance * factor).clamp(MIN_DISTANCE, MAX_DISTANCE), ..self }
+    }
+
+    /// This viewpoint moved to the right, upwards in the picture and forwards, in metres.
+    pub fn moved(self, right: f64, up: f64, forward: f64) -> Self {
+        let ahead = (self.target - self.eye()).normalize();
+        let to_the_right = ahead.cross(&Vector3::z()).normalize();
+        let upwards = to_the_right.cross(&ahead);
+        Self { target: self.target + to_the_right * right + upwards * up + ahead * forward, ..self }
+    }
+
     /// This viewpoint turned around its target to the azimuth that is nearest to that of `other`, by full turns.
     pub fn unwound_towards(self, other: &Self) -> Self {
         let turns = ((other.azimuth - self.azimuth) / std::f64::consts::TAU).round();
         Self { azimuth: self.azimuth + turns * std::f64::consts::TAU, ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn orbit() -> Orbit {
+        Orbit {
+            target: Point3::new(0.1, 0.2, 0.9),
+            azimuth: 0.7,
+            elevation: 0.3,
+            distance: 3.0,
+            field_of_view: 0.9,
+        }
+    }
+
+    #[test]
+    fn turning_and_zooming_keep_the_target_and_moving_keeps_the_direction() {
+        let turned = orbit().turned(0.5, -0.1).zoomed(0.5);
+        assert!(((turned.eye() - turned.target).norm() - 1.5).abs() < 1e-9);
+        assert_eq!(turned.target, orbit().target);
+        let moved = orbit().moved(0.3, -0.2, 0.4);
+        let shift = moved.eye() - orbit().eye();
+        assert!((shift.norm() - 0.29_f64.sqrt()).abs() < 1e-9);
+        assert!((shift - (moved.target - orbit().target)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn the_eye_never_passes_over_the_top() {
+        assert!(orbit().turned(0.0, 9.0).elevation < std::f64::consts::FRAC_PI_2);
+        assert!(orbit().turned(0.0, 9.0).camera((64, 48)).is_ok());
     }
 }

@@ -6,8 +6,6 @@
 //! ```
 //!
 
-
-
 mod frames;
 mod report;
 mod steps;

@@ -55,12 +55,16 @@ impl LightView {
         let along: Vector3<f32> = scene.light.cast();
         let x = Vector3::ith(along.iamin(), 1.0).cross(&along).normalize();
         let axes = Matrix3::from_rows(&[x.transpose(), along.cross(&x).transpose(), along.transpose()]);
-        let subject = scene.hull.aabb().corners().map(|corner| corner.cast::<f32>());
+        let subject = Some(scene.hull.aabb()).filter(|subject| !subject.is_empty());
+        let subject = subject.into_iter().flat_map(|subject| subject.corners().map(|corner| corner.cast()));
         let points = bodies.points().copied().chain(subject).map(|point| axes * point.coords);
         let (least, most) = points
             .fold((Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN)), |(least, most), point| {
                 (least.inf(&point), most.sup(&point))
             });
+        // Without bodies and a subject the map shows nothing.
+        let (least, most) = if least <= most { (least, most) } else { (Vector3::zeros(), Vector3::zeros()) };
+
         // A border of some cells stays lit.
         let border = (most - least).map(|length| 0.05 * length.max(0.1));
         let (least, most) = (least - border, most + border);

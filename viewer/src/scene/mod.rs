@@ -81,19 +81,33 @@ impl RealCameras {
     /// Fewer or more images than cameras, none at all, or one of another size than its camera; a hull of other cameras,
     /// one without views that are enabled, or an empty one.
     pub fn scene(&self, hull: &Hull, images: Vec<Option<RgbImage>>) -> Result<Scene> {
-        self.check(hull, &images)?;
-        let enabled = images.into_par_iter().enumerate().filter(|(view, _)| hull.views()[*view].is_enabled());
-        let view = |(view, photo): (usize, Option<RgbImage>)| {
-            SceneView::new(&hull.views()[view], photo, self.undistortions[view].as_ref(), hull.unseen())
-        };
-        let views: Vec<_> = enabled.map(view).collect::<Result<Vec<_>>>()?;
-        if views.iter().all(|view| view.photo().is_none()) {
+        if let Some(why) = hull.empty_reason() {
+            return Err(Error::argument(format!(
+                "hull: expected a subject, found an empty hull ({why:?}); check the masks and the work volume"
+            )));
+        }
+        let scene = self.any_scene(hull, images)?;
+        if scene.views.iter().all(|view| view.photo().is_none()) {
             return Err(Error::argument(format!(
                 "images: expected one of at least one of the cameras {}, found none; draw the shape alone with the method hull, or \
                  record images",
                 self.cameras.iter().map(Camera::name).collect::<Vec<_>>().join(", ")
             )));
         }
+        Ok(scene)
+    }
+
+    /// As [`scene`](Self::scene), but there may be no subject, as before a person enters, and all images may be missing.
+    ///
+    /// # Errors
+    /// As [`scene`](Self::scene), except those about an empty hull and images that are all missing.
+    pub fn any_scene(&self, hull: &Hull, images: Vec<Option<RgbImage>>) -> Result<Scene> {
+        self.check(hull, &images)?;
+        let enabled = images.into_par_iter().enumerate().filter(|(view, _)| hull.views()[*view].is_enabled());
+        let view = |(view, photo): (usize, Option<RgbImage>)| {
+            SceneView::new(&hull.views()[view], photo, self.undistortions[view].as_ref(), hull.unseen())
+        };
+        let views: Vec<_> = enabled.map(view).collect::<Result<Vec<_>>>()?;
         Ok(Scene {
             hull: hull.clone(),
             views,
@@ -128,11 +142,6 @@ impl RealCameras {
                 ));
             }
         }
-        match hull.empty_reason() {
-            Some(why) => Err(Error::argument(format!(
-                "hull: expected a subject, found an empty hull ({why:?}); check the masks and the work volume"
-            ))),
-            None => Ok(()),
-        }
+        Ok(())
     }
 }

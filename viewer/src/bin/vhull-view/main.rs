@@ -2,6 +2,8 @@
 
 mod compare;
 mod film;
+#[cfg(feature = "window")]
+mod live;
 mod options;
 mod still;
 
@@ -21,6 +23,8 @@ enum Verb {
     Still(still::Options),
     Film(film::Options),
     Compare(compare::Options),
+    #[cfg(feature = "window")]
+    Live(Box<live::Options>),
 }
 
 fn main() -> ExitCode {
@@ -28,6 +32,8 @@ fn main() -> ExitCode {
         Verb::Still(options) => still::run(&options),
         Verb::Film(options) => film::run(&options),
         Verb::Compare(options) => compare::run(&options),
+        #[cfg(feature = "window")]
+        Verb::Live(options) => live::run(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -82,7 +82,7 @@ pub fn parse_place(text: &str) -> std::result::Result<Point3<f64>, String> {
 }
 
 /// Parses width and height of a picture in pixels, as `640x480`.
-fn parse_picture_size(text: &str) -> std::result::Result<(u32, u32), String> {
+pub fn parse_picture_size(text: &str) -> std::result::Result<(u32, u32), String> {
     let size = parse_size(text)?;
     let in_range = |length: u32| (16..=8192).contains(&length);
     if in_range(size.0) && in_range(size.1) {

@@ -1,0 +1,289 @@
+//! A live system: cameras are captured, bodies collide with the subject, and everything is drawn from anywhere, at once.
+//!
+//! ```text
+//!   a thread per camera     images ──┐
+//!   thread of the capture   ImageSet ─► masks ─► HullData, images (Captures)
+//!   thread of the simulation             hull ─► step by the clock ─► bodies (WorldState)
+//!   thread of the drawing    images, hull, bodies, Request ─► Picture ─► window or film
+//! ```
+//!
+//! No thread waits for another one: each takes the latest that there is. What comes too late is counted. All of them follow
+//! one [`Clock`](ode_visual_hull::source::Clock), which the user can stop.
+
+mod bodies;
+mod cameras;
+mod capture;
+mod captures;
+mod drawing;
+mod empty_room;
+mod info;
+mod latencies;
+mod latest;
+mod marks;
+mod messages;
+mod panels;
+mod rendered;
+mod report;
+mod request;
+mod simulate;
+mod stage;
+mod stamped;
+mod streams;
+
+pub use bodies::{Bodies, Scenery};
+pub use cameras::LiveCameras;
+pub use drawing::Shown;
+pub use messages::{Gravity, Message};
+pub use report::LiveReport;
+pub use request::{Marks, Request, Viewpoint};
+pub use simulate::{Command, STEP_RATE};
+
+use crate::history::History;
+use crate::orbit::Orbit;
+use crate::picture::Method;
+use crate::renderer::{Renderer, RendererKind};
+use crate::scene::RealCameras;
+use capture::{Capture, CaptureState};
+use drawing::{Drawing, DrawingShared};
+use info::Info;
+use messages::Messages;
+use ode_visual_hull::camera::Camera;
+use ode_visual_hull::hull::{HullData, Motion};
+use ode_visual_hull::source::{Clock, ReadAhead, Synchroniser, WhenFull};
+use ode_visual_hull::{Error, Result};
+use ode_visual_hull_film::VolumeOptions;
+use simulate::{Simulating, WorldShared};
+use stage::Stage;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Sender, channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use streams::Streams;
+
+/// Images of a camera that wait for the capture.
+const QUEUE: usize = 3;
+
+/// A camera whose last image is this many seconds old does not decide any longer where the subject is.
+const MAX_AGE: f64 = 0.5;
+
+/// How a live system is set up.
+#[derive(Debug, Clone, Copy)]
+pub struct LiveOptions {
+    /// The virtual bodies at first.
+    pub bodies: Bodies,
+    /// How the hull moves between images.
+    pub motion: Motion,
+    /// The work volume.
+    pub volume: VolumeOptions,
+    /// What draws.
+    pub renderer: RendererKind,
+}
+
+/// A running live system. Dropping it ends its threads.
+pub struct Live {
+    clock: Clock,
+    period: f64,
+    pinholes: Vec<Camera>,
+    home: Orbit,
+    renderer: String,
+    capture: Arc<CaptureState>,
+    world: Arc<WorldShared>,
+    drawing: Arc<DrawingShared>,
+    messages: Arc<Messages>,
+    commands: Sender<Command>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Live {
+    /// Starts to capture, to simulate and to draw; `show` gets each picture, on the thread of the drawing, and returns when it
+    /// is shown. Nothing is drawn before the first [`request`](Self::request).
+    ///
+    /// # Errors
+    /// Cameras without a work volume, images of the empty room that do not fit, a GPU that is wanted and missing, a system that
+    /// cannot start threads.
+    pub fn start(
+        cameras: LiveCameras,
+        options: &LiveOptions,
+        mut show: impl FnMut(Shown) + Send + 'static,
+    ) -> Result<Self> {
+        let LiveCameras { rig, sources, statuses, period, empty_room, clock } = cameras;
+        let data = Arc::new(HullData::new());
+        options.volume.prepare(&data, &rig)?;
+        data.set_max_age(Some(MAX_AGE.max(3.0 * period)))?;
+
+        let messages = Arc::new(Messages::default());
+        let capture_state = Arc::new(CaptureState::default());
+        let capture =
+            Capture::new(&rig, period, empty_room.as_deref(), &data, &clock, &capture_state, &messages)?;
+        let renderer = Renderer::open(options.renderer, Method::Blend)?;
+        let real_cameras = RealCameras::new(rig.cameras());
+        let (world, drawing) = (Arc::new(WorldShared::default()), Arc::new(DrawingShared::default()));
+        let (commands, received) = channel();
+        let mut live = Self {
+            period,
+            pinholes: (0..rig.len()).map(|view| real_cameras.pinhole(view).clone()).collect(),
+            home: home(&rig.cameras()[0], &data),
+            renderer: renderer.description(),
+            capture: capture_state,
+            world,
+            drawing,
+            messages,
+            commands,
+            threads: Vec::new(),
+            clock: clock.clone(),
+        };
+        if !live.capture.is_room_known.load(Ordering::Relaxed) {
+            live.messages.warn("room", "no empty room is learnt: leave the cameras' sight, then press l");
+        }
+
+        let streams = rig.cameras().iter().zip(sources);
+        let streams = streams
+            .map(|(camera, source)| ReadAhead::spawn(camera.name(), source, QUEUE, WhenFull::DropOldest));
+        let mut sets = Synchroniser::new(streams.collect::<Result<_>>()?, 0.5 * period)?;
+        sets.set_patience(Some(Duration::from_secs_f64(1.5 * period)));
+        live.spawn("capture", move || capture.run(sets))?;
+
+        let simulating = Simulating {
+            data,
+            motion: options.motion,
+            bodies: options.bodies,
+            clock: clock.clone(),
+            commands: received,
+            captures: live.capture.clone(),
+            shared: live.world.clone(),
+            messages: live.messages.clone(),
+        };
+        let told = live.messages.clone();
+        live.spawn("simulation", move || {
+            if let Err(error) = simulating.run() {
+                told.fail("simulation", &error);
+            }
+        })?;
+
+        let drawing = Drawing {
+            stage: Stage::new(real_cameras),
+            renderer,
+            capture: live.capture.clone(),
+            world: live.world.clone(),
+            shared: live.drawing.clone(),
+            info: Info::new(&rig, &live.capture, &live.world, &live.drawing),
+            streams: Streams::new(&rig, statuses),
+            messages: live.messages.clone(),
+            clock,
+            history: History::default(),
+        };
+        live.spawn("drawing", move || drawing.run(&mut show))?;
+        Ok(live)
+    }
+
+    fn spawn(&mut self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<()> {
+        let thread = std::thread::Builder::new().name(name.into()).spawn(work);
+        let thread = thread.map_err(|e| {
+            Error::argument(format!("expected to start the thread of the {name}, found: {e}"))
+        })?;
+        self.threads.push(thread);
+        Ok(())
+    }
+
+    /// Asks for pictures of this kind from now on.
+    pub fn request(&self, request: Request) {
+        self.world.are_samples_asked.store(request.marks.samples, Ordering::Relaxed);
+        self.drawing.request.put(request);
+    }
+
+    /// Does something with the bodies, at the next step.
+    pub fn command(&self, command: Command) {
+        // The simulation has ended if this fails, which is told already.
+        let _ = self.commands.send(command);
+    }
+
+    /// Stops time, or lets it go on. Cameras that are real go on meanwhile, unseen.
+    pub fn freeze(&self, frozen: bool) {
+        if frozen { self.clock.pause() } else { self.clock.resume() }
+    }
+
+    /// Whether time stands still.
+    pub fn is_frozen(&self) -> bool {
+        self.clock.is_paused()
+    }
+
+    /// Goes on by the time from one image to the next, while time stands still.
+    pub fn step_frame(&self) {
+        if self.clock.is_paused() {
+            self.clock.advance(self.period);
+        }
+    }
+
+    /// Learns the empty room from the next images.
+    pub fn learn_room(&self) {
+        self.capture.is_learning_asked.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the mouse holds a body.
+    pub fn is_body_held(&self) -> bool {
+        self.world.is_body_held.load(Ordering::Relaxed)
+    }
+
+    /// The real cameras as pinholes.
+    pub fn pinholes(&self) -> &[Camera] {
+        &self.pinholes
+    }
+
+    /// A viewpoint that shows the work volume.
+    pub fn home(&self) -> Orbit {
+        self.home
+    }
+
+    /// What draws, in words.
+    pub fn renderer(&self) -> &str {
+        &self.renderer
+    }
+
+    /// The messages that are new since the last call.
+    pub fn take_messages(&self) -> Vec<Message> {
+        self.messages.take_new()
+    }
+
+    /// Tells something in the window and on the terminal.
+    pub fn tell(&self, about: &str, text: impl std::fmt::Display) {
+        self.messages.tell(about, text);
+    }
+
+    /// How fast everything was so far.
+    pub fn report(&self) -> LiveReport {
+        LiveReport::of(self)
+    }
+
+    /// Ends all threads; how fast everything was.
+    pub fn stop(mut self) -> LiveReport {
+        let report = self.report();
+        self.end();
+        report
+    }
+
+    fn end(&mut self) {
+        self.clock.close();
+        for thread in self.threads.drain(..) {
+            // A panic of a thread has been printed by it.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// A viewpoint that shows a person in the middle of the work volume, from the side of the first camera.
+fn home(camera: &Camera, data: &HullData) -> Orbit {
+    let middle = data.bounds().map_or_else(nalgebra::Point3::origin, |bounds| bounds.centre());
+    let person = ode_visual_hull::hull::Aabb {
+        min: nalgebra::Point3::new(middle.x - 0.5, middle.y - 0.5, 0.0),
+        max: nalgebra::Point3::new(middle.x + 0.5, middle.y + 0.5, 1.8),
+    };
+    let azimuth = Orbit::from_eye(&camera.centre(), &middle, 1.0).azimuth;
+    Orbit::around(&person, azimuth + 0.3)
+}

@@ -14,7 +14,8 @@
 //! Frames are numbered by their file names, those of a video from 0. An image or a mask counts only if every camera
 //! has one of that number. Masks may also be called `000000_mask.*`, and may then lie beside the images; [`load_mask`]
 //! documents their content, such as cut-out images with an alpha channel. [`Recording::synchronised`] reads the images
-//! of folders and videos alike, grouped by their times.
+//! of folders and videos alike, grouped by their times. [`Recorder`] writes a live capture: videos, `mask.rle`,
+//! `frames.csv` and the backgrounds.
 
 use crate::camera::Camera;
 use crate::rig::Rig;
@@ -339,11 +340,13 @@ fn make_folder(folder: &Path) -> Result<()> {
 
 mod mask_file;
 mod pictures;
+mod recorder;
 mod round;
 mod streams;
 
 use mask_file::MaskFile;
 use pictures::Pictures;
+pub use recorder::{Recorder, RecorderOptions, RecordingSummary};
 pub use streams::StreamOptions;
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ impl Recording {
     /// A camera without images, or with fewer than are needed to know the period; all errors of
     /// [`source`](Self::source). The message names the view and what is missing.
     pub fn round(&self, options: &StreamOptions) -> Result<Round> {
-        let (mut numbers, mut period) = (u32::MAX..0, f64::INFINITY);
+        let (mut first_number, mut end, mut period) = (u32::MAX, 0, f64::INFINITY);
         let (mut first_time, mut last_time) = (f64::INFINITY, f64::NEG_INFINITY);
 
         for (camera, times) in self.times(options)?.into_iter().enumerate() {
@@ -22,7 +22,7 @@ impl Recording {
             let (first, last) = self.first_and_last(camera, &times, options.first).map_err(named)?;
             let time = |number| times.of(number).map_err(|problem| Error::view(self.name(camera), problem));
 
-            numbers = numbers.start.min(first)..numbers.end.max(last.saturating_add(1));
+            (first_number, end) = (first_number.min(first), end.max(last.saturating_add(1)));
             (first_time, last_time) = (first_time.min(time(first)?), last_time.max(time(last)?));
             period = period.min(times.period().unwrap_or(f64::INFINITY));
         }
@@ -32,7 +32,7 @@ impl Recording {
                 "expected the times of two images at least, found one; give the rate in images per second";
             return Err(Error::file(self.dir.join(frames_csv::NAME), problem));
         }
-        Round::new(numbers, first_time, last_time, period)
+        Round::new(first_number..end, first_time, last_time, period)
     }
 
     /// `times`, or those by the rate of the camera's own video; folders have 30 images per second.

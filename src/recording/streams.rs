@@ -160,6 +160,11 @@ pub(super) fn video_of(dir: &Path, camera: &str) -> Result<Option<PathBuf>> {
     Ok(found)
 }
 
+/// The video of a camera that is written in the recording at `dir`, a Matroska file.
+pub(super) fn video_path(dir: &Path, camera: &str) -> PathBuf {
+    dir.join(camera).join(format!("{VIDEO}.mkv"))
+}
+
 /// `place` with each extension of a video, in lower and upper case.
 fn with_extensions(place: &Path) -> impl Iterator<Item = PathBuf> {
     EXTENSIONS.iter().flat_map(move |extension| {

@@ -149,10 +149,10 @@ impl End {
 }
 
 /// The error if `program` does not start.
-pub(super) fn cannot_start(program: &str, path: &Path, e: &std::io::Error) -> Error {
+pub(crate) fn cannot_start(program: &str, path: &Path, e: &std::io::Error) -> Error {
     let problem = match e.kind() {
         ErrorKind::NotFound => format!(
-            "expected the program {program} to read it with, found none; install ffmpeg (Debian, Ubuntu: apt-get \
+            "expected the program {program} for its images, found none; install ffmpeg (Debian, Ubuntu: apt-get \
              install ffmpeg) or put it on the PATH"
         ),
         _ => format!("expected to start {program}, found: {e}"),
@@ -161,14 +161,14 @@ pub(super) fn cannot_start(program: &str, path: &Path, e: &std::io::Error) -> Er
 }
 
 /// A path in the form that ffmpeg takes for a file: otherwise a colon would make it a protocol and a dash an option.
-pub(super) fn file_name(path: &Path) -> OsString {
+pub(crate) fn file_name(path: &Path) -> OsString {
     let mut name = OsString::from("file:");
     name.push(path);
     name
 }
 
 /// The last lines of a program's messages, without ffmpeg's memory addresses, and repeated lines once.
-pub(super) fn last_lines(stderr: impl Read) -> Vec<String> {
+pub(crate) fn last_lines(stderr: impl Read) -> Vec<String> {
     let mut kept = VecDeque::new();
     let mut stderr = BufReader::new(stderr);
     let mut line = Vec::new();

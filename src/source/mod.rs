@@ -46,6 +46,7 @@ mod video;
 
 pub use clock::Clock;
 pub use device::{Device, DeviceOptions};
+pub(crate) use ffmpeg::{cannot_start, file_name, last_lines};
 pub use folder::ImageFolder;
 pub use images::Images;
 pub use paced::{Paced, Round};

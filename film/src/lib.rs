@@ -39,6 +39,8 @@ mod simulated_body;
 #[cfg(feature = "ode")]
 mod simulation;
 mod states;
+#[cfg(feature = "ode")]
+mod states_writer;
 mod studio;
 #[cfg(feature = "ode")]
 mod subject_speed;
@@ -73,5 +75,7 @@ pub use simulated_body::{SimulatedBody, State, Support};
 #[cfg(feature = "ode")]
 pub use simulation::{HullContact, Simulation, lean_deg};
 pub use states::States;
+#[cfg(feature = "ode")]
+pub use states_writer::StatesWriter;
 pub use studio::{Scenario, Studio};
 pub use window::Window;

@@ -4,8 +4,8 @@ use crate::body_shape;
 use crate::simulated_body::{SimulatedBody, State, Support};
 use crate::simulation::Simulation;
 use crate::states::HEADER;
+use crate::states_writer::write_entry;
 use ode_visual_hull::{Error, Result};
-use std::fmt::Write;
 use std::path::Path;
 
 /// The states at the end of one frame.
@@ -69,16 +69,7 @@ impl Log {
     pub fn write_csv(&self, path: &Path) -> Result<()> {
         let mut text = format!("{HEADER}\n");
         for entry in &self.entries {
-            for (i, state) in entry.states.iter().enumerate() {
-                let (p, q) = (state.pose.translation.vector, state.pose.rotation.coords);
-                let (v, w) = (state.linear_velocity, state.angular_velocity);
-                let numbers = [p.x, p.y, p.z, q.w, q.x, q.y, q.z, v.x, v.y, v.z, w.x, w.y, w.z];
-                let _ = write!(text, "{:.4},{}", entry.time, i + 1);
-                for number in numbers {
-                    let _ = write!(text, ",{number:.6}");
-                }
-                text.push('\n');
-            }
+            write_entry(&mut text, entry.time, &entry.states);
         }
 
         std::fs::write(path, text)

@@ -9,6 +9,9 @@ use rayon::prelude::*;
 /// Cells along a side of a map.
 const CELLS: usize = 80;
 
+/// Bodies up to this far from the work volume cast shadows, in metres.
+const MARGIN: f64 = 1.0;
+
 /// A point this far behind what the light meets first is still lit, in metres: cells are coarse.
 const BIAS: f32 = 0.03;
 
@@ -57,7 +60,11 @@ impl LightView {
         let axes = Matrix3::from_rows(&[x.transpose(), along.cross(&x).transpose(), along.transpose()]);
         let subject = Some(scene.hull.aabb()).filter(|subject| !subject.is_empty());
         let subject = subject.into_iter().flat_map(|subject| subject.corners().map(|corner| corner.cast()));
-        let points = bodies.points().copied().chain(subject).map(|point| axes * point.coords);
+        // What has rolled far away would make all cells coarse.
+        let shown = scene.hull.bounds().grown(MARGIN);
+        let (min, max): (Point3<f32>, Point3<f32>) = (shown.min.cast(), shown.max.cast());
+        let near = |point: &Point3<f32>| point.sup(&min).inf(&max);
+        let points = bodies.points().map(near).chain(subject).map(|point| axes * point.coords);
         let (least, most) = points
             .fold((Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN)), |(least, most), point| {
                 (least.inf(&point), most.sup(&point))

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use ode_visual_hull::Result;
 use ode_visual_hull::hull::Aabb;
 use ode_visual_hull::shape::Shape;
-use ode_visual_hull_film::Simulation;
+use ode_visual_hull_film::{DrawnPart, Simulation};
 
 const COLOURS: [[u8; 3]; 6] =
     [[222, 86, 62], [66, 118, 202], [240, 188, 60], [146, 92, 186], [236, 236, 228], [64, 168, 160]];
@@ -79,7 +79,7 @@ impl Bodies {
         let foot = beside(subject, 0.5 * self.side);
         let heights = (0..self.count).map(|k| (k, (k as f64 + 0.5) * (self.side + GAP)));
         let mut boxes = heights.map(|(k, height)| (k, foot + Vector3::z() * height));
-        boxes.try_for_each(|(k, place)| self.add_box(simulation, k, place))
+        boxes.try_for_each(|(k, place)| self.add_box(simulation, k, place).map(|_| ()))
     }
 
     fn add_pile(&self, simulation: &mut Simulation, subject: &Aabb) -> Result<()> {
@@ -93,7 +93,7 @@ impl Bodies {
             foot + Vector3::new(0.0, across * (self.side + 0.02), height)
         };
         let mut places = places.take(self.count).map(place).enumerate();
-        places.try_for_each(|(k, place)| self.add_box(simulation, k, place))
+        places.try_for_each(|(k, place)| self.add_box(simulation, k, place).map(|_| ()))
     }
 
     /// Lets it rain on a `subject` at time `time`, in seconds, if that is due: adds the next box, or lifts the one that fell
@@ -123,24 +123,35 @@ impl Bodies {
         let centre = subject.centre();
         let place = Point3::new(centre.x + out * cos, centre.y + out * sin, height);
         if k < self.count {
-            return self.add_box(simulation, k, place);
+            fallen.boxes.push(self.add_box(simulation, k, place)?);
+            return Ok(());
         }
-        simulation.place(k % self.count, &Isometry3::new(place.coords, Vector3::z() * 0.4 * k as f64))
+        simulation
+            .place(fallen.boxes[k % self.count], &Isometry3::new(place.coords, Vector3::z() * 0.4 * k as f64))
     }
 
-    fn add_box(&self, simulation: &mut Simulation, k: usize, place: Point3<f64>) -> Result<()> {
+    /// What box `k` looks like.
+    pub fn drawn_box(&self, k: usize) -> DrawnPart {
+        let colour = COLOURS[k % COLOURS.len()];
+        DrawnPart { shape: Shape::cube(self.side), body_from_part: Isometry3::identity(), colour }
+    }
+
+    fn add_box(&self, simulation: &mut Simulation, k: usize, place: Point3<f64>) -> Result<usize> {
         let pose = Isometry3::translation(place.x, place.y, place.z);
-        simulation.add(&Shape::cube(self.side), &pose, COLOURS[k % COLOURS.len()]).map(|_| ())
+        let DrawnPart { shape, colour, .. } = self.drawn_box(k);
+        simulation.add(&shape, &pose, colour)
     }
 }
 
 /// How far the rain has come.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Rainfall {
     /// When the next box falls, in seconds.
     next: f64,
-    /// How many have fallen.
+    /// How many have fallen, those that fell again included.
     count: usize,
+    /// The indices of the boxes among all bodies.
+    boxes: Vec<usize>,
 }
 
 /// The box of a subject, or that of a person in the middle of the room where there is none.

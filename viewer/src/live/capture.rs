@@ -3,12 +3,13 @@
 use super::captures::Captures;
 use super::empty_room::EmptyRoom;
 use super::messages::Messages;
+use super::recording::LiveRecording;
 use image::{GrayImage, RgbImage};
+use ode_visual_hull::Result;
 use ode_visual_hull::hull::{Hull, HullData};
 use ode_visual_hull::pipeline::{Captured, Pipeline};
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::source::{Clock, ImageSet, Synchroniser};
-use ode_visual_hull::Result;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -27,7 +28,7 @@ pub struct CaptureTally {
 }
 
 /// What the thread shares with others.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct CaptureState {
     /// The captures of the last moments.
     pub captures: Captures,
@@ -37,6 +38,8 @@ pub struct CaptureState {
     pub is_learning_asked: AtomicBool,
     /// Whether the empty room is known.
     pub is_room_known: AtomicBool,
+    /// The recording of what is captured, if there is one.
+    pub recording: Option<LiveRecording>,
 }
 
 /// The capture of a rig of cameras.
@@ -115,6 +118,9 @@ impl Capture {
         let tally = &self.state.tally;
         tally.published.fetch_add(1, Ordering::Relaxed);
         tally.incomplete.fetch_add(incomplete, Ordering::Relaxed);
+        if let Some(recording) = &self.state.recording {
+            recording.write(&captured);
+        }
         self.state.captures.push(Arc::new(captured));
         Ok(())
     }

@@ -22,6 +22,7 @@ mod latest;
 mod marks;
 mod messages;
 mod panels;
+mod recording;
 mod rendered;
 mod report;
 mod request;
@@ -49,11 +50,14 @@ use info::Info;
 use messages::Messages;
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{HullData, Motion};
+use ode_visual_hull::recording::RecorderOptions;
 use ode_visual_hull::source::{Clock, ReadAhead, Synchroniser, WhenFull};
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::VolumeOptions;
+use recording::LiveRecording;
 use simulate::{Simulating, WorldShared};
 use stage::Stage;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Sender, channel};
@@ -68,7 +72,7 @@ const QUEUE: usize = 3;
 const MAX_AGE: f64 = 0.5;
 
 /// How a live system is set up.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct LiveOptions {
     /// The virtual bodies at first.
     pub bodies: Bodies,
@@ -78,6 +82,8 @@ pub struct LiveOptions {
     pub volume: VolumeOptions,
     /// What draws.
     pub renderer: RendererKind,
+    /// The folder to which everything is recorded, if it is.
+    pub record: Option<PathBuf>,
 }
 
 /// A running live system. Dropping it ends its threads.
@@ -113,7 +119,18 @@ impl Live {
         data.set_max_age(Some(MAX_AGE.max(3.0 * period)))?;
 
         let messages = Arc::new(Messages::default());
-        let capture_state = Arc::new(CaptureState::default());
+        let recording = options.record.as_ref().map(|dir| {
+            let bounds = Some(options.volume.of(&rig)?);
+            let backgrounds =
+                empty_room.as_ref().map(|room| room.iter().filter_map(|one| one.first().cloned()).collect());
+            let recorder = RecorderOptions { rate: 1.0 / period, backgrounds };
+            let recording = LiveRecording::create(dir, &rig, recorder, &messages)?;
+            let volume = VolumeOptions { bounds, ..options.volume };
+            recording::write_bodies(dir, simulate::all_bodies(&options.bodies), volume, options.motion)?;
+            Ok(recording)
+        });
+        let capture_state =
+            Arc::new(CaptureState { recording: recording.transpose()?, ..CaptureState::default() });
         let capture =
             Capture::new(&rig, period, empty_room.as_deref(), &data, &clock, &capture_state, &messages)?;
         let renderer = Renderer::open(options.renderer, Method::Blend)?;
@@ -259,7 +276,8 @@ impl Live {
     pub fn stop(mut self) -> LiveReport {
         let report = self.report();
         self.end();
-        report
+        let recording = self.capture.recording.as_ref().and_then(LiveRecording::finish);
+        LiveReport { recording, ..report }
     }
 
     fn end(&mut self) {

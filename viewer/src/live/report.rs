@@ -1,6 +1,7 @@
 //! How fast a live system was.
 
 use super::Live;
+use ode_visual_hull::recording::RecordingSummary;
 use ode_visual_hull_film::Tally;
 use std::fmt;
 use std::sync::atomic::Ordering;
@@ -20,6 +21,8 @@ pub struct LiveReport {
     pub to_contact: [Option<f64>; 2],
     /// From an image to the picture that shows it.
     pub to_pixel: [Option<f64>; 2],
+    /// What was recorded, once that has ended.
+    pub recording: Option<RecordingSummary>,
 }
 
 impl LiveReport {
@@ -35,6 +38,7 @@ impl LiveReport {
             steps: live.world.latest.get().1.map(|world| world.steps).unwrap_or_default(),
             to_contact: quantiles(&live.world.to_contact),
             to_pixel: quantiles(&live.drawing.to_pixel),
+            recording: None,
         }
     }
 
@@ -61,6 +65,13 @@ impl fmt::Display for LiveReport {
         writeln!(f, "image sets        {sets} used, of them {incomplete} incomplete; {dropped} left out")?;
         writeln!(f, "steps             {}", self.steps)?;
         writeln!(f, "image to contact  {}", quantiles(self.to_contact))?;
-        write!(f, "image to picture  {}", quantiles(self.to_pixel))
+        write!(f, "image to picture  {}", quantiles(self.to_pixel))?;
+        let Some(recording) = &self.recording else { return Ok(()) };
+        let (dir, frames) = (recording.dir.display(), recording.frames);
+        write!(
+            f,
+            "\nrecorded          {frames} frames in {dir}; {} left out, {} incomplete",
+            recording.left_out, recording.incomplete
+        )
     }
 }

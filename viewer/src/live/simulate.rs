@@ -10,7 +10,7 @@ use ode_visual_hull::camera::Ray;
 use ode_visual_hull::hull::{Aabb, HullData, Motion};
 use ode_visual_hull::shape::Shape;
 use ode_visual_hull::source::Clock;
-use ode_visual_hull_film::{Drawn, HullContact, Simulation, Steps, Tally};
+use ode_visual_hull_film::{Drawn, DrawnPart, HullContact, Simulation, State, Steps, Tally};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
@@ -18,14 +18,21 @@ use std::sync::mpsc::Receiver;
 /// Steps a second.
 pub const STEP_RATE: f64 = 120.0;
 
-/// Radius of a ball that is thrown, in metres, its speed in m/s, and how far in front of the eye it starts.
-const BALL_RADIUS: f64 = 0.06;
+/// A ball that is thrown, its speed in m/s, and how far in front of the eye it starts.
+const BALL: Shape = Shape::Sphere { radius: 0.06 };
 const BALL_SPEED: f64 = 6.0;
 const BALL_START: f64 = 0.3;
 
 /// Balls that exist at most; the one thrown first is thrown again.
 const MOST_BALLS: usize = 10;
 const BALL_COLOUR: [u8; 3] = [240, 110, 40];
+
+/// All bodies that there may be: those of a scenery, then balls.
+pub fn all_bodies(bodies: &Bodies) -> Vec<DrawnPart> {
+    let ball = DrawnPart { shape: BALL, body_from_part: Isometry3::identity(), colour: BALL_COLOUR };
+    let boxes = (0..bodies.count).map(|k| bodies.drawn_box(k));
+    boxes.chain(std::iter::repeat_n(ball, MOST_BALLS)).collect()
+}
 
 /// What the user does.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +106,8 @@ pub struct Simulating {
 /// A world of the simulation, until it is reset.
 struct World {
     simulation: Simulation,
+    /// The number of each body among all that there may be: boxes, then balls.
+    numbers: Vec<usize>,
     fallen: Rainfall,
     /// The bodies that are balls, in the order in which they were thrown last.
     balls: Vec<usize>,
@@ -124,6 +133,9 @@ impl Simulating {
             steps.count(self.clock.now());
             self.measure(&world.simulation, &mut last_used);
             self.publish(&world.simulation, steps.tally());
+            if let Some(recording) = &self.captures.recording {
+                recording.write_states(world.simulation.time(), || self.states(&world));
+            }
         }
         Ok(())
     }
@@ -135,7 +147,8 @@ impl Simulating {
         let mut simulation = Simulation::new(&self.data, pixel_size, self.motion)?;
         simulation.skip(self.clock.now());
         self.bodies.add_to(&mut simulation, &hull.map_or(Aabb::EMPTY, |hull| *hull.aabb()))?;
-        Ok(World { simulation, fallen: Rainfall::default(), balls: Vec::new(), held: None })
+        let numbers = (0..simulation.bodies().len()).collect();
+        Ok(World { simulation, numbers, fallen: Rainfall::default(), balls: Vec::new(), held: None })
     }
 
     fn step(&mut self, world: &mut World, dt: f64) -> Result<()> {
@@ -143,8 +156,11 @@ impl Simulating {
             self.obey(world, command)?;
         }
         let subject = world.simulation.hull().map_or(Aabb::EMPTY, |hull| *hull.aabb());
-        let time = world.simulation.time();
+        let (time, before) = (world.simulation.time(), world.simulation.bodies().len());
         self.bodies.rain(&mut world.simulation, &subject, &mut world.fallen, time)?;
+        if world.simulation.bodies().len() > before {
+            world.numbers.push(before - world.balls.len());
+        }
         if let Some(held) = &world.held {
             world.simulation.pull(held.body, &held.point, &held.target)?;
         }
@@ -154,7 +170,7 @@ impl Simulating {
 
     fn obey(&mut self, world: &mut World, command: Command) -> Result<()> {
         match command {
-            Command::Throw(ray) => world.throw(&ray)?,
+            Command::Throw(ray) => world.throw(&ray, self.bodies.count)?,
             Command::Grab(ray) => world.grab(&ray),
             Command::Drag(ray) => {
                 if let Some(held) = &mut world.held {
@@ -188,6 +204,15 @@ impl Simulating {
         *last_used = used;
     }
 
+    /// The states of all bodies that there may be.
+    fn states(&self, world: &World) -> Vec<State> {
+        let mut states = vec![State::absent(); self.bodies.count + MOST_BALLS];
+        for (number, state) in world.numbers.iter().zip(world.simulation.states()) {
+            states[*number] = state;
+        }
+        states
+    }
+
     fn publish(&self, simulation: &Simulation, steps: Tally) {
         let are_samples_asked = self.shared.are_samples_asked.load(Ordering::Relaxed);
         self.shared.latest.put(WorldState {
@@ -202,11 +227,13 @@ impl Simulating {
 }
 
 impl World {
-    fn throw(&mut self, ray: &Ray) -> Result<()> {
+    /// Throws a ball along `ray`; balls have numbers from `first` on.
+    fn throw(&mut self, ray: &Ray, first: usize) -> Result<()> {
         let place = ray.origin + ray.direction * BALL_START;
         let pose = Isometry3::translation(place.x, place.y, place.z);
         let ball = if self.balls.len() < MOST_BALLS {
-            self.simulation.add(&Shape::Sphere { radius: BALL_RADIUS }, &pose, BALL_COLOUR)?
+            self.numbers.push(first + self.balls.len());
+            self.simulation.add(&BALL, &pose, BALL_COLOUR)?
         } else {
             self.balls.remove(0)
         };

@@ -106,6 +106,7 @@ pub fn run(options: &Options) -> Result<()> {
         motion: options.motion.motion(),
         volume: options.volume,
         renderer: options.renderer,
+        record: options.record.clone(),
     };
     let film = Film::create(options)?;
     let report = if options.headless {

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 /// How many of ffmpeg's last messages are kept.
 const LINES_KEPT: usize = 4;
@@ -111,7 +112,15 @@ impl Ffmpeg {
 
     /// Waits for the process to end, after its last picture.
     pub(super) fn end(&mut self) -> End {
-        let success = lock(&self.child).wait().is_ok_and(|status| status.success());
+        // Without the lock between the looks, so that a cancel handle can end a process that has closed its output and
+        // goes on.
+        let success = loop {
+            let status = lock(&self.child).try_wait();
+            match status {
+                Ok(None) => std::thread::sleep(Duration::from_millis(1)),
+                ended => break ended.ok().flatten().is_some_and(|status| status.success()),
+            }
+        };
         let messages = self.messages.take().map(|thread| thread.join().unwrap_or_default());
         End { success, messages: messages.unwrap_or_default() }
     }
@@ -228,6 +237,18 @@ mod tests {
         let text = "1\n2\n\n[h264 @ 0x55d0c] broken\n[h264 @ 0x55d0d] broken\n[AVIOContext] odd\n5\n";
         assert_eq!(last_lines(text.as_bytes()), ["2", "h264: broken", "[AVIOContext] odd", "5"]);
         assert_eq!(last_lines(&b"\xff"[..]), ["\u{fffd}"]);
+    }
+
+    #[test]
+    fn a_program_that_closes_its_output_and_goes_on_can_be_ended() {
+        let mut command = Command::new("sh");
+        command.args(["-c", "exec >&- 2>&-; exec sleep 3600"]);
+        let mut ffmpeg = Ffmpeg::run(Path::new("clip.mp4"), &mut command).unwrap();
+        assert_eq!(ffmpeg.next_picture().unwrap(), None);
+        let cancel_handle = ffmpeg.cancel_handle();
+        let ends = std::thread::spawn(move || ffmpeg.end().success);
+        cancel_handle.stop();
+        assert!(!ends.join().unwrap());
     }
 
     #[test]

@@ -72,7 +72,7 @@ fn check(dir: &Path) -> (usize, usize) {
     (sets, recording.frames().len())
 }
 
-/// The largest difference of a channel. The codec's quantiser at q 2 rounds each coefficient to about 2 to 8 levels,
+/// The largest difference of a channel. The codec's quantiser at q 3 rounds each coefficient to about 3 to 12 levels,
 /// of which smooth images have few, and the conversion of colours adds 1 or 2.
 fn differs_by(a: &RgbImage, b: &RgbImage) -> u8 {
     assert_eq!(a.dimensions(), b.dimensions());

@@ -57,7 +57,7 @@ test: setup ## formatting, lints, documentation and all tests
 VIEWER := --package ode-visual-hull-viewer
 
 test-viewer: ## lints, documentation and tests of the viewer, on a GPU or on Mesa's rasteriser without one
-	@scripts/setup libegl1 libgl1-mesa-dri
+	@scripts/setup libegl1 libgl1-mesa-dri libxkbcommon-x11-0 libxcursor1 libxi6 xvfb xdotool
 	cargo clippy $(VIEWER) --all-targets -- --deny warnings
 	cargo clippy $(VIEWER) --no-default-features --all-targets -- --deny warnings
 	RUSTDOCFLAGS="--deny warnings" cargo doc $(VIEWER) --no-deps
@@ -66,7 +66,7 @@ test-viewer: ## lints, documentation and tests of the viewer, on a GPU or on Mes
 figures: setup ## measures every quality figure: tables, and target/figures.json
 	cargo run --release --example figures
 	cargo run --release --package ode-visual-hull-bench -- --only segmentation --only motion
-	@scripts/setup libegl1 libgl1-mesa-dri
+	@scripts/setup libegl1 libgl1-mesa-dri libxkbcommon-x11-0 libxcursor1 libxi6 xvfb xdotool
 	cargo run --release $(VIEWER) --example view_figures
 
 bench: setup ## the library beside the paper's algorithm and rebuilt meshes: docs/performance.md, and target/figures.json

@@ -136,7 +136,8 @@ impl CancelHandle {
         Self(Some(Box::new(stop)))
     }
 
-    fn stop(&self) {
+    /// Ends the source's wait for an image, and the source.
+    pub fn stop(&self) {
         if let Some(stop) = &self.0 {
             stop();
         }

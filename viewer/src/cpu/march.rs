@@ -25,6 +25,11 @@ use std::ops::Range;
 /// The smallest leap, in pixels of the view that decides. What is thinner may be missed.
 const MIN_LEAP_PX: f32 = 0.25;
 
+/// The smallest leap in metres, and as a part of the distance, whose rounding error it must exceed: close to a camera a pixel is
+/// much smaller.
+const MIN_LEAP: f32 = 1e-5;
+const MIN_RELATIVE_LEAP: f32 = 4.0 * f32::EPSILON;
+
 /// The smallest depth in front of a camera, in metres.
 const MIN_DEPTH: f32 = 1e-3;
 
@@ -122,7 +127,7 @@ impl<'s> March<'s> {
             match self.verdict(view, line, t, spread) {
                 Verdict::Outside(leap) => {
                     (before, decided_by) = (t, view);
-                    t += leap;
+                    t += leap.max(MIN_LEAP).max(MIN_RELATIVE_LEAP * t);
                     (passed, seen) = (0, 0);
                 }
                 verdict => {

@@ -191,8 +191,8 @@ mod tests {
                 assert_eq!(before.len(), count);
                 for (before, after) in before.iter().zip(simulation.states()) {
                     let moved = (before.pose.translation.vector - after.pose.translation.vector).norm();
-                    // The gaps below a box close.
-                    assert!(moved < 0.01, "{scenery:?} of {count}: {moved} m");
+                    // The gaps below a box close, and soft contacts give way by no more than they.
+                    assert!(moved < 2.0 * GAP * (count + 1) as f64, "{scenery:?} of {count}: {moved} m");
                 }
             }
         }

@@ -114,7 +114,10 @@ impl Drawing {
         };
 
         let mut picture = self.renderer.draw(scene, &camera, &request.draw_options())?;
-        self.history.steady(&mut picture, &camera);
+        // While time stands still the images have the noise of one moment.
+        if !self.clock.is_paused() {
+            self.history.steady(&mut picture, &camera);
+        }
         marks::draw(&mut picture, &camera, request, scene, world, self.stage.cameras());
         let time = captured.images.time;
         let mut picture = enlarged(picture, request);

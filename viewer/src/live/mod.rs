@@ -51,7 +51,7 @@ use messages::Messages;
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{HullData, Motion};
 use ode_visual_hull::recording::RecorderOptions;
-use ode_visual_hull::source::{Clock, ReadAhead, Synchroniser, WhenFull};
+use ode_visual_hull::source::{CancelHandle, Clock, ReadAhead, Synchroniser, WhenFull};
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::VolumeOptions;
 use recording::LiveRecording;
@@ -98,6 +98,8 @@ pub struct Live {
     drawing: Arc<DrawingShared>,
     messages: Arc<Messages>,
     commands: Sender<Command>,
+    /// Of the cameras: they end a wait for an image.
+    cancel_handles: Vec<CancelHandle>,
     threads: Vec<JoinHandle<()>>,
 }
 
@@ -147,6 +149,7 @@ impl Live {
             drawing,
             messages,
             commands,
+            cancel_handles: sources.iter().map(|source| source.cancel_handle()).collect(),
             threads: Vec::new(),
             clock: clock.clone(),
         };
@@ -205,7 +208,10 @@ impl Live {
 
     /// Asks for pictures of this kind from now on.
     pub fn request(&self, request: Request) {
-        self.world.are_samples_asked.store(request.marks.samples, Ordering::Relaxed);
+        let were_asked = self.world.are_samples_asked.swap(request.marks.samples, Ordering::Relaxed);
+        if were_asked != request.marks.samples {
+            self.clock.stop(&self.world.is_woken);
+        }
         self.drawing.request.put(request);
     }
 
@@ -282,6 +288,7 @@ impl Live {
 
     fn end(&mut self) {
         self.clock.close();
+        self.cancel_handles.drain(..).for_each(|camera| camera.stop());
         for thread in self.threads.drain(..) {
             // A panic of a thread has been printed by it.
             let _ = thread.join();

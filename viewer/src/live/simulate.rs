@@ -75,6 +75,8 @@ pub struct WorldShared {
     pub latest: Latest<WorldState>,
     /// Whether sample points are asked for.
     pub are_samples_asked: AtomicBool,
+    /// Set where the thread has to publish although time stands still.
+    pub is_woken: AtomicBool,
     /// Whether the mouse holds a body.
     pub is_body_held: AtomicBool,
     /// From the time of an image to the end of the first collide with its hull, where a body touches that.
@@ -123,8 +125,12 @@ impl Simulating {
         let mut world = self.world()?;
         let mut steps = Steps::new(STEP_RATE, self.clock.now());
         let mut last_used = 0.0;
-        let never = AtomicBool::new(false);
-        while self.clock.wait_until(steps.due(), &never) {
+        while !self.clock.is_closed() {
+            if !self.clock.wait_until(steps.due(), &self.shared.is_woken) {
+                self.shared.is_woken.store(false, Ordering::Relaxed);
+                self.publish(&world.simulation, steps.tally());
+                continue;
+            }
             world.simulation.skip(steps.drop_if_behind(self.clock.now()));
             if let Err(error) = self.step(&mut world, steps.dt()) {
                 self.messages.warn("simulation", format!("{error}; all bodies were put back"));

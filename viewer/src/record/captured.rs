@@ -13,6 +13,9 @@ use ode_visual_hull_film::{
 use std::path::Path;
 use std::sync::Arc;
 
+/// Bodies up to this far from the work volume are shown by a tour around the subject, in metres.
+const NEARBY: f64 = 3.0;
+
 /// The frames of a recording as scenes, in any order.
 pub struct CapturedFrames {
     hulls: RecordedHulls,
@@ -124,7 +127,10 @@ impl FinishedScenes {
         let subject = hulls.filter(|aabb| !aabb.is_empty()).reduce(|a, b| a.union(&b));
         let subject = subject.unwrap_or(*self.playback.first().aabb());
         let bodies = self.run.drawn(0).into_iter().map(|body| body.world_from_body.translation.vector.into());
-        let places: Vec<Point3<f64>> = bodies.collect();
+        // Bodies that do not exist yet are far below the floor.
+        let nearby = self.data.bounds().map(|bounds| bounds.grown(NEARBY));
+        let is_near = |place: &Point3<f64>| nearby.is_none_or(|nearby| nearby.contains(place));
+        let places: Vec<Point3<f64>> = bodies.filter(is_near).collect();
         if places.is_empty() { subject } else { subject.union(&Aabb::of_points(&places)) }
     }
 

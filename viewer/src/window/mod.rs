@@ -60,11 +60,7 @@ impl OpenWindow {
     /// # Errors
     /// No display.
     pub fn new() -> Result<Self> {
-        let events = EventLoop::with_user_event().build().map_err(|e| {
-            Error::argument(format!(
-                "window: expected a display, found none ({e}); set DISPLAY, start it under xvfb-run, or use --headless"
-            ))
-        })?;
+        let events = EventLoop::with_user_event().build().map_err(|_| no_display())?;
         Ok(Self { events, picture: Arc::default() })
     }
 
@@ -110,6 +106,18 @@ impl OpenWindow {
         let report = live.stop();
         failed.map_or(Ok(report), Err)
     }
+}
+
+fn no_display() -> Error {
+    let set =
+        ["WAYLAND_DISPLAY", "DISPLAY"].into_iter().find_map(|name| Some((name, std::env::var(name).ok()?)));
+    let found = match set {
+        Some((name, value)) => format!("none that answers at {name}={value}"),
+        None => "none, since neither DISPLAY nor WAYLAND_DISPLAY is set".into(),
+    };
+    Error::argument(format!(
+        "window: expected a display, found {found}; log in to a desktop, start it under xvfb-run, or use --headless"
+    ))
 }
 
 fn lost(found: &dyn std::fmt::Display) -> Error {

@@ -92,6 +92,25 @@ fn the_normal_is_that_of_the_exact_ray_cast_to_within_ten_degrees_for_most_rays(
 }
 
 #[test]
+fn rays_from_kilometres_away_and_past_a_camera_end() {
+    let (rendered, scene) = person();
+    let march = March::new(&scene);
+    let (mut lines, mut hits) = (Lines::default(), 0);
+    let middle = Point3::new(0.0_f32, 0.0, 0.9);
+    let mut random = Random(5);
+    for view in rendered.cameras.iter().cycle().take(300) {
+        let off = random.direction().cast::<f32>() * 10.0_f32.powf(-6.0 * random.unit() as f32);
+        let near: Point3<f32> = view.centre().cast::<f32>() + off;
+        for origin in [middle + (near - middle) * 700.0, near - off.normalize() * 1e-3] {
+            let ray = Ray { origin, direction: (middle - origin).normalize() };
+            hits += usize::from(march.entry(&ray, 0.0..f32::MAX, &mut lines).is_some());
+            march.cone_entry(&ray, 0.01, &mut lines);
+        }
+    }
+    assert!(hits > 300, "{hits}");
+}
+
+#[test]
 fn a_ray_through_the_silhouette_of_its_own_camera_is_somewhere_least_outside_the_others() {
     let (rendered, scene) = person();
     let march = March::new(&scene);

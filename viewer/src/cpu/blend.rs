@@ -5,7 +5,7 @@
 //! background.
 
 use super::depth_map::DepthMap;
-use super::march::{March, MarchView, Ray};
+use super::march::{Line, March, MarchView, Ray};
 use crate::picture::Colour;
 use crate::scene::{Scene, SceneView};
 use image::RgbImage;
@@ -29,7 +29,7 @@ const UNSEEN: f32 = 0.1;
 
 /// How far into the hull colours may agree better than on its surface, in metres, and the number of steps to there.
 const REFINED_DEPTH: f32 = 0.08;
-const REFINED_STEPS: u32 = 8;
+const REFINED_STEPS: u32 = 4;
 
 /// How much more colours have to agree for a metre more of depth, in grey levels.
 const DEPTH_PENALTY: f32 = 60.0;
@@ -104,15 +104,16 @@ impl<'s> Blend<'s> {
     /// or behind it where `refine` finds that colours agree better there.
     pub fn colour(&self, march: &March, ray: &Ray, t: f32, refine: bool) -> (Colour, f32) {
         let choice = self.choose(march, &ray.at(t), &ray.direction);
+        let lines = choice.map(|chosen| march.views()[self.cameras[chosen.camera].view].line(ray));
         if !refine {
-            return (self.agreement(march, &ray.at(t), &choice).mean, t);
+            return (self.agreement(&lines, t, &choice).mean, t);
         }
 
         // The mean over depths, weighted by how well colours agree: the best depth alone changes with each frame's noise.
         let (mut colour, mut mean_t, mut total) = (Colour::zeros(), 0.0, 0.0);
         for step in 0..=REFINED_STEPS {
             let deeper = REFINED_DEPTH * step as f32 / REFINED_STEPS as f32;
-            let found = self.agreement(march, &ray.at(t + deeper), &choice);
+            let found = self.agreement(&lines, t + deeper, &choice);
             let weight = (-(found.deviation + DEPTH_PENALTY * deeper) / SOFTNESS).exp();
             colour += found.mean * weight;
             mean_t += (t + deeper) * weight;
@@ -139,13 +140,13 @@ impl<'s> Blend<'s> {
         [0, 1, 2].map(|k| Chosen { weight: (best[k].weight - rest).max(0.0), ..best[k] })
     }
 
-    /// What the chosen cameras show at `point`.
-    fn agreement(&self, march: &March, point: &Point3<f32>, choice: &Choice) -> Agreement {
-        let colour = |chosen: &Chosen| match chosen.weight > 0.0 {
-            true => self.colour_in(march, chosen.camera, point),
+    /// What the chosen cameras show at distance `t` along a ray, which has these images in them.
+    fn agreement(&self, lines: &[Line; BEST], t: f32, choice: &Choice) -> Agreement {
+        let colour = |chosen: &Chosen, line: &Line| match chosen.weight > 0.0 {
+            true => self.colour_in(chosen.camera, &line.at(t)),
             false => Colour::zeros(),
         };
-        let colours = [0, 1, 2].map(|k| colour(&choice[k]));
+        let colours = [0, 1, 2].map(|k| colour(&choice[k], &lines[k]));
         let weighted = colours.iter().zip(choice).map(|(colour, chosen)| colour * chosen.weight);
         let total: f32 = choice.iter().map(|chosen| chosen.weight).sum();
         let mean = weighted.sum::<Colour>() / total.max(f32::MIN_POSITIVE);
@@ -158,10 +159,9 @@ impl<'s> Blend<'s> {
         Agreement { mean, deviation: off * share / 3.0 }
     }
 
-    fn colour_in(&self, march: &March, camera: usize, point: &Point3<f32>) -> Colour {
-        let camera = &self.cameras[camera];
-        let h = march.views()[camera.view].homogeneous(point);
-        sample(camera.photo, h.x / h.z, h.y / h.z)
+    /// The colour that a camera has at homogeneous image coordinates.
+    fn colour_in(&self, camera: usize, h: &Vector3<f32>) -> Colour {
+        sample(self.cameras[camera].photo, h.x / h.z, h.y / h.z)
     }
 }
 

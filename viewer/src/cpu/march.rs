@@ -11,12 +11,11 @@ mod line;
 mod ray;
 mod view;
 
-pub use line::Lines;
+pub use line::{Line, Lines};
 pub use ray::Ray;
 pub use view::MarchView;
 
 use crate::scene::Scene;
-use line::Line;
 use nalgebra::{Point3, Vector3};
 use ode_visual_hull::hull::{Aabb, Unseen};
 use ray::clip_to_box;
@@ -138,6 +137,7 @@ impl<'s> March<'s> {
             }
             if passed == count {
                 if seen >= self.min_views.unwrap_or(count) {
+                    lines.decided_by = decided_by;
                     return Some((before, Entry { t, view: decided_by }));
                 }
                 before = t;

@@ -85,7 +85,7 @@ impl<'s> CpuRenderer<'s> {
         if options.method != Method::Hull && is_coloured_here {
             self.blend.prepare(&self.march, &eye.origin());
         }
-        let fragments = self.bodies.draw(&eye.projection(), eye.size());
+        let bodies = self.bodies.in_image(&eye.projection());
         let painter = PixelPainter::new(self, &eye, *options, layer);
 
         let mut picture = Picture::new(width, height);
@@ -93,11 +93,14 @@ impl<'s> CpuRenderer<'s> {
         let w = width as usize;
         let band = w * TILE;
         let bands = colour.par_chunks_mut(3 * band).zip(content.par_chunks_mut(band));
-        let bands = bands.zip(depth.par_chunks_mut(band)).zip(fragments.par_chunks(band));
-        bands.enumerate().for_each(|(j, (((colour, content), depth), fragments))| {
+        let bands = bands.zip(depth.par_chunks_mut(band)).enumerate();
+        // Bodies are drawn band by band too: the fragments of a whole picture are larger than the picture.
+        bands.for_each_init(Vec::new, |fragments, (j, ((colour, content), depth))| {
+            let rows = j * TILE..j * TILE + content.len() / w;
+            bodies.draw(w, &rows, fragments);
             let mut lines = Lines::default();
             let starts = painter.tile_starts(j, w, &mut lines);
-            let pixels = colour.chunks_exact_mut(3).zip(content).zip(depth).zip(fragments);
+            let pixels = colour.chunks_exact_mut(3).zip(content).zip(depth).zip(&*fragments);
             for (index, (((colour, content), depth), fragment)) in pixels.enumerate() {
                 let (x, y) = (index % w, j * TILE + index / w);
                 let seen = painter.paint((x, y), fragment, starts[x / TILE], &mut lines);

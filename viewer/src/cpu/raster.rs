@@ -2,13 +2,10 @@
 
 use crate::scene::{Mesh, Scene, Vertex};
 use nalgebra::{Isometry3, Matrix3x4, Point3, RowVector4, Vector3};
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// What lies nearer to a viewpoint than this, in metres, is cut off.
 const NEAR: f32 = 0.02;
-
-/// Rows that one thread draws at a time.
-const BAND: usize = 16;
 
 /// From the world to an image.
 #[derive(Debug, Clone)]
@@ -39,6 +36,9 @@ impl Default for Fragment {
 /// The triangles of all bodies in the world.
 #[derive(Debug, Default)]
 pub struct Triangles(Vec<Triangle>);
+
+/// The triangles of all bodies in an image.
+pub struct ImageTriangles(Vec<Setup>);
 
 #[derive(Debug, Clone, Copy)]
 struct Triangle {
@@ -83,23 +83,25 @@ impl Triangles {
         self.0.iter().flat_map(|triangle| &triangle.corners).map(|corner| &corner.position)
     }
 
-    /// What each pixel of an image of `size` shows, row by row.
-    pub fn draw(&self, projection: &Projection, size: (u32, u32)) -> Vec<Fragment> {
-        let (width, height) = (size.0 as usize, size.1 as usize);
+    /// The triangles as an image shows them.
+    pub fn in_image(&self, projection: &Projection) -> ImageTriangles {
         let projected = |triangle: &Triangle| {
             let corners = triangle.corners.map(|corner| corner.projected(projection));
             let colour = triangle.colour;
             clipped(&corners).map(move |corners| Setup::new(corners, colour))
         };
-        let setups: Vec<Setup> = self.0.iter().flat_map(projected).flatten().collect();
-        let mut fragments = vec![Fragment::default(); width * height];
-        fragments.par_chunks_mut(BAND * width).enumerate().for_each(|(band, fragments)| {
-            let rows = band * BAND..(band * BAND + fragments.len() / width);
-            for setup in &setups {
-                setup.fill(fragments, width, &rows);
-            }
-        });
-        fragments
+        ImageTriangles(self.0.iter().flat_map(projected).flatten().collect())
+    }
+}
+
+impl ImageTriangles {
+    /// What each pixel of these `rows` of an image shows, whose rows have `width` pixels; in place of what is in `fragments`.
+    pub fn draw(&self, width: usize, rows: &Range<usize>, fragments: &mut Vec<Fragment>) {
+        fragments.clear();
+        fragments.resize(width * rows.len(), Fragment::default());
+        for setup in &self.0 {
+            setup.fill(fragments, width, rows);
+        }
     }
 }
 
@@ -172,7 +174,7 @@ impl Setup {
     }
 
     /// Draws the triangle into `fragments`, which hold these rows of the image.
-    fn fill(&self, fragments: &mut [Fragment], width: usize, rows: &std::ops::Range<usize>) {
+    fn fill(&self, fragments: &mut [Fragment], width: usize, rows: &Range<usize>) {
         let [a, b, c] = self.at;
         let range = |a: f32, b: f32, c: f32, from: usize, to: usize| {
             let low = (a.min(b).min(c) - 0.5).ceil().max(from as f32) as usize;

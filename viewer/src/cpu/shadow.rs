@@ -107,7 +107,8 @@ impl LightView {
 impl Shadow {
     /// The shadow of the bodies.
     pub fn of_bodies(view: &LightView, bodies: &Triangles) -> Self {
-        let fragments = bodies.draw(&view.projection(), (CELLS as u32, CELLS as u32));
+        let mut fragments = Vec::new();
+        bodies.in_image(&view.projection()).draw(CELLS, &(0..CELLS), &mut fragments);
         Self { view: view.clone(), depths: fragments.iter().map(|fragment| fragment.depth).collect() }
     }
 

@@ -35,7 +35,9 @@ pub fn floor_colour(point: &Point3<f32>, distance: f32, footprint: f32, light: f
 
 /// The part of a pixel that a line of the grid covers.
 fn line(x: f32, footprint: f32) -> f32 {
-    let to_line = (x - SPACING * (x / SPACING).round()).abs();
+    // A conversion to integers is an instruction on every processor, a rounding is not.
+    let nearest = (x / SPACING + 0.5_f32.copysign(x)) as i32;
+    let to_line = (x - SPACING * nearest as f32).abs();
     let half = 0.5 * footprint;
     let covered = (HALF_WIDTH - to_line + half).clamp(0.0, 2.0 * HALF_WIDTH.min(half));
     covered / footprint.max(1e-6)

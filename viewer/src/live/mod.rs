@@ -22,6 +22,7 @@ mod latest;
 mod marks;
 mod messages;
 mod panels;
+mod priority;
 mod recording;
 mod rendered;
 mod report;
@@ -54,6 +55,7 @@ use ode_visual_hull::recording::RecorderOptions;
 use ode_visual_hull::source::{CancelHandle, Clock, ReadAhead, Synchroniser, WhenFull};
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::VolumeOptions;
+use priority::Work;
 use recording::LiveRecording;
 use simulate::{Simulating, WorldShared};
 use stage::Stage;
@@ -89,6 +91,8 @@ pub struct LiveOptions {
 /// A running live system. Dropping it ends its threads.
 pub struct Live {
     clock: Clock,
+    /// When it began, in seconds of the clock.
+    started: f64,
     period: f64,
     pinholes: Vec<Camera>,
     home: Orbit,
@@ -140,6 +144,7 @@ impl Live {
         let (world, drawing) = (Arc::new(WorldShared::default()), Arc::new(DrawingShared::default()));
         let (commands, received) = channel();
         let mut live = Self {
+            started: clock.now(),
             period,
             pinholes: (0..rig.len()).map(|view| real_cameras.pinhole(view).clone()).collect(),
             home: home(&rig.cameras()[0], &data),
@@ -162,7 +167,10 @@ impl Live {
             .map(|(camera, source)| ReadAhead::spawn(camera.name(), source, QUEUE, WhenFull::DropOldest));
         let mut sets = Synchroniser::new(streams.collect::<Result<_>>()?, 0.5 * period)?;
         sets.set_patience(Some(Duration::from_secs_f64(1.5 * period)));
-        live.spawn("capture", move || capture.run(sets))?;
+        live.spawn("capture", move || {
+            Work::Capture.set_priority();
+            capture.run(sets);
+        })?;
 
         let simulating = Simulating {
             data,
@@ -193,7 +201,14 @@ impl Live {
             clock,
             history: History::default(),
         };
-        live.spawn("drawing", move || drawing.run(&mut show))?;
+        let workers = rayon::ThreadPoolBuilder::new().thread_name(|k| format!("draws {k}"));
+        let workers = workers.start_handler(|_| Work::Drawing.set_priority()).build();
+        let workers =
+            workers.map_err(|e| Error::argument(format!("expected to start threads, found: {e}")))?;
+        live.spawn("drawing", move || {
+            Work::Drawing.set_priority();
+            workers.install(|| drawing.run(&mut show));
+        })?;
         Ok(live)
     }
 

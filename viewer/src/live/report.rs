@@ -32,7 +32,7 @@ impl LiveReport {
         let quantiles =
             |of: &super::latencies::Latencies| [0.5, 0.99].map(|part| of.quantile(part, usize::MAX));
         Self {
-            seconds: live.clock.now(),
+            seconds: live.clock.now() - live.started,
             pictures: count(&live.drawing.pictures),
             sets: [&tally.published, &tally.incomplete, &tally.dropped].map(count),
             steps: live.world.latest.get().1.map(|world| world.steps).unwrap_or_default(),

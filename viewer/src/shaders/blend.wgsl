@@ -13,7 +13,7 @@ const UNSEEN: f32 = 0.1;
 
 // How far into the hull colours may agree better than on its surface, in metres, and the number of steps to there.
 const REFINED_DEPTH: f32 = 0.08;
-const REFINED_STEPS: u32 = 8u;
+const REFINED_STEPS: u32 = 4u;
 
 // How much more colours have to agree for a metre more of depth, in grey levels.
 const DEPTH_PENALTY: f32 = 60.0;

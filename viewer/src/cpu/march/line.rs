@@ -22,7 +22,7 @@ pub struct Lines {
     /// The origin of the ray, and its images in the views that were asked: rays of a picture share it.
     origin: Option<Point3<f32>>,
     at_origin: Vec<Option<Vector3<f32>>>,
-    /// The view that decided the last ray that missed the hull: it is asked first, since neighbouring rays miss likewise.
+    /// The view that decided the last ray: it is asked first, since it often decides neighbouring rays too.
     pub(super) decided_by: usize,
     first: usize,
 }
@@ -61,7 +61,8 @@ impl Line {
         Self { at_origin, slope, speed }
     }
 
-    pub(super) fn at(&self, t: f32) -> Vector3<f32> {
+    /// The homogeneous image coordinates of the ray's point at distance `t`.
+    pub fn at(&self, t: f32) -> Vector3<f32> {
         self.at_origin + self.slope * t
     }
 

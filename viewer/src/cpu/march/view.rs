@@ -47,7 +47,7 @@ impl<'s> MarchView<'s> {
     }
 
     /// The image of `ray`.
-    pub(super) fn line(&self, ray: &Ray) -> Line {
+    pub fn line(&self, ray: &Ray) -> Line {
         Line::new(self.homogeneous(&ray.origin), &self.projection, &ray.direction)
     }
 

@@ -1,0 +1,27 @@
+//! Priorities of threads: the simulation is not late because images are segmented or a picture is drawn.
+
+/// What a thread works for. Each goes before those after it; the simulation goes before all of them.
+#[derive(Debug, Clone, Copy)]
+pub enum Work {
+    /// Images are segmented.
+    Capture,
+    /// Pictures are drawn.
+    Drawing,
+}
+
+impl Work {
+    /// Lets the calling thread, and threads that it starts, work with this priority, where the system has priorities for
+    /// threads. Without them everything works, less evenly.
+    pub fn set_priority(self) {
+        // Nice values: a thread with 10 gets a tenth of a processor that one with 0 wants too.
+        #[cfg(target_os = "linux")]
+        {
+            let nice = match self {
+                Self::Capture => 4,
+                Self::Drawing => 10,
+            };
+            // Linux has a priority for each thread, under the number of the thread.
+            let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), nice);
+        }
+    }
+}

@@ -15,7 +15,7 @@ INSTALLED := $(INCLUDEDIR)/ode_visual_hull.h $(LIBDIR)/pkgconfig/ode_visual_hull
 	$(addprefix $(LIBDIR)/$(LIBRARY),.a .so .so.$(MAJOR) .so.$(VERSION))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup lib install uninstall demo demo-real showcase test test-viewer figures bench clean
+.PHONY: help setup lib install uninstall demo demo-real demo-live showcase test test-viewer figures bench clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -34,6 +34,15 @@ demo-real: ## a real person knocks over such a stack: fetches a recording, film,
 	cargo build --release --package vhull
 	cargo build --release --package ode-visual-hull-viewer --no-default-features
 	@scripts/demo-real $(or $(CARGO_TARGET_DIR),target)
+
+LIVE := cargo run --quiet --release --package ode-visual-hull-viewer --no-default-features --features window \
+	--bin vhull-view -- live $(or $(RECORDING),--synthetic) --bodies rain --count 20 --side 0.12
+
+demo-live: setup ## a synthetic person in a rain of boxes, live in a window; RECORDING=DIR plays one; a film without a display
+	@cargo build --release --package ode-visual-hull-viewer --no-default-features --features window
+	@if [ -n "$$DISPLAY$$WAYLAND_DISPLAY" ]; then $(LIVE); else \
+		echo "no display: what the window would show goes to target/demo-live/live.mp4"; \
+		$(LIVE) --headless --seconds 15 --film target/demo-live/live.mp4; fi
 
 SHOWCASE := domino_spiral pyramid newtons_cradle balance_bird grab grab_with_button
 

@@ -3,11 +3,11 @@
 use super::report::Tally;
 
 /// Steps by which the simulation may be behind the clock before it drops some.
-pub const MOST_BEHIND: f64 = 4.0;
+const MOST_BEHIND: f64 = 4.0;
 
 /// The steps of a simulation that keeps up with a clock: when each is due, and what became of it.
 ///
-/// A simulation that is behind by more than [`MOST_BEHIND`] steps drops those that are due, so that it is never late silently.
+/// A simulation that is behind by more than four steps drops those that are due, so that it is never late silently.
 #[derive(Debug, Clone)]
 pub struct Steps {
     dt: f64,

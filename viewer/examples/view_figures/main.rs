@@ -3,6 +3,7 @@
 //! `cargo run --release -p ode-visual-hull-viewer --example view_figures`. It fails where a bound is missed.
 
 mod flicker;
+mod live;
 mod occlusion;
 mod quality;
 mod speed;
@@ -12,7 +13,7 @@ use ode_visual_hull_testing::figure_table;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let groups = [quality::measure, occlusion::measure, flicker::measure, speed::measure];
+    let groups = [quality::measure, occlusion::measure, flicker::measure, speed::measure, live::measure];
     let measured = groups.into_iter().map(|measure| measure());
     let figures: Vec<Figure> = match measured.collect::<ode_visual_hull::Result<Vec<_>>>() {
         Ok(groups) => groups.into_iter().flatten().collect(),

@@ -76,6 +76,11 @@ impl LiveCameras {
         })
     }
 
+    /// The cameras, the source of each, and the seconds from one image to the next.
+    pub fn into_sources(self) -> (Rig, Vec<Box<dyn Source>>, f64) {
+        (self.rig, self.sources, self.period)
+    }
+
     /// The cameras of the recording in folder `dir`, which is played by the clock, again and again; at `rate` images a second
     /// where it is given.
     ///

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! No thread waits for another one: each takes the latest that there is. What comes too late is counted. All of them follow
-//! one [`Clock`](ode_visual_hull::source::Clock), which the user can stop.
+//! one [`Clock`], which the user can stop.
 
 mod bodies;
 mod cameras;

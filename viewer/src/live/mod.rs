@@ -31,6 +31,7 @@ mod simulate;
 mod stage;
 mod stamped;
 mod streams;
+mod threads;
 
 pub use bodies::{Bodies, Scenery};
 pub use cameras::LiveCameras;
@@ -40,35 +41,27 @@ pub use report::LiveReport;
 pub use request::{Marks, Request, Viewpoint};
 pub use simulate::{Command, STEP_RATE};
 
-use crate::history::History;
 use crate::orbit::Orbit;
 use crate::picture::Method;
 use crate::renderer::{Renderer, RendererKind};
 use crate::scene::RealCameras;
 use capture::{Capture, CaptureState};
-use drawing::{Drawing, DrawingShared};
-use info::Info;
+use drawing::DrawingShared;
 use messages::Messages;
+use ode_visual_hull::Result;
 use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{HullData, Motion};
-use ode_visual_hull::recording::RecorderOptions;
-use ode_visual_hull::source::{CancelHandle, Clock, ReadAhead, Synchroniser, WhenFull};
-use ode_visual_hull::{Error, Result};
+use ode_visual_hull::source::{CancelHandle, Clock};
 use ode_visual_hull_film::VolumeOptions;
-use priority::Work;
 use recording::LiveRecording;
-use simulate::{Simulating, WorldShared};
+use simulate::WorldShared;
 use stage::Stage;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
-use std::time::Duration;
 use streams::Streams;
-
-/// Images of a camera that wait for the capture.
-const QUEUE: usize = 3;
 
 /// A camera whose last image is this many seconds old does not decide any longer where the subject is.
 const MAX_AGE: f64 = 0.5;
@@ -117,7 +110,7 @@ impl Live {
     pub fn start(
         cameras: LiveCameras,
         options: &LiveOptions,
-        mut show: impl FnMut(Shown) + Send + 'static,
+        show: impl FnMut(Shown) + Send + 'static,
     ) -> Result<Self> {
         let LiveCameras { rig, sources, statuses, period, empty_room, clock } = cameras;
         let data = Arc::new(HullData::new());
@@ -125,100 +118,38 @@ impl Live {
         data.set_max_age(Some(MAX_AGE.max(3.0 * period)))?;
 
         let messages = Arc::new(Messages::default());
-        let recording = options.record.as_ref().map(|dir| {
-            let bounds = Some(options.volume.of(&rig)?);
-            let backgrounds =
-                empty_room.as_ref().map(|room| room.iter().filter_map(|one| one.first().cloned()).collect());
-            let recorder = RecorderOptions { rate: 1.0 / period, backgrounds };
-            let recording = LiveRecording::create(dir, &rig, recorder, &messages)?;
-            let volume = VolumeOptions { bounds, ..options.volume };
-            recording::write_bodies(dir, simulate::all_bodies(&options.bodies), volume, options.motion)?;
-            Ok(recording)
-        });
-        let capture_state =
-            Arc::new(CaptureState { recording: recording.transpose()?, ..CaptureState::default() });
-        let capture =
-            Capture::new(&rig, period, empty_room.as_deref(), &data, &clock, &capture_state, &messages)?;
+        let recording = options
+            .record
+            .as_deref()
+            .map(|dir| LiveRecording::of_live(dir, &rig, period, empty_room.as_deref(), options, &messages));
+        let state = Arc::new(CaptureState { recording: recording.transpose()?, ..CaptureState::default() });
+        let capture = Capture::new(&rig, period, empty_room.as_deref(), &data, &clock, &state, &messages)?;
         let renderer = Renderer::open(options.renderer, Method::Blend)?;
-        let real_cameras = RealCameras::new(rig.cameras());
-        let (world, drawing) = (Arc::new(WorldShared::default()), Arc::new(DrawingShared::default()));
+        let stage = Stage::new(RealCameras::new(rig.cameras()));
         let (commands, received) = channel();
         let mut live = Self {
             started: clock.now(),
             period,
-            pinholes: (0..rig.len()).map(|view| real_cameras.pinhole(view).clone()).collect(),
+            pinholes: (0..rig.len()).map(|view| stage.cameras().pinhole(view).clone()).collect(),
             home: home(&rig.cameras()[0], &data),
             renderer: renderer.description(),
-            capture: capture_state,
-            world,
-            drawing,
+            capture: state,
+            world: Arc::default(),
+            drawing: Arc::default(),
             messages,
             commands,
             cancel_handles: sources.iter().map(|source| source.cancel_handle()).collect(),
             threads: Vec::new(),
-            clock: clock.clone(),
+            clock,
         };
         if !live.capture.is_room_known.load(Ordering::Relaxed) {
             live.messages.warn("room", "no empty room is learnt: leave the cameras' sight, then press l");
         }
 
-        let streams = rig.cameras().iter().zip(sources);
-        let streams = streams
-            .map(|(camera, source)| ReadAhead::spawn(camera.name(), source, QUEUE, WhenFull::DropOldest));
-        let mut sets = Synchroniser::new(streams.collect::<Result<_>>()?, 0.5 * period)?;
-        sets.set_patience(Some(Duration::from_secs_f64(1.5 * period)));
-        live.spawn("capture", move || {
-            Work::Capture.set_priority();
-            capture.run(sets);
-        })?;
-
-        let simulating = Simulating {
-            data,
-            motion: options.motion,
-            bodies: options.bodies,
-            clock: clock.clone(),
-            commands: received,
-            captures: live.capture.clone(),
-            shared: live.world.clone(),
-            messages: live.messages.clone(),
-        };
-        let told = live.messages.clone();
-        live.spawn("simulation", move || {
-            if let Err(error) = simulating.run() {
-                told.fail("simulation", &error);
-            }
-        })?;
-
-        let drawing = Drawing {
-            stage: Stage::new(real_cameras),
-            renderer,
-            capture: live.capture.clone(),
-            world: live.world.clone(),
-            shared: live.drawing.clone(),
-            info: Info::new(&rig, &live.capture, &live.world, &live.drawing),
-            streams: Streams::new(&rig, statuses),
-            messages: live.messages.clone(),
-            clock,
-            history: History::default(),
-        };
-        let workers = rayon::ThreadPoolBuilder::new().thread_name(|k| format!("draws {k}"));
-        let workers = workers.start_handler(|_| Work::Drawing.set_priority()).build();
-        let workers =
-            workers.map_err(|e| Error::argument(format!("expected to start threads, found: {e}")))?;
-        live.spawn("drawing", move || {
-            Work::Drawing.set_priority();
-            workers.install(|| drawing.run(&mut show));
-        })?;
+        live.start_capture(capture, &rig, sources)?;
+        live.start_simulation(data, options, received)?;
+        live.start_drawing(stage, renderer, &rig, Streams::new(&rig, statuses), show)?;
         Ok(live)
-    }
-
-    fn spawn(&mut self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<()> {
-        let thread = std::thread::Builder::new().name(name.into()).spawn(work);
-        let thread = thread.map_err(|e| {
-            Error::argument(format!("expected to start the thread of the {name}, found: {e}"))
-        })?;
-        self.threads.push(thread);
-        Ok(())
     }
 
     /// Asks for pictures of this kind from now on.

@@ -1,15 +1,17 @@
 //! The recording of a live system: images, masks, and the states of the bodies.
 
+use super::LiveOptions;
 use super::messages::Messages;
-use ode_visual_hull::hull::Motion;
+use super::simulate::all_bodies;
+use image::RgbImage;
 use ode_visual_hull::pipeline::Captured;
 use ode_visual_hull::recording::{Recorder, RecorderOptions, RecordingSummary};
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::{
-    BodiesFile, DrawnPart, PlaybackOptions, PlayedRecording, State, States, StatesWriter, VolumeOptions,
+    BodiesFile, PlaybackOptions, PlayedRecording, State, States, StatesWriter, VolumeOptions,
 };
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Entries of the states a second.
@@ -31,13 +33,24 @@ struct Writing {
 }
 
 impl LiveRecording {
-    /// Begins a recording in folder `dir`.
+    /// Begins a recording of the cameras of `rig` in folder `dir`, with what is needed to draw it again.
     ///
     /// # Errors
     /// As [`Recorder::create`].
-    pub fn create(dir: &Path, rig: &Rig, options: RecorderOptions, messages: &Arc<Messages>) -> Result<Self> {
-        let recorder = Recorder::create(dir, rig, options)?;
+    pub fn of_live(
+        dir: &Path,
+        rig: &Rig,
+        period: f64,
+        empty_room: Option<&[Vec<RgbImage>]>,
+        options: &LiveOptions,
+        messages: &Arc<Messages>,
+    ) -> Result<Self> {
+        let first =
+            |room: &[Vec<RgbImage>]| room.iter().filter_map(|images| images.first().cloned()).collect();
+        let backgrounds = empty_room.map(first);
+        let recorder = Recorder::create(dir, rig, RecorderOptions { rate: 1.0 / period, backgrounds })?;
         let states = StatesWriter::create(dir.join(States::NAME))?;
+        bodies_file(rig, options)?.write(dir.join(BodiesFile::NAME))?;
         let writing = Writing { recorder, states, start: None, next: f64::NEG_INFINITY };
         Ok(Self { messages: messages.clone(), writing: Mutex::new(Some(writing)) })
     }
@@ -93,23 +106,13 @@ impl LiveRecording {
     }
 }
 
-/// Writes what the bodies of a recording in folder `dir` look like, and how it is played so that each was where its state says.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_bodies(
-    dir: &Path,
-    parts: Vec<DrawnPart>,
-    volume: VolumeOptions,
-    motion: Motion,
-) -> Result<PathBuf> {
-    let options = PlaybackOptions { volume, ..PlaybackOptions::default() };
-    let file = BodiesFile {
-        bodies: parts.into_iter().map(|part| vec![part]).collect(),
+/// What the bodies look like, and how the recording is played so that each was where its state says.
+fn bodies_file(rig: &Rig, options: &LiveOptions) -> Result<BodiesFile> {
+    let volume = VolumeOptions { bounds: Some(options.volume.of(rig)?), ..options.volume };
+    let played = PlaybackOptions { volume, ..PlaybackOptions::default() };
+    Ok(BodiesFile {
+        bodies: all_bodies(&options.bodies).into_iter().map(|part| vec![part]).collect(),
         fixed: Vec::new(),
-        playback: Some(PlayedRecording { options, motion }),
-    };
-    let path = dir.join(BodiesFile::NAME);
-    file.write(&path)?;
-    Ok(path)
+        playback: Some(PlayedRecording { options: played, motion: options.motion }),
+    })
 }

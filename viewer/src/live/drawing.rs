@@ -33,7 +33,7 @@ pub struct DrawingShared {
     pub to_pixel: Latencies,
     /// The time from picture to picture, in seconds.
     pub intervals: Latencies,
-    /// Pictures so far.
+    /// Pictures of a scene so far.
     pub pictures: AtomicU64,
 }
 
@@ -82,23 +82,25 @@ impl Drawing {
                 Ok(shown) => {
                     let captured = shown.captured;
                     show(shown);
-                    self.count(captured, &mut last_end);
+                    match captured {
+                        Some(captured) => self.count(captured, &mut last_end),
+                        // There is nothing to see yet.
+                        None => self.shared.request.wait_for_other(request_number, PATIENCE),
+                    }
                 }
                 Err(error) => self.recover(&error),
             }
         }
     }
 
-    fn count(&self, captured: Option<f64>, last_end: &mut Option<f64>) {
+    fn count(&self, captured: f64, last_end: &mut Option<f64>) {
         let now = self.clock.now();
         self.shared.pictures.fetch_add(1, Ordering::Relaxed);
         if self.clock.is_paused() {
             *last_end = None;
             return;
         }
-        if let Some(captured) = captured {
-            self.shared.to_pixel.add(now - captured);
-        }
+        self.shared.to_pixel.add(now - captured);
         if let Some(last) = last_end.replace(now) {
             self.shared.intervals.add(now - last);
         }

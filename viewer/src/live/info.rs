@@ -13,10 +13,10 @@ use std::sync::atomic::Ordering;
 const PICTURES: usize = 30;
 
 /// Pictures from one look at the coherence of the silhouettes to the next.
-const COHERENCE_PERIOD: u64 = 60;
+const COHERENCE_PERIOD: u64 = 100;
 
 /// Pixels between those whose rays are looked at.
-const COHERENCE_STEP: usize = 16;
+const COHERENCE_STEP: usize = 24;
 
 /// The state of a live capture in words.
 pub struct Info {

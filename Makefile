@@ -62,11 +62,11 @@ test: setup ## formatting, lints, documentation and all tests
 	tests/ode_demos.sh
 
 # The viewer's libraries take as long to build as everything else, so that they have a target of their own. Mesa's rasteriser
-# stands in where there is no GPU.
+# stands in where there is no GPU, Xvfb where there is no screen.
 VIEWER := --package ode-visual-hull-viewer
 
 test-viewer: ## lints, documentation and tests of the viewer, on a GPU or on Mesa's rasteriser without one
-	@scripts/setup libegl1 libgl1-mesa-dri libxkbcommon-x11-0 libxcursor1 libxi6 xvfb xdotool
+	@scripts/setup libegl1 libgl1-mesa-dri libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 xvfb xdotool
 	cargo clippy $(VIEWER) --all-targets -- --deny warnings
 	cargo clippy $(VIEWER) --no-default-features --all-targets -- --deny warnings
 	RUSTDOCFLAGS="--deny warnings" cargo doc $(VIEWER) --no-deps
@@ -75,7 +75,7 @@ test-viewer: ## lints, documentation and tests of the viewer, on a GPU or on Mes
 figures: setup ## measures every quality figure: tables, and target/figures.json
 	cargo run --release --example figures
 	cargo run --release --package ode-visual-hull-bench -- --only segmentation --only motion
-	@scripts/setup libegl1 libgl1-mesa-dri libxkbcommon-x11-0 libxcursor1 libxi6 xvfb xdotool
+	@scripts/setup libegl1 libgl1-mesa-dri
 	cargo run --release $(VIEWER) --example view_figures
 
 bench: setup ## the library beside the paper's algorithm and rebuilt meshes: docs/performance.md, and target/figures.json

@@ -22,7 +22,7 @@ pub struct ReconnectOptions {
     pub size: Option<(u32, u32)>,
     /// A source that gives no image for so long is lost. Default: 3 s.
     pub patience: Duration,
-    /// The same for the first image after it was opened: a network stream begins late. Default: 10 s.
+    /// A source that gives no image for so long after it was opened is lost: a network stream begins late. Default: 10 s.
     pub first_patience: Duration,
     /// The wait before it is opened again; doubled after each failed try, up to ten times. Default: 0.5 s.
     pub retry: Duration,

@@ -44,12 +44,12 @@ pub struct CaptureState {
 
 /// The capture of a rig of cameras.
 pub struct Capture {
-    pub(super) rig: Rig,
-    pub(super) period: f64,
-    pub(super) data: Arc<HullData>,
-    pub(super) clock: Clock,
-    pub(super) state: Arc<CaptureState>,
-    pub(super) messages: Arc<Messages>,
+    rig: Rig,
+    period: f64,
+    data: Arc<HullData>,
+    clock: Clock,
+    state: Arc<CaptureState>,
+    messages: Arc<Messages>,
     room: EmptyRoom,
     /// `None` until the empty room is known.
     pipeline: Option<Pipeline>,

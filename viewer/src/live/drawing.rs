@@ -15,8 +15,8 @@ use crate::picture::Picture;
 use crate::renderer::Renderer;
 use image::RgbImage;
 use image::imageops::{FilterType, resize};
+use ode_visual_hull::Result;
 use ode_visual_hull::source::Clock;
-use ode_visual_hull::{Error, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -71,7 +71,9 @@ impl Drawing {
                 self.shared.request.wait_for_other(request_number, PATIENCE);
                 continue;
             };
-            if last == Some((request_number, step)) && self.clock.is_paused() {
+            let is_drawn = last == Some((request_number, step)) && self.clock.is_paused();
+            // A window that is minimised may have no pixels.
+            if is_drawn || request.size.0 == 0 || request.size.1 == 0 {
                 self.shared.request.wait_for_other(request_number, PATIENCE);
                 continue;
             }
@@ -88,7 +90,10 @@ impl Drawing {
                         None => self.shared.request.wait_for_other(request_number, PATIENCE),
                     }
                 }
-                Err(error) => self.recover(&error),
+                Err(error) => {
+                    self.messages.warn("picture", &error);
+                    self.shared.request.wait_for_other(request_number, PATIENCE);
+                }
             }
         }
     }
@@ -115,7 +120,16 @@ impl Drawing {
             return Ok(Shown { picture, captured: None });
         };
 
-        let mut picture = self.renderer.draw(scene, &camera, &request.draw_options())?;
+        let options = request.draw_options();
+        let drawn = self.renderer.draw(scene, &camera, &options);
+        let mut picture = match drawn {
+            Err(error) if !matches!(self.renderer, Renderer::Cpu) => {
+                self.messages.fail("GPU", format!("{error}; drawn by the processor from now on"));
+                self.renderer = Renderer::Cpu;
+                self.renderer.draw(scene, &camera, &options)?
+            }
+            drawn => drawn?,
+        };
         // While time stands still the images have the noise of one moment.
         if !self.clock.is_paused() {
             self.history.steady(&mut picture, &camera);
@@ -125,17 +139,6 @@ impl Drawing {
         let mut picture = enlarged(picture, request);
         panels::draw(&mut picture, request, &self.info.lines(Some(scene)), &self.messages.shown());
         Ok(Shown { picture, captured: Some(time) })
-    }
-
-    /// Draws by the processor from now on where the GPU is lost; otherwise tells why there is no picture.
-    fn recover(&mut self, error: &Error) {
-        if matches!(self.renderer, Renderer::Cpu) {
-            self.messages.warn("picture", error);
-            std::thread::sleep(PATIENCE);
-            return;
-        }
-        self.messages.fail("picture", format!("{error}; drawn by the processor from now on"));
-        self.renderer = Renderer::Cpu;
     }
 }
 

@@ -89,7 +89,6 @@ pub struct Live {
     period: f64,
     pinholes: Vec<Camera>,
     home: Orbit,
-    renderer: String,
     capture: Arc<CaptureState>,
     world: Arc<WorldShared>,
     drawing: Arc<DrawingShared>,
@@ -132,7 +131,6 @@ impl Live {
             period,
             pinholes: (0..rig.len()).map(|view| stage.cameras().pinhole(view).clone()).collect(),
             home: home(&rig.cameras()[0], &data),
-            renderer: renderer.description(),
             capture: state,
             world: Arc::default(),
             drawing: Arc::default(),
@@ -202,11 +200,6 @@ impl Live {
     /// A viewpoint that shows the work volume.
     pub fn home(&self) -> Orbit {
         self.home
-    }
-
-    /// What draws, in words.
-    pub fn renderer(&self) -> &str {
-        &self.renderer
     }
 
     /// The messages that are new since the last call.

@@ -94,24 +94,38 @@ pub(super) fn padded(bytes: &[u8]) -> [u8; BYTES] {
 
 #[inline(always)]
 fn differ_word(image: &[u8; BYTES], least: &[u8; BYTES], greatest: &[u8; BYTES]) -> u64 {
-    let mut outside = [0u8; BYTES + 2];
+    let (mut outside, mut any) = ([[0u8; WORD]; 3], 0);
+    let bytes = outside.as_flattened_mut();
     for k in 0..BYTES {
-        outside[k] = if image[k] < least[k] || image[k] > greatest[k] { 255 } else { 0 };
+        // Without a short circuit, which would keep the loop from becoming vector instructions.
+        bytes[k] = if (image[k] < least[k]) | (image[k] > greatest[k]) { 255 } else { 0 };
+        any |= bytes[k];
     }
-
-    // The first of a pixel's three bytes gathers its channels.
-    let mut any = [0u8; BYTES];
-    for k in 0..BYTES {
-        any[k] = outside[k] | outside[k + 1] | outside[k + 2];
+    // Most of an image is background.
+    if any == 0 {
+        return 0;
     }
+    any_of_three(pack(&outside))
+}
 
-    let mut pixels = [0u8; WORD];
-    for k in 0..WORD {
-        pixels[k] = any[3 * k];
-    }
+/// Bit k tells whether any of the bits 3k, 3k + 1 and 3k + 2 is set.
+#[inline(always)]
+fn any_of_three([low, middle, high]: [u64; 3]) -> u64 {
+    let any = |word: u64, next: u64| word | (word >> 1 | next << 63) | (word >> 2 | next << 62);
+    // The first bits of pixels are 0, 3, .. 63 of the first word, 2, 5, .. 62 of the second and 1, 4, .. 61 of the third.
+    let [low, middle, high] = [any(low, middle), any(middle, high) >> 2, any(high, 0) >> 1];
+    every_third(low) | every_third(middle) << 22 | every_third(high) << 43
+}
 
-    let [bits] = pack(&[pixels]);
-    bits
+/// The bits 0, 3, .. 63 next to one another, as of a Morton code.
+#[inline(always)]
+fn every_third(bits: u64) -> u64 {
+    let ones = bits & 0x9249_2492_4924_9249;
+    let twos = (ones | ones >> 2) & 0x30c3_0c30_c30c_30c3;
+    let fours = (twos | twos >> 4) & 0xf00f_00f0_0f00_f00f;
+    let eights = (fours | fours >> 8) & 0x00ff_0000_ff00_00ff;
+    let sixteens = (eights | eights >> 16) & 0xffff_0000_0000_ffff;
+    (sixteens | sixteens >> 32) & 0x3f_ffff
 }
 
 vectorised! {

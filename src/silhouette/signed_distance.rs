@@ -5,9 +5,11 @@
 //!     2.5   1.5   0.5  -0.5  -1.5  -0.5   0.5         the edge lies half-way between two pixel centres
 //! ```
 
+mod near;
 mod transform;
 
 use super::{Border, Rect, Silhouette};
+use near::NearScratch;
 use transform::{Kinds, Scratch, transform};
 
 /// Euclidean distances of pixels from a silhouette's edge, in pixels: negative inside, positive outside, never 0.
@@ -50,6 +52,18 @@ impl Silhouette {
         distance.refill(self, rect);
         distance
     }
+
+    /// As [`signed_distance`](Self::signed_distance), but distances of more than [`SignedDistance::NEAR`] pixels, and infinite
+    /// ones, are that long: much faster.
+    pub fn signed_distance_near_edge(&self, rect: &Rect) -> SignedDistance {
+        let mut distance = SignedDistance { rect: *rect, ..SignedDistance::default() };
+        distance.values.resize(rect.width() * rect.height(), 0.0);
+        if !rect.is_empty() {
+            let kinds = Kinds { silhouette: self, domain: domain(self, rect) };
+            near::transform(&kinds, rect, &mut distance.values, &mut NearScratch::default());
+        }
+        distance
+    }
 }
 
 impl Default for SignedDistance {
@@ -60,6 +74,9 @@ impl Default for SignedDistance {
 }
 
 impl SignedDistance {
+    /// The longest distance that [`Silhouette::signed_distance_near_edge`] tells, in pixels.
+    pub const NEAR: f32 = near::LONGEST;
+
     /// Computes the distances of the pixels of `rect` from the edge of `silhouette`, in the memory of the last
     /// distances.
     pub fn refill(&mut self, silhouette: &Silhouette, rect: &Rect) {

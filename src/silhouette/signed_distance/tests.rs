@@ -197,3 +197,32 @@ fn an_empty_rectangle_has_no_distances() {
     assert!(distance.values().is_empty() && distance.rect().is_empty());
     assert_eq!((distance.at(4, 4), distance.sample(4.0, 4.0)), (f32::INFINITY, f64::INFINITY));
 }
+
+#[test]
+fn distances_near_the_edge_are_the_same_up_to_the_longest() {
+    let masks = [
+        scattered(65, 31, 1, 5),
+        scattered(33, 17, 50, 6),
+        scattered(90, 70, 99, 7),
+        drawn(120, 100, disc(44.0)),
+    ];
+    let empty = drawn(20, 20, |_, _| false);
+    for mask in masks.into_iter().chain([empty]) {
+        let (width, height) = (mask.width() as i32, mask.height() as i32);
+        for border in [Border::Background, Border::Unknown] {
+            let s = Silhouette::new(&mask, border);
+            for rect in rectangles(width, height) {
+                let (all, near) = (s.signed_distance(&rect), s.signed_distance_near_edge(&rect));
+                let most = SignedDistance::NEAR;
+                for (i, j) in pixels(&rect) {
+                    let expected = all.at(i, j).clamp(-most, most);
+                    assert_eq!(
+                        near.at(i, j),
+                        expected,
+                        "{width} x {height}, {border:?}, {rect:?}, pixel ({i}, {j})"
+                    );
+                }
+            }
+        }
+    }
+}

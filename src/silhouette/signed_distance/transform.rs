@@ -16,10 +16,10 @@ use std::ops::Range;
 const NONE: i32 = 1 << 30;
 
 /// A background pixel.
-const BACKGROUND: u8 = 0;
+pub(super) const BACKGROUND: u8 = 0;
 
 /// A subject pixel of the image.
-const SUBJECT: u8 = 1;
+pub(super) const SUBJECT: u8 = 1;
 
 /// A pixel beyond an unknown border: it counts as subject, but no distance is measured to it.
 const BEYOND: u8 = 2;
@@ -33,7 +33,7 @@ pub(super) struct Kinds<'a> {
 impl Kinds<'_> {
     /// Writes the kinds of row `j` of the rectangle.
     #[inline(always)]
-    fn fill_row(&self, j: i32, row: &mut [u8]) {
+    pub(super) fn fill_row(&self, j: i32, row: &mut [u8]) {
         let (silhouette, image) = (self.silhouette, self.silhouette.image());
         let columns = |x0: i32, x1: i32| {
             let column = |x: i32| (x.clamp(self.domain.x0, self.domain.x1) - self.domain.x0) as usize;

@@ -14,12 +14,14 @@
 
 use crate::camera::Camera;
 use crate::hull::{Hull, HullData};
+use crate::lock::lock;
 use crate::segment::Segmenter;
 use crate::silhouette::{MaskView, PackedMask};
 use crate::source::{Frame, ImageSet};
 use crate::{Error, Result};
 use std::fmt;
-use std::sync::Arc;
+use std::num::NonZero;
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// Segments the images of several cameras and publishes the hull of their masks.
 ///
@@ -89,8 +91,8 @@ impl Pipeline {
         &self.data
     }
 
-    /// Segments `images` and publishes the hull of the masks at the images' time. Each camera is processed on a thread
-    /// of its own; the result does not depend on their order of completion.
+    /// Segments `images` and publishes the hull of the masks at the images' time. Cameras are processed side by side,
+    /// on as many threads as there are processors; the result does not depend on their order of completion.
     ///
     /// A camera without an image keeps its last mask, as in [`HullData`].
     ///
@@ -119,7 +121,7 @@ impl Pipeline {
     }
 }
 
-/// One segmenter per camera, each run on a thread of its own: colour images in, masks out.
+/// One segmenter per camera, run side by side: colour images in, masks out.
 pub struct Segmenters {
     cameras: Vec<CameraSegmenter>,
 }
@@ -156,8 +158,8 @@ impl Segmenters {
         Ok(Self { cameras: cameras.into_iter().zip(segmenters).map(pair).collect() })
     }
 
-    /// The masks of `images`, in the order of the cameras; `None` for a camera without an image. Each camera is
-    /// processed on a thread of its own.
+    /// The masks of `images`, in the order of the cameras; `None` for a camera without an image. Cameras are
+    /// processed side by side, on as many threads as there are processors.
     ///
     /// # Errors
     /// A set of another number of cameras; an image or a mask of another size than its camera's; an error of a
@@ -226,7 +228,7 @@ impl CameraSegmenter {
 }
 
 /// Publishes the hull of `masks`, one per view of `data` in their order, as the frame at `time` seconds, and returns
-/// it. Each mask is prepared on a thread of its own.
+/// it. Masks are prepared side by side, on as many threads as there are processors.
 ///
 /// # Errors
 /// Another number of masks than views; all errors of [`HullData::set_mask`] and [`HullData::update`]. The last frame
@@ -245,20 +247,34 @@ where
     data.update(time)
 }
 
-/// Calls `work` for each item on a thread of its own and returns the results, or the first item's error, in the items'
-/// order.
+/// Calls `work` for each item, on as many threads as there are processors, and returns the results, or the first item's error,
+/// in the items' order. The calling thread is one of them: what it keeps in its caches and in memory of its own is used again.
 fn side_by_side<T: Send, R: Send>(
     items: impl Iterator<Item = T>,
     work: impl Fn(T) -> Result<R> + Sync,
 ) -> Result<Vec<R>> {
-    std::thread::scope(|scope| {
-        let work = &work;
-        let threads: Vec<_> = items.map(|item| scope.spawn(move || work(item))).collect();
-        threads
-            .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
-    })
+    // Asking the system takes as long as a small mask.
+    static PROCESSORS: OnceLock<usize> = OnceLock::new();
+    let processors = *PROCESSORS.get_or_init(|| std::thread::available_parallelism().map_or(1, NonZero::get));
+    let items: Vec<T> = items.collect();
+    let threads = processors.min(items.len());
+
+    let items = Mutex::new(items.into_iter().enumerate());
+    let next = || lock(&items).next();
+    let run = || {
+        let each = std::iter::from_fn(next).map(|(place, item)| (place, work(item)));
+        each.collect::<Vec<_>>()
+    };
+    let mut results = std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(run)).collect();
+        let mut results = run();
+        for other in others {
+            results.extend(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        }
+        results
+    });
+    results.sort_by_key(|(place, _)| *place);
+    results.into_iter().map(|(_, result)| result).collect()
 }
 
 /// Adds the time of the frame in seconds to an error.

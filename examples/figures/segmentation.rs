@@ -14,6 +14,7 @@ use ode_visual_hull::synthetic::{Scene, Subject, add_noise, clean_plate, layout,
 use ode_visual_hull_testing::captures::{self, DINO, SEATED, carve, dino_cameras};
 use ode_visual_hull_testing::figure::{Bound, Figure};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Frames of the background that a plate is made of.
 const EMPTY_FRAMES: u32 = 24;
@@ -135,7 +136,7 @@ fn decoded(path: &Path, size: (u32, u32), frames: &[u32]) -> Vec<RgbImage> {
     let all = std::iter::from_fn(|| video.next_frame()).map(|frame| frame.expect("a whole video"));
     let wanted: Vec<_> = all.filter(|frame| frames.contains(&frame.number)).take(frames.len()).collect();
     assert_eq!(wanted.len(), frames.len(), "{}", path.display());
-    wanted.into_iter().map(|frame| frame.image).collect()
+    wanted.into_iter().map(|frame| Arc::unwrap_or_clone(frame.image)).collect()
 }
 
 /// A person who balances in a crowded laboratory. The only photograph of the background shows another person, so that

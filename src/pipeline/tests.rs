@@ -158,7 +158,7 @@ fn a_failed_segmenter_keeps_the_last_frame_and_the_error_names_camera_and_time()
     let good = pipeline.publish(images(&cameras, 0)).unwrap();
 
     let mut bad = images(&cameras, 3);
-    bad.images[2].as_mut().unwrap().image = grey();
+    bad.images[2].as_mut().unwrap().image = grey().into();
     let error = pipeline.publish(bad).unwrap_err().to_string();
     assert_eq!(error, format!("view \"{}\": image 3 of 0.100 s: found grey", cameras[2].name()));
     let (published, latest) = pipeline.data().latest().unwrap();
@@ -187,7 +187,7 @@ fn a_mask_without_background_leaves_all_views_unchanged() {
     let good = pipeline.publish(images(&cameras, 0)).unwrap();
 
     let mut bad = images(&cameras, 1);
-    bad.images[3].as_mut().unwrap().image = grey();
+    bad.images[3].as_mut().unwrap().image = grey().into();
     let error = pipeline.publish(bad).unwrap_err().to_string();
     assert!(error.contains(cameras[3].name()) && error.contains("all subject"), "{error}");
     assert_eq!(masks_of(&pipeline.data().update(0.1).unwrap()), to_masks(&good.masks));
@@ -208,7 +208,7 @@ fn the_result_does_not_depend_on_which_camera_finishes_first() {
         // If two cameras fail, the first camera's error is returned, in whichever order they finish.
         let mut bad = images.clone();
         for view in [1, 2] {
-            bad.images[view].as_mut().unwrap().image = grey();
+            bad.images[view].as_mut().unwrap().image = grey().into();
         }
         let error = pipeline.publish(bad).unwrap_err().to_string();
         assert!(error.contains(cameras[1].name()), "{error}");
@@ -281,7 +281,7 @@ fn images_of_other_cameras_are_refused() {
     assert!(error.contains("0.100 s") && error.contains("4 cameras, found 3"), "{error}");
 
     let mut of_other_size = images(&cameras, 3);
-    of_other_size.images[2].as_mut().unwrap().image = RgbImage::new(8, 6);
+    of_other_size.images[2].as_mut().unwrap().image = RgbImage::new(8, 6).into();
     let error = segmenters.segment(&of_other_size).unwrap_err().to_string();
     let parts = [cameras[2].name(), "image 3 of 0.100 s", "160 x 120", "8 x 6"];
     assert!(parts.iter().all(|part| error.contains(part)), "{error}");

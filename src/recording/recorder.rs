@@ -104,7 +104,7 @@ struct Shared {
 struct Shot {
     time: f64,
     times: Vec<f64>,
-    images: Vec<RgbImage>,
+    images: Vec<Arc<RgbImage>>,
     masks: Vec<PackedMask>,
 }
 

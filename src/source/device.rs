@@ -151,7 +151,7 @@ impl Source for Device {
         self.ffmpeg.as_ref()?;
         let frame = self.picture().and_then(|(image, time)| {
             self.check_size(&image)?;
-            Ok(Frame { number: self.next, time, image })
+            Ok(Frame { number: self.next, time, image: image.into() })
         });
         match frame {
             Ok(_) => self.next = self.next.wrapping_add(1),

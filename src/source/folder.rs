@@ -44,7 +44,7 @@ impl ImageFolder {
         let image = image_file::read(path)?.into_rgb8();
         self.options.check_size(path, "", image.dimensions())?;
         let time = self.times.of(number).map_err(|problem| Error::file(path, problem))?;
-        Ok(Frame { number, time, image })
+        Ok(Frame { number, time, image: image.into() })
     }
 }
 
@@ -82,7 +82,7 @@ mod tests {
         for number in [9_u32, 10, 100] {
             let frame = source.next_frame().unwrap().unwrap();
             assert_eq!((frame.number, frame.time), (number, f64::from(number) / 10.0));
-            assert_eq!(frame.image, grey_image(number as u8, (8, 6)));
+            assert_eq!(*frame.image, grey_image(number as u8, (8, 6)));
         }
         assert!(source.next_frame().is_none());
     }

@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 /// Images in memory as the images of a camera, for cameras that are rendered. Numbers and times count from 0.
 ///
-/// Clones share the images; each is copied once, when it is handed out.
+/// Clones share the images, and so do those who use them.
 #[derive(Debug, Clone)]
 pub struct Images {
-    images: Arc<[RgbImage]>,
+    images: Arc<[Arc<RgbImage>]>,
     rate: f64,
     next: u32,
 }
@@ -20,8 +20,8 @@ impl Images {
     ///
     /// # Errors
     /// A rate that is not positive; no image, or more than [`u32`] counts.
-    pub fn new(images: impl Into<Arc<[RgbImage]>>, rate: f64) -> Result<Self> {
-        let images = images.into();
+    pub fn new(images: impl IntoIterator<Item = RgbImage>, rate: f64) -> Result<Self> {
+        let images: Arc<[_]> = images.into_iter().map(Arc::new).collect();
         Times::Rate(rate).check()?;
         if images.is_empty() || u32::try_from(images.len()).is_err() {
             return Err(Error::argument(format!(
@@ -63,7 +63,7 @@ mod tests {
         let copy = source.clone();
         for (number, value) in [(0, 3), (1, 5)] {
             let time = f64::from(number) / 4.0;
-            let expected = Frame { number, time, image: grey(value) };
+            let expected = Frame { number, time, image: grey(value).into() };
             assert_eq!(source.next_frame(), Some(Ok(expected)));
         }
         assert_eq!((source.next_frame(), source.frames_left()), (None, Some(0)));

@@ -60,6 +60,7 @@ pub use video::Video;
 use crate::{Error, Result};
 use image::RgbImage;
 use std::path::Path;
+use std::sync::Arc;
 
 /// An image of one camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,8 +69,8 @@ pub struct Frame {
     pub number: u32,
     /// The time of exposure, in seconds.
     pub time: f64,
-    /// The pixels.
-    pub image: RgbImage,
+    /// The pixels, shared by all who use them.
+    pub image: Arc<RgbImage>,
 }
 
 /// Images of one camera, in the order in which they were taken.

@@ -4,6 +4,7 @@ use super::queue::Taken;
 use super::{Frame, ReadAhead};
 use crate::{Error, Result};
 use image::RgbImage;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The images of all cameras at one time.
@@ -21,7 +22,7 @@ impl ImageSet {
     /// A set of images taken at the same `time` in seconds: one per camera, in the cameras' order, all with the number
     /// `number`.
     pub fn simultaneous(number: u32, time: f64, images: impl IntoIterator<Item = RgbImage>) -> Self {
-        let frame = |image| Some(Frame { number, time, image });
+        let frame = |image| Some(Frame { number, time, image: Arc::new(image) });
         Self { images: images.into_iter().map(frame).collect(), time, time_spread: 0.0 }
     }
 

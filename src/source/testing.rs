@@ -36,7 +36,7 @@ pub fn grey_image(value: u8, (width, height): (u32, u32)) -> RgbImage {
 }
 
 pub fn frame(number: u32, time: f64) -> Frame {
-    Frame { number, time, image: grey_image(number as u8, (2, 1)) }
+    Frame { number, time, image: grey_image(number as u8, (2, 1)).into() }
 }
 
 #[track_caller]

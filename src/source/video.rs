@@ -138,7 +138,7 @@ impl Video {
         self.next += 1;
         self.options.check_size(&self.path, &format!("frame {number}: "), image.dimensions())?;
         let time = self.times.of(number).map_err(|problem| Error::file(&self.path, problem))?;
-        Ok(Frame { number, time, image })
+        Ok(Frame { number, time, image: image.into() })
     }
 }
 

@@ -63,7 +63,7 @@ impl BackgroundImages {
         if let Some(images) = &mut self.images {
             let nearest = images.nearest(time)?;
             if (nearest.time - time).abs() <= self.within {
-                return Ok(nearest.image.clone());
+                return Ok((*nearest.image).clone());
             }
         }
         Ok(DynamicImage::from(recording.masks(frame)?.swap_remove(self.camera)).into_rgb8())

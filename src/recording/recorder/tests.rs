@@ -36,7 +36,7 @@ fn frame(number: u32) -> (ImageSet, Vec<Option<PackedMask>>) {
     let images = SIZES
         .iter()
         .zip(times(number))
-        .map(|(&size, time)| Some(Frame { number: number + 100, time, image: image(number, size) }));
+        .map(|(&size, time)| Some(Frame { number: number + 100, time, image: image(number, size).into() }));
     let set = ImageSet { images: images.collect(), time: times(number)[0], time_spread: 0.001 };
     (set, SIZES.iter().map(|&size| Some(PackedMask::new(&mask(number, size)))).collect())
 }

@@ -38,7 +38,7 @@ impl Writer {
     /// # Errors
     /// An image or a mask of another size than its camera; a file that cannot be written.
     pub(super) fn write(&mut self, shot: &Shot) -> Result<()> {
-        self.recording.check_sizes("images", shot.images.iter().map(image::RgbImage::dimensions))?;
+        self.recording.check_sizes("images", shot.images.iter().map(|image| image.dimensions()))?;
 
         // An image without a time would make the recording unreadable, a time without an image does not.
         self.times.add(self.frames, shot.time, &shot.times)?;

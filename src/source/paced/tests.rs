@@ -83,7 +83,7 @@ fn no_image_comes_before_its_time() {
     for _ in 0..5 {
         let frame = paced.next_frame().unwrap().unwrap();
         assert!(clock.now() >= frame.time);
-        assert_eq!(frame.image, grey_image(1 + (frame.number % 2) as u8, (2, 1)));
+        assert_eq!(*frame.image, grey_image(1 + (frame.number % 2) as u8, (2, 1)));
     }
 }
 

@@ -117,7 +117,7 @@ fn an_error_of_the_source_is_a_loss_and_no_error() {
 
 #[test]
 fn images_of_another_size_or_without_a_later_time_are_left_out_and_told() {
-    let wide = Frame { image: grey_image(0, (3, 1)), ..frame(1, 1.0) };
+    let wide = Frame { image: grey_image(0, (3, 1)).into(), ..frame(1, 1.0) };
     let images = [frame(0, 0.0), wide, frame(2, 2.0), frame(3, 2.0), frame(4, f64::NAN), frame(5, 3.0)];
     let options = ReconnectOptions { size: Some((2, 1)), ..soon() };
     let mut source = Reconnecting::new(options, opens([Fed::with(images.map(Ok))])).unwrap();

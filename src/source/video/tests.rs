@@ -37,7 +37,7 @@ fn every_image_of_a_video_comes_once_in_order_with_its_time() {
     for (number, frame) in (0..).zip(&frames) {
         assert_eq!((frame.number, frame.time), (number, f64::from(number) / 25.0));
         // The codec is lossless, and the conversion from grey to colour is exact.
-        assert_eq!(frame.image, grey_image(10 + 2 * number as u8, (32, 24)), "{number}");
+        assert_eq!(*frame.image, grey_image(10 + 2 * number as u8, (32, 24)), "{number}");
     }
 }
 
@@ -54,7 +54,7 @@ fn a_video_may_be_read_from_the_middle() {
         frames.iter().map(|frame| (frame.number, frame.time)).collect::<Vec<_>>(),
         [(7, 1.0), (8, 1.5), (9, 2.5)]
     );
-    assert_eq!(frames[0].image, grey_image(24, (16, 8)));
+    assert_eq!(*frames[0].image, grey_image(24, (16, 8)));
     let beyond = ReadOptions { first: 10, ..options };
     assert_says(Video::open(&path, beyond), &["clip.mkv", "frame 10", "found none"]);
 }

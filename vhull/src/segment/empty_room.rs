@@ -6,6 +6,7 @@ use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::source::{ReadOptions, Source, Video};
 use ode_visual_hull::{Error, Result};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Number of images, evenly spread, taken of a longer clip: enough for the mean and the noise of each pixel.
 const IMAGES: u32 = 24;
@@ -132,7 +133,7 @@ fn evenly_spaced(source: &mut dyn Source, count: u32) -> Result<Vec<RgbImage>> {
     let mut images = Vec::new();
     for index in 0..count.min(step * IMAGES) {
         match source.next_frame() {
-            Some(frame) if index % step == 0 => images.push(frame?.image),
+            Some(frame) if index % step == 0 => images.push(Arc::unwrap_or_clone(frame?.image)),
             Some(frame) => drop(frame?),
             None => break,
         }

@@ -61,8 +61,8 @@ impl LiveCameras {
         let cameras = layout::staggered(count, 3.2, &[1.1, 2.4, 0.6], target, size, 0.75)?;
         let rendered = Rendered::new(&cameras, subjects)?;
         let round = Round::at_rate(subjects.len() as u32, rate)?;
-        let source = |images| -> Result<Box<dyn Source>> {
-            let images = Images::new(Arc::<[RgbImage]>::from(images), rate)?;
+        let source = |images: Vec<RgbImage>| -> Result<Box<dyn Source>> {
+            let images = Images::new(images, rate)?;
             let open = move || Ok(Box::new(images.clone()) as _);
             Ok(Box::new(Paced::looped(clock, round.clone(), clock.now(), open)?))
         };

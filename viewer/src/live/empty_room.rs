@@ -32,7 +32,7 @@ impl EmptyRoom {
         let images = self.images.as_mut()?;
         images.resize_with(set.images.len(), Vec::new);
         for (own, frame) in images.iter_mut().zip(&set.images) {
-            own.extend(frame.as_ref().filter(|_| own.len() < IMAGES).map(|frame| frame.image.clone()));
+            own.extend(frame.as_ref().filter(|_| own.len() < IMAGES).map(|frame| (*frame.image).clone()));
         }
         images.iter().all(|own| own.len() == IMAGES).then(|| self.images.take())?
     }

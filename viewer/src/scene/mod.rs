@@ -15,6 +15,7 @@ use ode_visual_hull::silhouette::Undistortion;
 use ode_visual_hull::{Error, Result};
 use ode_visual_hull_film::Drawn;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// The real cameras of a capture, and the undistortion of their lenses.
 #[derive(Debug)]
@@ -80,7 +81,7 @@ impl RealCameras {
     /// # Errors
     /// Fewer or more images than cameras, none at all, or one of another size than its camera; a hull of other cameras,
     /// one without views that are enabled, or an empty one.
-    pub fn scene(&self, hull: &Hull, images: Vec<Option<RgbImage>>) -> Result<Scene> {
+    pub fn scene(&self, hull: &Hull, images: Vec<Option<impl Into<Arc<RgbImage>>>>) -> Result<Scene> {
         if let Some(why) = hull.empty_reason() {
             return Err(Error::argument(format!(
                 "hull: expected a subject, found an empty hull ({why:?}); check the masks and the work volume"
@@ -101,10 +102,11 @@ impl RealCameras {
     ///
     /// # Errors
     /// As [`scene`](Self::scene), except those about an empty hull and images that are all missing.
-    pub fn any_scene(&self, hull: &Hull, images: Vec<Option<RgbImage>>) -> Result<Scene> {
-        self.check(hull, &images)?;
+    pub fn any_scene(&self, hull: &Hull, images: Vec<Option<impl Into<Arc<RgbImage>>>>) -> Result<Scene> {
+        let images: Vec<_> = images.into_iter().map(|image| image.map(Into::into)).collect();
+        self.check(hull, images.len())?;
         let enabled = images.into_par_iter().enumerate().filter(|(view, _)| hull.views()[*view].is_enabled());
-        let view = |(view, photo): (usize, Option<RgbImage>)| {
+        let view = |(view, photo): (usize, Option<Arc<RgbImage>>)| {
             SceneView::new(&hull.views()[view], photo, self.undistortions[view].as_ref(), hull.unseen())
         };
         let views: Vec<_> = enabled.map(view).collect::<Result<Vec<_>>>()?;
@@ -117,13 +119,13 @@ impl RealCameras {
         })
     }
 
-    fn check(&self, hull: &Hull, images: &[Option<RgbImage>]) -> Result<()> {
+    fn check(&self, hull: &Hull, image_count: usize) -> Result<()> {
         let count = self.cameras.len();
-        if hull.views().len() != count || images.len() != count {
+        if hull.views().len() != count || image_count != count {
             return Err(Error::argument(format!(
                 "scene: expected a hull and images of {count} cameras, found {} views and {} images",
                 hull.views().len(),
-                images.len()
+                image_count
             )));
         }
         for (view, camera) in self.cameras.iter().enumerate() {

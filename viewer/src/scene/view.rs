@@ -6,6 +6,7 @@ use ode_visual_hull::camera::Camera;
 use ode_visual_hull::hull::{Unseen, View};
 use ode_visual_hull::silhouette::{Rect, SignedDistance, Undistortion};
 use ode_visual_hull::{Error, Result};
+use std::sync::Arc;
 
 /// Pixels around the silhouette whose distances are known.
 const MARGIN: i32 = 2;
@@ -20,14 +21,14 @@ pub struct SceneView {
     /// Signed distances from the silhouette's edge around `rect`, or in the whole image if the view abstains outside it.
     distance: SignedDistance,
     /// The image as the pinhole sees it; `None` where it is missing.
-    photo: Option<RgbImage>,
+    photo: Option<Arc<RgbImage>>,
     uses_colour: bool,
 }
 
 impl SceneView {
     pub(super) fn new(
         view: &View,
-        photo: Option<RgbImage>,
+        photo: Option<Arc<RgbImage>>,
         undistortion: Option<&Undistortion>,
         unseen: Unseen,
     ) -> Result<Self> {
@@ -41,7 +42,7 @@ impl SceneView {
             camera: view.camera().clone(),
             projection: view.camera().projection_matrix(),
             rect: silhouette.rect(),
-            distance: silhouette.signed_distance(&known),
+            distance: silhouette.signed_distance_near_edge(&known),
             uses_colour: photo.is_some(),
             photo,
         })
@@ -74,12 +75,12 @@ impl SceneView {
 
     /// The image as the pinhole sees it; `None` where it is missing.
     pub fn photo(&self) -> Option<&RgbImage> {
-        self.photo.as_ref()
+        self.photo.as_deref()
     }
 
     /// The image, if the subject may get its colours from it.
     pub fn colours(&self) -> Option<&RgbImage> {
-        self.photo.as_ref().filter(|_| self.uses_colour)
+        self.photo().filter(|_| self.uses_colour)
     }
 
     /// Whether pixel `(i, j)` belongs to the silhouette.
@@ -93,7 +94,11 @@ impl SceneView {
 }
 
 /// `photo` as the pinhole of `view` sees it.
-fn undistorted(view: &View, photo: RgbImage, undistortion: Option<&Undistortion>) -> Result<RgbImage> {
+fn undistorted(
+    view: &View,
+    photo: Arc<RgbImage>,
+    undistortion: Option<&Undistortion>,
+) -> Result<Arc<RgbImage>> {
     let (width, height) = view.camera().size();
     let Some(undistortion) = undistortion else {
         if photo.dimensions() == (width, height) {
@@ -111,5 +116,5 @@ fn undistorted(view: &View, photo: RgbImage, undistortion: Option<&Undistortion>
     };
     let mut pinhole_image = RgbImage::default();
     undistortion.apply_to_image(&photo, &Rect::of_image(width, height), &mut pinhole_image)?;
-    Ok(pinhole_image)
+    Ok(pinhole_image.into())
 }

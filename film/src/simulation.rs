@@ -144,6 +144,17 @@ impl Simulation {
         }
     }
 
+    /// Warps the silhouettes for the next step, in the time until that step is due: it is the longest part of a step with a hull
+    /// that moves. The step finds them, unless the masks around its time have changed meanwhile.
+    pub fn prepare_step(&self) {
+        let hull = self.world.hull(self.hull);
+        let (data, motion) = (hull.data(), hull.motion());
+        if motion != Motion::Held {
+            // What is wrong is told by the step.
+            let _ = data.in_motion(motion, self.time);
+        }
+    }
+
     /// Lets `seconds` pass without a step, for a simulation that is late.
     pub fn skip(&mut self, seconds: f64) {
         self.time += seconds;

@@ -15,11 +15,41 @@ pub(super) struct MovingMask {
     pub(super) time: f64,
     pub(super) border: Border,
     pub(super) silhouette: Arc<Silhouette>,
+    /// Whether the silhouette is warped already.
+    pub(super) is_warped: bool,
+}
+
+/// The silhouette that was warped last in a view: it is likely to be asked for again at its time.
+#[derive(Debug)]
+pub(super) struct LastWarped {
+    motion: Arc<MaskMotion>,
+    s: f64,
+    silhouette: Arc<Silhouette>,
+}
+
+/// Silhouettes whose times differ by less than this, in times between the two masks, are equal: edges move by less than a
+/// hundredth of a pixel.
+const SAME_TIME: f64 = 1e-4;
+
+impl LastWarped {
+    /// The silhouette, if it is that of `motion` at `s`.
+    pub(super) fn at(&self, motion: &Arc<MaskMotion>, s: f64) -> Option<Arc<Silhouette>> {
+        let is_same = Arc::ptr_eq(&self.motion, motion) && (self.s - s).abs() < SAME_TIME;
+        is_same.then(|| self.silhouette.clone())
+    }
+
+    /// The silhouette, whatever it shows.
+    pub(super) fn into_silhouette(self) -> Arc<Silhouette> {
+        self.silhouette
+    }
 }
 
 impl MovingMask {
-    /// Warps the silhouette.
+    /// Warps the silhouette, unless it is warped already.
     pub(super) fn warp(&mut self) {
+        if std::mem::replace(&mut self.is_warped, true) {
+            return;
+        }
         if Arc::get_mut(&mut self.silhouette).is_none() {
             self.silhouette = Arc::new(Silhouette::blank(self.border));
         }
@@ -34,6 +64,11 @@ impl MovingMask {
             }
             silhouette.refill_packed(mask, self.border);
         });
+    }
+
+    /// The warped silhouette, to be kept.
+    pub(super) fn to_last_warped(&self) -> LastWarped {
+        LastWarped { motion: self.motion.clone(), s: self.s, silhouette: self.silhouette.clone() }
     }
 }
 

@@ -1,7 +1,7 @@
 //! One view of a [`HullData`](crate::hull::HullData): its camera, its latest silhouettes, and recycled memory.
 
 use super::mask_filter::MaskFilter;
-use super::moving_mask::{MovingMask, distances_of, motion_between};
+use super::moving_mask::{LastWarped, MovingMask, distances_of, motion_between};
 use super::preparation::{Preparation, ViewCalibration, unseen_value};
 use crate::camera::Camera;
 use crate::hull::{Aabb, View};
@@ -36,6 +36,7 @@ pub(super) struct ViewState {
     scratch: MaskScratch,
     /// Motions of past masks, whose memory is reused once no frame holds them.
     retired_motions: Vec<Arc<MaskMotion>>,
+    last_warped: Option<LastWarped>,
 }
 impl ViewState {
     /// # Errors
@@ -50,6 +51,7 @@ impl ViewState {
             recycled_tables: Vec::new(),
             scratch: MaskScratch::default(),
             retired_motions: Vec::new(),
+            last_warped: None,
         })
     }
 
@@ -219,14 +221,16 @@ impl ViewState {
             later.motion = Some(motion_between(first, second, Arc::default()));
         }
         let motion = later.motion.clone()?;
+        let warped = self.last_warped.as_ref().and_then(|last| last.at(&motion, s));
         Some(MovingMask {
             calibration: self.calibration.clone(),
+            is_warped: warped.is_some(),
+            silhouette: warped.unwrap_or_else(|| self.take_silhouette()),
             motion,
             chain: if is_moving { self.masks.chain(later_index) } else { None },
             s,
             time: from + s * period,
             border,
-            silhouette: self.take_silhouette(),
         })
     }
 
@@ -241,6 +245,10 @@ impl ViewState {
         time: f64,
         oldest: f64,
     ) -> Result<View> {
+        if let Some(replaced) = mask.as_ref().and_then(|mask| self.last_warped.replace(mask.to_last_warped()))
+        {
+            self.recycle(replaced.into_silhouette());
+        }
         match mask {
             Some(MovingMask { silhouette, chain, s, time, .. }) => Ok(self
                 .view(Some((silhouette, time)), bounds, oldest)?

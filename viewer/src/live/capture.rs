@@ -38,6 +38,8 @@ pub struct CaptureState {
     pub is_learning_asked: AtomicBool,
     /// Whether the empty room is known.
     pub is_room_known: AtomicBool,
+    /// Ends the simulation's wait for its next step: there is a new hull, or a state is asked for while time stands still.
+    pub wakes_simulation: AtomicBool,
     /// The recording of what is captured, if there is one.
     pub recording: Option<LiveRecording>,
 }
@@ -115,6 +117,9 @@ impl Capture {
 
         let incomplete = u64::from(!set.is_complete());
         let captured = self.captured(set)?;
+        if !self.clock.is_paused() {
+            self.clock.stop(&self.state.wakes_simulation);
+        }
         let tally = &self.state.tally;
         tally.published.fetch_add(1, Ordering::Relaxed);
         tally.incomplete.fetch_add(incomplete, Ordering::Relaxed);

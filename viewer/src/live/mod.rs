@@ -154,7 +154,7 @@ impl Live {
     pub fn request(&self, request: Request) {
         let were_asked = self.world.are_samples_asked.swap(request.marks.samples, Ordering::Relaxed);
         if were_asked != request.marks.samples {
-            self.clock.stop(&self.world.is_woken);
+            self.clock.stop(&self.capture.wakes_simulation);
         }
         self.drawing.request.put(request);
     }

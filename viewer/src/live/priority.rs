@@ -13,12 +13,13 @@ impl Work {
     /// Lets the calling thread, and threads that it starts, work with this priority, where the system has priorities for
     /// threads. Without them everything works, less evenly.
     pub fn set_priority(self) {
-        // Nice values: a thread with 10 gets a tenth of a processor that one with 0 wants too.
+        // Nice values: a thread with 15 gets a thirtieth of a processor that one with 0 wants too. A thread that gets more of it
+        // keeps the simulation waiting for whole time slices, which are half of a step.
         #[cfg(target_os = "linux")]
         {
             let nice = match self {
-                Self::Capture => 4,
-                Self::Drawing => 10,
+                Self::Capture => 15,
+                Self::Drawing => 19,
             };
             // Linux has a priority for each thread, under the number of the thread.
             let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), nice);

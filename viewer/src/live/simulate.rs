@@ -75,8 +75,6 @@ pub struct WorldShared {
     pub latest: Latest<WorldState>,
     /// Whether sample points are asked for.
     pub are_samples_asked: AtomicBool,
-    /// Set where the thread has to publish although time stands still.
-    pub is_woken: AtomicBool,
     /// Whether the mouse holds a body.
     pub is_body_held: AtomicBool,
     /// From the time of an image to the end of the first collide with its hull, where a body touches that.
@@ -126,9 +124,14 @@ impl Simulating {
         let mut steps = Steps::new(STEP_RATE, self.clock.now());
         let mut last_used = 0.0;
         while !self.clock.is_closed() {
-            if !self.clock.wait_until(steps.due(), &self.shared.is_woken) {
-                self.shared.is_woken.store(false, Ordering::Relaxed);
-                self.publish(&world.simulation, steps.tally());
+            let is_woken = &self.captures.wakes_simulation;
+            if !self.clock.wait_until(steps.due(), is_woken) {
+                is_woken.store(false, Ordering::Relaxed);
+                if self.clock.is_paused() {
+                    self.publish(&world.simulation, steps.tally());
+                } else {
+                    world.simulation.prepare_step();
+                }
                 continue;
             }
             world.simulation.skip(steps.drop_if_behind(self.clock.now()));
@@ -141,6 +144,9 @@ impl Simulating {
             self.publish(&world.simulation, steps.tally());
             if let Some(recording) = &self.captures.recording {
                 recording.write_states(world.simulation.time(), || self.states(&world));
+            }
+            if self.clock.now() < steps.due() {
+                world.simulation.prepare_step();
             }
         }
         Ok(())

@@ -9,7 +9,8 @@ use std::sync::Arc;
 impl HullData {
     /// The hull at `time` seconds of the simulation's clock, which is that of the frames: see [`Motion`].
     ///
-    /// A silhouette is warped for this time alone: equal times need not be asked for twice. Views are late as at the
+    /// A silhouette is warped for this time alone, and kept until another time is asked for: a simulation that waits for its
+    /// next step may ask for the time of that step before. Views are late as at the
     /// time that the hull shows, but no later than in the latest frame.
     ///
     /// # Errors

@@ -274,3 +274,25 @@ fn disc(x: f64, y: f64, radius: f64) -> GrayImage {
         Luma([(127.5 + 255.0 * inwards).clamp(0.0, 255.0) as u8])
     })
 }
+
+#[test]
+fn silhouettes_that_were_warped_ahead_are_found_again_after_the_next_frame() {
+    let (ahead, fresh, points) = (data(), data(), points());
+    let at = |data: &HullData, frames: f64| data.in_motion(Motion::Interpolated, frames * PERIOD).unwrap();
+    // The last view has a new mask in every third frame only, and so other masks around a time.
+    let warped = |hull: &Hull| -> Vec<_> {
+        hull.views().iter().rev().skip(1).map(|view| std::ptr::from_ref(view.silhouette())).collect()
+    };
+    (0..3).for_each(|frame| [&ahead, &fresh].into_iter().for_each(|data| drop(publish(data, frame))));
+    let before = at(&ahead, 2.4);
+    [&ahead, &fresh].into_iter().for_each(|data| drop(publish(data, 3)));
+    let after = at(&ahead, 2.4);
+    assert_eq!(warped(&before), warped(&after));
+    assert_eq!(query(&after, &points), query(&at(&fresh, 2.4), &points));
+
+    // At another time they are others, and those of the first time stay as they are.
+    let (kept, other) = (query(&after, &points), at(&ahead, 2.6));
+    assert!(warped(&other).iter().zip(warped(&after)).all(|(one, other)| *one != other));
+    assert_eq!(query(&other, &points), query(&at(&fresh, 2.6), &points));
+    assert_eq!(query(&after, &points), kept);
+}

@@ -1,7 +1,7 @@
 //! How far the hull is from each real camera, at a quarter of the resolution: whether a camera sees a point of it.
 
 use super::eye::Eye;
-use super::march::{Lines, March, Ray};
+use super::march::{LANES, March, Packets, Ray};
 use crate::scene::SceneView;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -34,21 +34,22 @@ impl DepthMap {
         let mut depths = vec![f32::INFINITY; columns as usize * rows as usize];
         let eye = Eye::new(view.camera());
 
-        let row = |(y, depths): (usize, &mut [f32])| {
-            let mut lines = Lines::default();
+        let row = |packets: &mut Packets, (y, depths): (usize, &mut [f32])| {
             let v = centre(first[1] + y as i32);
-            for (x, depth) in depths.iter_mut().enumerate() {
-                let u = centre(first[0] + x as i32);
-                if march.views()[index].distance(u, v) > CELL as f32 {
-                    continue;
-                }
-                let ray = eye.ray(u, v);
-                if let Some(entry) = march.entry(&ray, 0.0..f32::MAX, &mut lines) {
-                    *depth = depth_of(&eye, &ray, entry.t);
+            for (x, depths) in (0..).step_by(LANES).zip(depths.chunks_mut(LANES)) {
+                let u: [f32; LANES] = std::array::from_fn(|k| centre(first[0] + x + k as i32));
+                let rays = u.map(|u| eye.ray(u, v));
+                let is_asked =
+                    |k: usize| k < depths.len() && march.views()[index].distance(u[k], v) <= CELL as f32;
+                let range = |k: usize| if is_asked(k) { 0.0..f32::MAX } else { f32::INFINITY..0.0 };
+                let entries = march.entries(&rays, &std::array::from_fn(range), packets);
+                for ((depth, ray), entry) in depths.iter_mut().zip(&rays).zip(entries) {
+                    *depth = entry.map_or(f32::INFINITY, |entry| depth_of(&eye, ray, entry.t));
                 }
             }
         };
-        depths.par_chunks_mut(columns.max(1) as usize).enumerate().for_each(row);
+        let rows_of_cells = depths.par_chunks_mut(columns.max(1) as usize).enumerate();
+        rows_of_cells.for_each_init(Packets::default, row);
         Self { first, columns, rows, depths }
     }
 

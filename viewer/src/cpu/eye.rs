@@ -66,11 +66,6 @@ impl Eye {
         self.radians_per_pixel
     }
 
-    /// The metres that a pixel covers at distance `t`.
-    pub fn footprint(&self, t: f32) -> f32 {
-        t * self.radians_per_pixel
-    }
-
     /// The index of the view of `scene` from whose place the picture is drawn, if there is one.
     pub fn real_view(&self, scene: &Scene) -> Option<usize> {
         let origin: Point3<f64> = self.origin.cast();

@@ -8,10 +8,12 @@
 //! All in single precision, as on a GPU.
 
 mod line;
+mod packet;
 mod ray;
 mod view;
 
 pub use line::{Line, Lines};
+pub use packet::{LANES, Packets, whole};
 pub use ray::Ray;
 pub use view::MarchView;
 
@@ -84,11 +86,17 @@ impl<'s> March<'s> {
         &self.views
     }
 
-    /// Where `ray` enters the hull within the `range` of distances along it.
+    /// Where `ray` enters the hull within the `range` of distances along it: the reference for [`entries`](Self::entries).
+    #[cfg(test)]
     pub fn entry(&self, ray: &Ray, range: Range<f32>, lines: &mut Lines) -> Option<Entry> {
-        let (before, Entry { t, view }) = self.first_inside(ray, range, 0.0, lines)?;
+        let (before, entry) = self.first_inside(ray, range, 0.0, lines)?;
+        Some(self.entry_between(ray, before, entry))
+    }
 
+    /// Where `ray` enters the hull, which is behind distance `before` and not behind the place `after`.
+    fn entry_between(&self, ray: &Ray, before: f32, after: Entry) -> Entry {
         // The distance from the silhouette that ends the hull there is nearly linear over the last leap.
+        let Entry { t, view } = after;
         let line = self.views[view].line(ray);
         let distance = |t: f32| {
             let h = line.at(t);
@@ -96,7 +104,7 @@ impl<'s> March<'s> {
         };
         let (outside, inside) = (distance(before), distance(t));
         let part = if outside > inside { (outside / (outside - inside)).clamp(0.0, 1.0) } else { 1.0 };
-        Some(Entry { t: before + part * (t - before), view })
+        Entry { t: before + part * (t - before), view }
     }
 
     /// A distance along `ray` before which no ray enters the hull that starts with it and is at most `spread` radians off.

@@ -24,10 +24,10 @@ pub(crate) use depth_map::{CELL, VISIBILITY_BIAS};
 
 use blend::Blend;
 use eye::Eye;
-use march::{Lines, March};
+use march::{Lines, March, Packets};
 use ode_visual_hull::camera::Camera;
 use pixel::{PixelPainter, TILE};
-use raster::Triangles;
+use raster::{Fragment, Triangles};
 use rayon::prelude::*;
 use shadow::{GroundLight, LightView, Shadow};
 use std::sync::OnceLock;
@@ -50,6 +50,14 @@ struct Shadows {
     /// What reaches the ground past the bodies, and past both.
     past_bodies: GroundLight,
     past_both: GroundLight,
+}
+
+/// Memory for the bands of a thread.
+#[derive(Debug, Default)]
+struct Scratch {
+    fragments: Vec<Fragment>,
+    lines: Lines,
+    packets: Packets,
 }
 
 impl<'s> CpuRenderer<'s> {
@@ -95,17 +103,26 @@ impl<'s> CpuRenderer<'s> {
         let bands = colour.par_chunks_mut(3 * band).zip(content.par_chunks_mut(band));
         let bands = bands.zip(depth.par_chunks_mut(band)).enumerate();
         // Bodies are drawn band by band too: the fragments of a whole picture are larger than the picture.
-        bands.for_each_init(Vec::new, |fragments, (j, ((colour, content), depth))| {
-            let rows = j * TILE..j * TILE + content.len() / w;
-            bodies.draw(w, &rows, fragments);
-            let mut lines = Lines::default();
-            let starts = painter.tile_starts(j, w, &mut lines);
-            let pixels = colour.chunks_exact_mut(3).zip(content).zip(depth).zip(&*fragments);
-            for (index, (((colour, content), depth), fragment)) in pixels.enumerate() {
-                let (x, y) = (index % w, j * TILE + index / w);
-                let seen = painter.paint((x, y), fragment, starts[x / TILE], &mut lines);
-                colour.copy_from_slice(&to_rgb(seen.colour));
-                (*content, *depth) = (seen.content, seen.depth);
+        bands.for_each_init(Scratch::default, |scratch, (j, ((colour, content), depth))| {
+            let Scratch { fragments, lines, packets } = scratch;
+            let first = j * TILE;
+            bodies.draw(w, &(first..first + content.len() / w), fragments);
+            let starts = painter.tile_starts(j, w, lines);
+            let rows = colour
+                .chunks_exact_mut(3 * w)
+                .zip(content.chunks_exact_mut(w))
+                .zip(depth.chunks_exact_mut(w));
+            for ((y, ((colour, content), depth)), fragments) in
+                (first..).zip(rows).zip(fragments.chunks_exact(w))
+            {
+                let mut pixels = colour.chunks_exact_mut(3).zip(content).zip(depth);
+                for ((x, fragments), start) in (0..).step_by(TILE).zip(fragments.chunks(TILE)).zip(&starts) {
+                    let seen = painter.paint((x, y), fragments, *start, packets);
+                    for (seen, ((colour, content), depth)) in seen.zip(&mut pixels) {
+                        colour.copy_from_slice(&to_rgb(seen.colour));
+                        (*content, *depth) = (seen.content, seen.depth);
+                    }
+                }
             }
         });
         picture

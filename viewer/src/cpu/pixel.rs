@@ -2,19 +2,18 @@
 
 use super::CpuRenderer;
 use super::eye::Eye;
-use super::march::{Entry, Lines, Ray};
+use super::march::{Entry, LANES, Lines, Packets, Ray};
 use super::raster::Fragment;
-use super::shadow::DARKNESS;
-use super::surroundings::{floor_colour, floor_distance, photo_colour, sky_colour};
+use super::shadow::shaded;
+use super::surroundings::{Backdrop, backdrop, floor_distance, photo_colour};
 use crate::picture::{Colour, Content, DrawOptions, Method, Picture};
 use nalgebra::{Point3, Vector3};
-use std::ops::Range;
 
 /// The grey of the subject's shape, by the method hull.
 const GREY: f32 = 190.0;
 
 /// Pixels along the side of a tile, for which the subject is looked for together first.
-pub const TILE: usize = 8;
+pub const TILE: usize = LANES;
 
 /// Pixels from a tile's middle to its corner, and a tenth more.
 const TILE_REACH: f32 = 6.3;
@@ -66,33 +65,61 @@ impl<'r, 's> PixelPainter<'r, 's> {
         (0..width.div_ceil(TILE)).map(start).collect()
     }
 
-    /// The pixel in column `x` and row `y`, which shows `fragment` where no subject is in front of it.
-    ///
-    /// The subject is nowhere nearer than `start` metres; it is not there at all if that is `None`.
+    /// The pixels of one row of a tile, from column `x` on in row `y`, which show `fragments` where no subject is in front of
+    /// them. The subject is nowhere nearer than `start` metres; it is not there at all if that is `None`.
     pub fn paint(
         &self,
         (x, y): (usize, usize),
-        fragment: &Fragment,
+        fragments: &[Fragment],
         start: Option<f32>,
-        lines: &mut Lines,
-    ) -> Seen {
-        let ray = self.eye.ray(x as f32 + 0.5, y as f32 + 0.5);
+        packets: &mut Packets,
+    ) -> impl Iterator<Item = Seen> {
+        let rays = std::array::from_fn(|k| self.eye.ray((x + k) as f32 + 0.5, y as f32 + 0.5));
+        let entries = match (start, self.layer) {
+            (Some(start), None) => {
+                let range = |k: usize| match fragments.get(k) {
+                    Some(fragment) => start..fragment.depth / self.eye.depth_per_metre(&rays[k].direction),
+                    None => f32::INFINITY..0.0,
+                };
+                self.renderer.march.entries(&rays, &std::array::from_fn(range), packets)
+            }
+            _ => [None; TILE],
+        };
+        let mut behind = None;
+        let pixel = move |k: usize| {
+            let in_front = self.in_front((x + k, y), &rays[k], &fragments[k], start.map(|_| entries[k]));
+            in_front.unwrap_or_else(|| self.surroundings(&rays, k, &mut behind))
+        };
+        (0..fragments.len()).map(pixel)
+    }
+
+    /// The subject or body in the pixel of this ray, which enters the hull at `entry`; the subject is not there at all if that is
+    /// `None`.
+    fn in_front(
+        &self,
+        (x, y): (usize, usize),
+        ray: &Ray,
+        fragment: &Fragment,
+        entry: Option<Option<Entry>>,
+    ) -> Option<Seen> {
         let scale = self.eye.depth_per_metre(&ray.direction);
         let body = fragment.depth / scale;
-        let subject = start.and_then(|start| match self.layer {
-            Some(layer) => self.in_layer(layer, (x, y), &ray, scale),
-            None => self.marched(&ray, start..body, lines),
+        let subject = entry.and_then(|entry| match self.layer {
+            Some(layer) => self.in_layer(layer, (x, y), ray, scale),
+            None => Some(self.coloured(ray, &entry.or_else(|| self.filled(ray))?)),
         });
         if let Some((colour, t)) = subject.filter(|(_, t)| *t < body) {
             let light = if self.options.shadows { self.subject_light(&ray.at(t)) } else { 1.0 };
-            return Seen { colour: colour * shaded(light), content: Content::Subject, depth: t * scale };
+            return Some(Seen {
+                colour: colour * shaded(light),
+                content: Content::Subject,
+                depth: t * scale,
+            });
         }
-        if fragment.depth.is_finite() {
+        fragment.depth.is_finite().then(|| {
             let colour = self.body(&ray.at(body), fragment);
-            return Seen { colour, content: Content::Body, depth: fragment.depth };
-        }
-        let (colour, t) = self.surroundings(&ray);
-        Seen { colour, content: Content::Surroundings, depth: t * scale }
+            Seen { colour, content: Content::Body, depth: fragment.depth }
+        })
     }
 
     /// The colour of the subject in a pixel of the `layer`, and its distance along the pixel's ray.
@@ -110,12 +137,6 @@ impl<'r, 's> PixelPainter<'r, 's> {
         let pixel = &layer.colour.as_raw()[3 * index..3 * index + 3];
         let drawn = Colour::new(f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2]));
         Some((self.photo(ray).unwrap_or(drawn), layer.depth[index] / scale))
-    }
-
-    /// The colour of the subject along `ray`, if it enters the hull in this `range` of distances, and the surface's distance.
-    fn marched(&self, ray: &Ray, range: Range<f32>, lines: &mut Lines) -> Option<(Colour, f32)> {
-        let entry = self.renderer.march.entry(ray, range, lines).or_else(|| self.filled(ray))?;
-        Some(self.coloured(ray, &entry))
     }
 
     /// The colour of the subject where `ray` enters the hull, and the distance of its surface.
@@ -153,25 +174,34 @@ impl<'r, 's> PixelPainter<'r, 's> {
         fragment.colour * self.brightness(&fragment.normal) * shaded(light)
     }
 
-    /// Floor, sky or photograph along `ray`, and the distance of the floor.
-    fn surroundings(&self, ray: &Ray) -> (Colour, f32) {
-        let floor = self.renderer.scene.floor.and_then(|floor| floor_distance(ray, floor as f32));
-        let t = floor.unwrap_or(f32::INFINITY);
-        if let Some(colour) = self.photo(ray) {
-            // The photograph shows the subject's own shadow.
-            let light = match floor {
-                Some(t) if self.options.shadows => self.renderer.shadows().past_bodies.at(&ray.at(t)),
-                _ => 1.0,
-            };
-            return (colour * shaded(light), t);
-        }
-        if !self.options.surroundings {
-            return (Colour::zeros(), t);
-        }
-        let Some(t) = floor.filter(|_| ray.direction.z < 0.0) else { return (sky_colour(ray), t) };
-        let point = ray.at(t);
-        let light = if self.options.shadows { self.renderer.shadows().past_both.at(&point) } else { 1.0 };
-        (floor_colour(&point, t, self.eye.footprint(t) / -ray.direction.z, shaded(light)), t)
+    /// Floor, sky or photograph along ray number `k`; `behind` keeps what all rays see of floor and sky.
+    fn surroundings(&self, rays: &[Ray; TILE], k: usize, behind: &mut Option<Backdrop>) -> Seen {
+        let floor = self.renderer.scene.floor.map(|floor| floor as f32);
+        let (colour, t) = match self.photo(&rays[k]) {
+            Some(colour) => self.photographed(&rays[k], colour, floor),
+            None if self.options.surroundings => {
+                let light = self.options.shadows.then(|| &self.renderer.shadows().past_both);
+                let all = || backdrop(rays, floor, self.eye.radians_per_pixel(), light);
+                behind.get_or_insert_with(all).seen(k)
+            }
+            None => {
+                let t = floor.and_then(|floor| floor_distance(&rays[k], floor));
+                (Colour::zeros(), t.unwrap_or(f32::INFINITY))
+            }
+        };
+        let depth = t * self.eye.depth_per_metre(&rays[k].direction);
+        Seen { colour, content: Content::Surroundings, depth }
+    }
+
+    /// The `colour` of a photograph along `ray` in the shadows of the bodies, and the distance of the floor. The photograph
+    /// shows the subject's own shadow.
+    fn photographed(&self, ray: &Ray, colour: Colour, floor: Option<f32>) -> (Colour, f32) {
+        let floor = floor.and_then(|floor| floor_distance(ray, floor));
+        let light = match floor {
+            Some(t) if self.options.shadows => self.renderer.shadows().past_bodies.at(&ray.at(t)),
+            _ => 1.0,
+        };
+        (colour * shaded(light), floor.unwrap_or(f32::INFINITY))
     }
 
     /// The part of the light that reaches `point` of the subject past the bodies; its images show its own shadows.
@@ -195,9 +225,4 @@ impl<'r, 's> PixelPainter<'r, 's> {
         0.60 + 0.12 * normal.z + 0.16 * normal.dot(&Vector3::new(0.5, -0.7, 0.5))
             - 0.16 * normal.dot(&self.light)
     }
-}
-
-/// How bright a surface is that `light` of the light reaches.
-fn shaded(light: f32) -> f32 {
-    1.0 - DARKNESS * (1.0 - light)
 }

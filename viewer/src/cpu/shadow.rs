@@ -1,6 +1,9 @@
 //! Shadows: what the light meets first, seen from above along the light.
 
-use super::march::{Lines, March, Ray};
+// Loops over the lanes of several arrays by index become vector instructions.
+#![allow(clippy::needless_range_loop)]
+
+use super::march::{LANES, March, Packets, Ray, whole};
 use super::raster::{Projection, Triangles};
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Matrix3x4, Point3, RowVector4, Vector3};
@@ -22,7 +25,7 @@ const GRAZING: f32 = 2.0;
 const BLUR: usize = 2;
 
 /// The part of the light that a full shadow takes away.
-pub const DARKNESS: f32 = 0.45;
+const DARKNESS: f32 = 0.45;
 
 /// The light's view of a box in the world.
 #[derive(Debug, Clone)]
@@ -115,11 +118,12 @@ impl Shadow {
     /// The shadow of the subject.
     pub fn of_subject(view: &LightView, march: &March) -> Self {
         let mut depths = vec![f32::INFINITY; CELLS * CELLS];
-        depths.par_chunks_mut(CELLS).enumerate().for_each(|(y, depths)| {
-            let mut lines = Lines::default();
-            for (x, depth) in depths.iter_mut().enumerate() {
-                if let Some(entry) = march.entry(&view.ray(x, y), 0.0..f32::MAX, &mut lines) {
-                    *depth = entry.t;
+        depths.par_chunks_mut(CELLS).enumerate().for_each_init(Packets::default, |packets, (y, depths)| {
+            for (x, depths) in (0..).step_by(LANES).zip(depths.chunks_mut(LANES)) {
+                let rays = std::array::from_fn(|k| view.ray(x + k, y));
+                let entries = march.entries(&rays, &[const { 0.0..f32::MAX }; LANES], packets);
+                for (depth, entry) in depths.iter_mut().zip(entries) {
+                    *depth = entry.map_or(f32::INFINITY, |entry| entry.t);
                 }
             }
         });
@@ -161,10 +165,49 @@ impl GroundLight {
         Self { view: shadows[0].view.clone(), parts }
     }
 
+    /// The parts that reach several points, whose coordinates are given axis by axis.
+    #[inline(always)]
+    pub fn at_many(&self, points: &[[f32; LANES]; 3]) -> [f32; LANES] {
+        let LightView { axes, least, cell } = &self.view;
+        let last = (CELLS - 1) as f32;
+        let (mut index, mut right, mut below) = ([0; LANES], [0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            let along = |axis: usize| {
+                let row = axes[(axis, 0)] * points[0][k]
+                    + axes[(axis, 1)] * points[1][k]
+                    + axes[(axis, 2)] * points[2][k];
+                (row - least[axis]) / cell[axis] - 0.5
+            };
+            let (x, y) = (along(0), along(1));
+            let is_inside = (x >= 0.0) & (x < last) & (y >= 0.0) & (y < last);
+            // Beyond the map it is lit as in the first cell: a border of the map is lit.
+            let (x, y) = (if is_inside { x } else { 0.0 }, if is_inside { y } else { 0.0 });
+            let (i, j) = (whole(x), whole(y));
+            index[k] = j * CELLS as i32 + i;
+            (right[k], below[k]) = (x - i as f32, y - j as f32);
+        }
+
+        let mut lit = [1.0; LANES];
+        for k in 0..LANES {
+            let at = index[k] as usize;
+            let rows = self.parts.get(at..at + 2).zip(self.parts.get(at + CELLS..at + CELLS + 2));
+            let Some((upper, lower)) = rows else { continue };
+            let along = |row: &[f32]| row[0] + (row[1] - row[0]) * right[k];
+            lit[k] = along(upper) + (along(lower) - along(upper)) * below[k];
+        }
+        lit
+    }
+
     /// The part that reaches `point`, 0 to 1.
     pub fn at(&self, point: &Point3<f32>) -> f32 {
         mixed(&self.view.place(point), |index| self.parts[index])
     }
+}
+
+/// How bright a surface is that `light` of the light reaches.
+#[inline(always)]
+pub fn shaded(light: f32) -> f32 {
+    1.0 - DARKNESS * (1.0 - light)
 }
 
 /// `of` at a place of a map, bilinear between the middles of cells; 1 beyond the map.

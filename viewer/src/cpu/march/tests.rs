@@ -1,5 +1,6 @@
 use super::*;
 use ode_visual_hull::camera;
+use ode_visual_hull::hull::Hull;
 use ode_visual_hull::synthetic::Subject;
 use ode_visual_hull_testing::random::Random;
 use ode_visual_hull_testing::rendered::Rendered;
@@ -49,6 +50,39 @@ fn rays_enter_where_the_exact_ray_cast_says_to_within_two_pixels() {
     }
     // Rays that only graze a limb: the exact surface is that of coverage, this one that of whole pixels. A limb has 8 pixels.
     assert!(asked > 1000 && differ as f64 <= 0.04 * asked as f64, "{differ} of {asked}");
+}
+
+#[test]
+fn rays_of_a_packet_enter_where_each_alone_does() {
+    let (_, scene) = person();
+    let mut abstaining = scene.clone();
+    let views = scene.hull.views().to_vec();
+    let unseen = Unseen::Abstain { min_views: 2 };
+    abstaining.hull = Hull::new(views, *scene.hull.bounds(), unseen, scene.hull.time());
+    for scene in [&scene, &abstaining] {
+        let march = March::new(scene);
+        let (mut lines, mut packets) = (Lines::default(), Packets::default());
+        let all: Vec<_> = rays(4000).map(|ray| single(&ray)).collect();
+        let (mut hits, mut differ) = (0, 0);
+        for rays in all.as_chunks::<LANES>().0 {
+            // The last ray never sets out, and the first has to enter nearby.
+            let mut ranges = [const { 0.0..f32::MAX }; LANES];
+            (ranges[0], ranges[LANES - 1]) = (0.5..2.4, 1.0..0.5);
+            let together = march.entries(rays, &ranges, &mut packets);
+            assert!(together[LANES - 1].is_none());
+            for ((ray, range), together) in rays.iter().zip(ranges).zip(together) {
+                let alone = if range.is_empty() { None } else { march.entry(ray, range, &mut lines) };
+                hits += usize::from(alone.is_some());
+                differ += usize::from(match (alone, together) {
+                    (Some(alone), Some(together)) => (alone.t - together.t).abs() > 2e-3,
+                    (None, None) => false,
+                    _ => true,
+                });
+            }
+        }
+        // Views are asked in another order, so that rays which graze a limb leap to other places of it.
+        assert!(hits > 1000 && differ as f64 <= 0.01 * hits as f64, "{differ} of {hits}");
+    }
 }
 
 #[test]

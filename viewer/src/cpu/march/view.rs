@@ -12,16 +12,16 @@ use ode_visual_hull::camera::Camera;
 pub struct MarchView<'s> {
     pub(super) projection: Matrix3x4<f32>,
     /// Width and height of the image in pixels.
-    image: Vector2<f32>,
+    pub(super) image: Vector2<f32>,
     /// By how many pixels a point's image moves at most for each metre that the point moves, 1 m in front of the camera: more
     /// than the focal length far off the axis.
     pub(super) pixels_per_metre: f32,
-    distances: &'s [f32],
+    pub(super) distances: &'s [f32],
     /// Image position of the first of the distances, and columns and rows from there to the last one.
-    first: [f32; 2],
-    last: [f32; 2],
+    pub(super) first: [f32; 2],
+    pub(super) last: [f32; 2],
     /// Distances in a row.
-    stride: usize,
+    pub(super) stride: usize,
 }
 
 impl<'s> MarchView<'s> {

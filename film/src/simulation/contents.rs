@@ -6,7 +6,7 @@ use crate::body_shape::check_drawable;
 use crate::part::{Part, mass_of};
 use crate::playback_options::PlaybackOptions;
 use crate::simulated_body::{SimulatedBody, drawn};
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use ode_visual_hull::ode::{Damping, JointKind, Shape, Surface};
 use ode_visual_hull::{Error, Result};
 
@@ -99,6 +99,11 @@ impl Simulation {
         Ok(())
     }
 
+    /// The velocity in m/s of a throw from `start` that reaches `target` after so many `seconds`, if nothing is in its way.
+    pub fn velocity_of_throw(&self, start: &Point3<f64>, target: &Point3<f64>, seconds: f64) -> Vector3<f64> {
+        (target - start) / seconds - 0.5 * seconds * self.world.gravity()
+    }
+
     /// Removes a body with its joints. The bodies after it move up: their indices become smaller by one, here and in all that
     /// the simulation tells from now on. A [`Log`](crate::Log) knows bodies by their indices, and must not go on.
     ///
@@ -164,7 +169,7 @@ mod tests {
     use super::*;
     use crate::capture::STEPS_PER_SECOND;
     use crate::simulated_body::{GRAVITY, State, Support};
-    use nalgebra::{Point3, vector};
+    use nalgebra::vector;
     use ode_visual_hull::hull::{HullData, Motion};
     use std::sync::Arc;
 

@@ -35,7 +35,6 @@ pub fn measure() -> Result<Vec<Figure>> {
     eprintln!("view: live");
     let (refined, growth) = run(true)?;
     let (plain, _) = run(false)?;
-    let milliseconds = |time: Option<f64>| 1e3 * time.unwrap_or(f64::NAN);
     Ok(vec![
         Figure::bounded("live_fps", refined.rate(), Bound::AtLeast(10.0)),
         Figure::bounded("live_steps_late", late(&refined), Bound::AtMost(0.0)),
@@ -52,14 +51,22 @@ pub fn measure() -> Result<Vec<Figure>> {
     ])
 }
 
+/// A time in milliseconds, of one in seconds.
+pub fn milliseconds(time: Option<f64>) -> f64 {
+    1e3 * time.unwrap_or(f64::NAN)
+}
+
 fn late(report: &LiveReport) -> f64 {
     (report.steps.late + report.steps.dropped) as f64
 }
 
 /// A person in a rain of boxes: the report, and by how many megabytes the program has grown meanwhile.
 fn run(refine: bool) -> Result<(LiveReport, f64)> {
-    let clock = Clock::new();
-    let cameras = LiveCameras::synthetic(CAMERAS, VGA, RATE, &clock)?;
+    report_of(LiveCameras::synthetic(CAMERAS, VGA, RATE, &Clock::new())?, refine)
+}
+
+/// What `cameras` capture in a rain of boxes: the report, and by how many megabytes the program has grown meanwhile.
+pub fn report_of(cameras: LiveCameras, refine: bool) -> Result<(LiveReport, f64)> {
     let live = Live::start(cameras, &options(20), |_| ())?;
     live.request(request(&live, refine));
     sleep(Duration::from_secs_f64(WARM_UP));

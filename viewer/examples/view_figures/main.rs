@@ -1,9 +1,11 @@
 //! Measures how good and how fast pictures are, and adds the figures to `target/figures.json`.
 //!
-//! `cargo run --release -p ode-visual-hull-viewer --example view_figures`. It fails where a bound is missed.
+//! `cargo run --release -p ode-visual-hull-viewer --example view_figures`. It fails where a bound is missed. With names of groups
+//! (quality, occlusion, flicker, speed, live, live-recording) it measures these alone.
 
 mod flicker;
 mod live;
+mod live_recording;
 mod occlusion;
 mod quality;
 mod speed;
@@ -13,8 +15,18 @@ use ode_visual_hull_testing::figure_table;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let groups = [quality::measure, occlusion::measure, flicker::measure, speed::measure, live::measure];
-    let measured = groups.into_iter().map(|measure| measure());
+    // By words on the command line, some groups alone.
+    let groups: [(&str, fn() -> ode_visual_hull::Result<Vec<Figure>>); 6] = [
+        ("quality", quality::measure),
+        ("occlusion", occlusion::measure),
+        ("flicker", flicker::measure),
+        ("speed", speed::measure),
+        ("live", live::measure),
+        ("live-recording", live_recording::measure),
+    ];
+    let wanted: Vec<String> = std::env::args().skip(1).collect();
+    let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|one| one == name);
+    let measured = groups.into_iter().filter(|(name, _)| is_wanted(name)).map(|(_, measure)| measure());
     let figures: Vec<Figure> = match measured.collect::<ode_visual_hull::Result<Vec<_>>>() {
         Ok(groups) => groups.into_iter().flatten().collect(),
         Err(error) => {

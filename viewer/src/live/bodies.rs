@@ -12,6 +12,9 @@ const COLOURS: [[u8; 3]; 6] =
 /// Gap between boxes that lie on one another, in metres.
 const GAP: f64 = 0.001;
 
+/// Gap between boxes beside one another in a pile, in metres.
+const GAP_IN_LAYER: f64 = 0.02;
+
 /// Distance of a stack or a pile from the subject, in metres.
 const CLEARANCE: f64 = 0.15;
 
@@ -82,15 +85,34 @@ impl Bodies {
         boxes.try_for_each(|(k, place)| self.add_box(simulation, k, place).map(|_| ()))
     }
 
+    /// The box of the bodies as they are at first, beside a `subject`; empty for those that come later.
+    pub fn extent(&self, subject: &Aabb) -> Aabb {
+        let (wide, high) = match self.scenery {
+            Scenery::Stack => (1, self.count),
+            Scenery::Pile => (self.base_of_pile(), self.base_of_pile()),
+            Scenery::Rain => return Aabb::EMPTY,
+        };
+        let half = 0.5 * self.side;
+        let (foot, across) = (beside(subject, half), 0.5 * (self.side + GAP_IN_LAYER) * wide as f64);
+        Aabb {
+            min: foot - Vector3::new(half, across, 0.0),
+            max: foot + Vector3::new(half, across, (self.side + GAP) * high as f64),
+        }
+    }
+
+    /// Boxes in the lowest layer of a pile: the fewest that leave room for all others above them.
+    fn base_of_pile(&self) -> usize {
+        (1..).find(|base| base * (base + 1) / 2 >= self.count).unwrap_or(1)
+    }
+
     fn add_pile(&self, simulation: &mut Simulation, subject: &Aabb) -> Result<()> {
-        // The base is the shortest whose pile has room for all boxes.
-        let base = (1..).find(|base| base * (base + 1) / 2 >= self.count).unwrap_or(1);
+        let base = self.base_of_pile();
         let foot = beside(subject, 0.5 * self.side);
         let places = (0..base).flat_map(|layer| (0..base - layer).map(move |column| (layer, column)));
         let place = |(layer, column): (usize, usize)| {
             let across = column as f64 - 0.5 * (base - layer - 1) as f64;
             let height = (layer as f64 + 0.5) * (self.side + GAP);
-            foot + Vector3::new(0.0, across * (self.side + 0.02), height)
+            foot + Vector3::new(0.0, across * (self.side + GAP_IN_LAYER), height)
         };
         let mut places = places.take(self.count).map(place).enumerate();
         places.try_for_each(|(k, place)| self.add_box(simulation, k, place).map(|_| ()))
@@ -194,6 +216,28 @@ mod tests {
                     // The gaps below a box close, and soft contacts give way by no more than they.
                     assert!(moved < 2.0 * GAP * (count + 1) as f64, "{scenery:?} of {count}: {moved} m");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn all_boxes_are_in_their_extent_which_is_larger_by_one_box_at_most() {
+        let subject = standing(&Aabb::EMPTY);
+        for scenery in [Scenery::Stack, Scenery::Pile] {
+            for count in [1, 4, 6] {
+                let (mut simulation, bodies) = (simulation(), Bodies { scenery, count, side: 0.2 });
+                bodies.add_to(&mut simulation, &subject).unwrap();
+                let extent = bodies.extent(&subject);
+                let mut found = Aabb::EMPTY;
+                for state in simulation.states() {
+                    let centre = Point3::from(state.pose.translation.vector);
+                    found = found.union(&Aabb { min: centre, max: centre }.grown(0.1));
+                }
+                let room = [found.min - extent.min, extent.max - found.max];
+                assert!(
+                    room.iter().all(|room| room.min() > -1e-9 && room.max() < 0.21),
+                    "{found:?}, {extent:?}"
+                );
             }
         }
     }

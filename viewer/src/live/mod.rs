@@ -10,6 +10,7 @@
 //! No thread waits for another one: each takes the latest that there is. What comes too late is counted. All of them follow
 //! one [`Clock`], which the user can stop.
 
+mod aim;
 mod bodies;
 mod cameras;
 mod capture;
@@ -48,9 +49,10 @@ use crate::scene::RealCameras;
 use capture::{Capture, CaptureState};
 use drawing::DrawingShared;
 use messages::Messages;
+use nalgebra::Point3;
 use ode_visual_hull::Result;
 use ode_visual_hull::camera::Camera;
-use ode_visual_hull::hull::{HullData, Motion};
+use ode_visual_hull::hull::{Aabb, HullData, Motion};
 use ode_visual_hull::source::{CancelHandle, Clock};
 use ode_visual_hull_film::VolumeOptions;
 use recording::LiveRecording;
@@ -130,7 +132,7 @@ impl Live {
             started: clock.now(),
             period,
             pinholes: (0..rig.len()).map(|view| stage.cameras().pinhole(view).clone()).collect(),
-            home: home(&rig.cameras()[0], &data),
+            home: home(&rig.cameras()[0], &data, options.bodies),
             capture: state,
             world: Arc::default(),
             drawing: Arc::default(),
@@ -241,13 +243,13 @@ impl Drop for Live {
     }
 }
 
-/// A viewpoint that shows a person in the middle of the work volume, from the side of the first camera.
-fn home(camera: &Camera, data: &HullData) -> Orbit {
-    let middle = data.bounds().map_or_else(nalgebra::Point3::origin, |bounds| bounds.centre());
-    let person = ode_visual_hull::hull::Aabb {
-        min: nalgebra::Point3::new(middle.x - 0.5, middle.y - 0.5, 0.0),
-        max: nalgebra::Point3::new(middle.x + 0.5, middle.y + 0.5, 1.8),
+/// A viewpoint that shows a person in the middle of the work volume and the bodies beside it, from the side of the first camera.
+fn home(camera: &Camera, data: &HullData, bodies: Bodies) -> Orbit {
+    let middle = data.bounds().map_or_else(Point3::origin, |bounds| bounds.centre());
+    let person = Aabb {
+        min: Point3::new(middle.x - 0.5, middle.y - 0.5, 0.0),
+        max: Point3::new(middle.x + 0.5, middle.y + 0.5, 1.8),
     };
     let azimuth = Orbit::from_eye(&camera.centre(), &middle, 1.0).azimuth;
-    Orbit::around(&person, azimuth + 0.3)
+    Orbit::around(&person.union(&bodies.extent(&person)), azimuth + 0.3)
 }

@@ -1,5 +1,6 @@
 //! The thread that simulates: steps by the clock, and what the user does with the bodies.
 
+use super::aim;
 use super::bodies::{Bodies, Rainfall};
 use super::latencies::Latencies;
 use super::latest::Latest;
@@ -18,9 +19,8 @@ use std::sync::mpsc::Receiver;
 /// Steps a second.
 pub const STEP_RATE: f64 = 120.0;
 
-/// A ball that is thrown, its speed in m/s, and how far in front of the eye it starts.
+/// A ball that is thrown, and how far in front of the eye it starts, in metres.
 const BALL: Shape = Shape::Sphere { radius: 0.06 };
-const BALL_SPEED: f64 = 6.0;
 const BALL_START: f64 = 0.3;
 
 /// Balls that exist at most; the one thrown first is thrown again.
@@ -239,7 +239,7 @@ impl Simulating {
 }
 
 impl World {
-    /// Throws a ball along `ray`; balls have numbers from `first` on.
+    /// Throws a ball at what `ray` meets first; balls have numbers from `first` on.
     fn throw(&mut self, ray: &Ray, first: usize) -> Result<()> {
         let place = ray.origin + ray.direction * BALL_START;
         let pose = Isometry3::translation(place.x, place.y, place.z);
@@ -251,7 +251,8 @@ impl World {
         };
         self.balls.push(ball);
         self.simulation.place(ball, &pose)?;
-        self.simulation.set_velocity(ball, &(ray.direction * BALL_SPEED))
+        let velocity = aim::velocity(&self.simulation, ray, &place);
+        self.simulation.set_velocity(ball, &velocity)
     }
 
     fn grab(&mut self, ray: &Ray) {

@@ -34,7 +34,8 @@ impl DepthMap {
         let mut depths = vec![f32::INFINITY; columns as usize * rows as usize];
         let eye = Eye::new(view.camera());
 
-        let row = |packets: &mut Packets, (y, depths): (usize, &mut [f32])| {
+        let row = |(y, depths): (usize, &mut [f32])| {
+            let mut packets = Packets::default();
             let v = centre(first[1] + y as i32);
             for (x, depths) in (0..).step_by(LANES).zip(depths.chunks_mut(LANES)) {
                 let u: [f32; LANES] = std::array::from_fn(|k| centre(first[0] + x + k as i32));
@@ -42,14 +43,13 @@ impl DepthMap {
                 let is_asked =
                     |k: usize| k < depths.len() && march.views()[index].distance(u[k], v) <= CELL as f32;
                 let range = |k: usize| if is_asked(k) { 0.0..f32::MAX } else { f32::INFINITY..0.0 };
-                let entries = march.entries(&rays, &std::array::from_fn(range), packets);
+                let entries = march.entries(&rays, &std::array::from_fn(range), &mut packets);
                 for ((depth, ray), entry) in depths.iter_mut().zip(&rays).zip(entries) {
                     *depth = entry.map_or(f32::INFINITY, |entry| depth_of(&eye, ray, entry.t));
                 }
             }
         };
-        let rows_of_cells = depths.par_chunks_mut(columns.max(1) as usize).enumerate();
-        rows_of_cells.for_each_init(Packets::default, row);
+        depths.par_chunks_mut(columns.max(1) as usize).enumerate().for_each(row);
         Self { first, columns, rows, depths }
     }
 

@@ -1,6 +1,9 @@
 //! The viewpoint of a picture: the ray of each pixel.
 
-use super::march::Ray;
+// Loops over the lanes of several arrays by index become vector instructions.
+#![allow(clippy::needless_range_loop)]
+
+use super::march::{LANES, Ray};
 use super::raster::Projection;
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Matrix3x4, Point3, RowVector4, Vector3};
@@ -53,6 +56,27 @@ impl Eye {
     pub fn ray(&self, u: f32, v: f32) -> Ray {
         let direction = self.world_from_image * Vector3::new(u, v, 1.0);
         Ray { origin: self.origin, direction: direction.normalize() }
+    }
+
+    /// The unit directions of the rays of pixels next to one another, from column `x` on in row `y`, axis by axis.
+    #[inline(always)]
+    pub fn directions(&self, (x, y): (usize, usize)) -> [[f32; LANES]; 3] {
+        let m = &self.world_from_image;
+        let mut directions = [[0.0; LANES]; 3];
+        for k in 0..LANES {
+            let (u, v) = ((x + k) as f32 + 0.5, y as f32 + 0.5);
+            let along = [0, 1, 2].map(|axis| m[(axis, 0)] * u + m[(axis, 1)] * v + m[(axis, 2)]);
+            let length = (along[0] * along[0] + along[1] * along[1] + along[2] * along[2]).sqrt();
+            for axis in 0..3 {
+                directions[axis][k] = along[axis] / length;
+            }
+        }
+        directions
+    }
+
+    /// The camera's axis.
+    pub fn forward(&self) -> Vector3<f32> {
+        self.forward
     }
 
     /// From the world to the picture.

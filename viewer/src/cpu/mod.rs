@@ -17,7 +17,7 @@ mod raster;
 mod shadow;
 mod surroundings;
 
-use crate::picture::{DrawOptions, Method, Picture, to_rgb};
+use crate::picture::{Content, DrawOptions, Method, Picture, to_rgb};
 use crate::scene::Scene;
 #[cfg(feature = "gpu")]
 pub(crate) use depth_map::{CELL, VISIBILITY_BIAS};
@@ -52,12 +52,41 @@ struct Shadows {
     past_both: GroundLight,
 }
 
-/// Memory for the bands of a thread.
-#[derive(Debug, Default)]
-struct Scratch {
-    fragments: Vec<Fragment>,
-    lines: Lines,
-    packets: Packets,
+/// A row of pixels of a new picture, which shows surroundings alone.
+struct Row<'p> {
+    y: usize,
+    colour: &'p mut [u8],
+    content: &'p mut [Content],
+    depth: &'p mut [f32],
+}
+
+impl Row<'_> {
+    /// Paints the pixels, which show `fragments` where no subject is in front of them; it is behind the `starts` of the tiles.
+    fn paint(
+        self,
+        painter: &PixelPainter,
+        fragments: &[Fragment],
+        starts: &[Option<f32>],
+        packets: &mut Packets,
+    ) {
+        let tiles = self.colour.chunks_mut(3 * TILE).zip(self.content.chunks_mut(TILE));
+        let tiles = tiles.zip(self.depth.chunks_mut(TILE)).zip(fragments.chunks(TILE)).zip(starts);
+        for (x, ((((colour, content), depth), fragments), start)) in (0..).step_by(TILE).zip(tiles) {
+            let at = (x, self.y);
+            if let Some(bare) = painter.bare(at, fragments, *start) {
+                colour.copy_from_slice(&bare.rgb.as_flattened()[..colour.len()]);
+                depth.copy_from_slice(&bare.depth[..depth.len()]);
+                continue;
+            }
+            let seen = painter.paint(at, fragments, *start, packets);
+            for (seen, ((colour, content), depth)) in
+                seen.zip(colour.chunks_exact_mut(3).zip(content).zip(depth))
+            {
+                colour.copy_from_slice(&to_rgb(seen.colour));
+                (*content, *depth) = (seen.content, seen.depth);
+            }
+        }
+    }
 }
 
 impl<'s> CpuRenderer<'s> {
@@ -103,11 +132,12 @@ impl<'s> CpuRenderer<'s> {
         let bands = colour.par_chunks_mut(3 * band).zip(content.par_chunks_mut(band));
         let bands = bands.zip(depth.par_chunks_mut(band)).enumerate();
         // Bodies are drawn band by band too: the fragments of a whole picture are larger than the picture.
-        bands.for_each_init(Scratch::default, |scratch, (j, ((colour, content), depth))| {
-            let Scratch { fragments, lines, packets } = scratch;
+        bands.for_each_init(Vec::new, |fragments, (j, ((colour, content), depth))| {
+            // What decided the last ray must not come from another band: threads take bands in any order.
+            let (mut lines, mut packets) = (Lines::default(), Packets::default());
             let first = j * TILE;
             bodies.draw(w, &(first..first + content.len() / w), fragments);
-            let starts = painter.tile_starts(j, w, lines);
+            let starts = painter.tile_starts(j, w, &mut lines);
             let rows = colour
                 .chunks_exact_mut(3 * w)
                 .zip(content.chunks_exact_mut(w))
@@ -115,14 +145,8 @@ impl<'s> CpuRenderer<'s> {
             for ((y, ((colour, content), depth)), fragments) in
                 (first..).zip(rows).zip(fragments.chunks_exact(w))
             {
-                let mut pixels = colour.chunks_exact_mut(3).zip(content).zip(depth);
-                for ((x, fragments), start) in (0..).step_by(TILE).zip(fragments.chunks(TILE)).zip(&starts) {
-                    let seen = painter.paint((x, y), fragments, *start, packets);
-                    for (seen, ((colour, content), depth)) in seen.zip(&mut pixels) {
-                        colour.copy_from_slice(&to_rgb(seen.colour));
-                        (*content, *depth) = (seen.content, seen.depth);
-                    }
-                }
+                let row = Row { y, colour, content, depth };
+                row.paint(&painter, fragments, &starts, &mut packets);
             }
         });
         picture

@@ -5,7 +5,7 @@ use super::eye::Eye;
 use super::march::{Entry, LANES, Lines, Packets, Ray};
 use super::raster::Fragment;
 use super::shadow::shaded;
-use super::surroundings::{Backdrop, backdrop, floor_distance, photo_colour};
+use super::surroundings::{Backdrop, BarePixels, backdrop, bare_pixels, floor_distance, photo_colour};
 use crate::picture::{Colour, Content, DrawOptions, Method, Picture};
 use nalgebra::{Point3, Vector3};
 
@@ -63,6 +63,23 @@ impl<'r, 's> PixelPainter<'r, 's> {
             self.renderer.march.cone_entry(&self.eye.ray(middle(i), middle(j)), spread, lines)
         };
         (0..width.div_ceil(TILE)).map(start).collect()
+    }
+
+    /// The pixels of one row of a tile, from column `x` on in row `y`, if they show nothing but floor and sky for sure: no body's
+    /// `fragments`, and no subject, which `start` tells.
+    pub fn bare(
+        &self,
+        (x, y): (usize, usize),
+        fragments: &[Fragment],
+        start: Option<f32>,
+    ) -> Option<BarePixels> {
+        let is_bare = start.is_none() && self.options.surroundings;
+        if !is_bare || fragments.iter().any(|fragment| fragment.depth.is_finite()) {
+            return None;
+        }
+        let floor = self.renderer.scene.floor.map(|floor| floor as f32);
+        let light = self.options.shadows.then(|| &self.renderer.shadows().past_both);
+        Some(bare_pixels(self.eye, (x, y), floor, light))
     }
 
     /// The pixels of one row of a tile, from column `x` on in row `y`, which show `fragments` where no subject is in front of

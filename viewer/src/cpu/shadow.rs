@@ -118,10 +118,11 @@ impl Shadow {
     /// The shadow of the subject.
     pub fn of_subject(view: &LightView, march: &March) -> Self {
         let mut depths = vec![f32::INFINITY; CELLS * CELLS];
-        depths.par_chunks_mut(CELLS).enumerate().for_each_init(Packets::default, |packets, (y, depths)| {
+        depths.par_chunks_mut(CELLS).enumerate().for_each(|(y, depths)| {
+            let mut packets = Packets::default();
             for (x, depths) in (0..).step_by(LANES).zip(depths.chunks_mut(LANES)) {
                 let rays = std::array::from_fn(|k| view.ray(x + k, y));
-                let entries = march.entries(&rays, &[const { 0.0..f32::MAX }; LANES], packets);
+                let entries = march.entries(&rays, &[const { 0.0..f32::MAX }; LANES], &mut packets);
                 for (depth, entry) in depths.iter_mut().zip(entries) {
                     *depth = entry.map_or(f32::INFINITY, |entry| entry.t);
                 }

@@ -4,9 +4,11 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::blend::sample;
+use super::eye::Eye;
 use super::march::{LANES, Ray};
 use super::shadow::{GroundLight, shaded};
 use crate::picture::Colour;
+use nalgebra::Point3;
 
 /// The floor's colour, that of its lines, and that of the sky at the horizon and above.
 const FLOOR: [f32; 3] = [186.0, 188.0, 190.0];
@@ -45,8 +47,39 @@ impl Backdrop {
     }
 }
 
-/// What `rays` see of the floor at height `floor`, on which `light` falls, and of the sky; the rays of neighbouring pixels
-/// differ by `spread` radians.
+/// Pixels next to one another that show floor and sky alone.
+pub struct BarePixels {
+    /// Their colours.
+    pub rgb: [[u8; 3]; LANES],
+    /// Metres along the camera's axis.
+    pub depth: [f32; LANES],
+}
+
+/// The pixels of a picture from `eye` from column `x` on in row `y`, where they show nothing but the floor at height `floor`, on
+/// which `light` falls, and the sky.
+#[multiversion::multiversion(targets("x86_64+avx2+fma+bmi1+bmi2+popcnt+lzcnt"))]
+pub fn bare_pixels(
+    eye: &Eye,
+    (x, y): (usize, usize),
+    floor: Option<f32>,
+    light: Option<&GroundLight>,
+) -> BarePixels {
+    let (directions, forward) = (eye.directions((x, y)), eye.forward());
+    let Backdrop { colour, t } =
+        seen_along(&eye.origin(), &directions, floor, eye.radians_per_pixel(), light);
+    let mut pixels = BarePixels { rgb: [[0; 3]; LANES], depth: t };
+    for k in 0..LANES {
+        let along = |axis: usize| directions[axis][k] * forward[axis];
+        pixels.depth[k] *= along(0) + along(1) + along(2);
+        for c in 0..3 {
+            pixels.rgb[k][c] = (colour[c][k].clamp(0.0, 255.0) + WHOLE).to_bits() as u8;
+        }
+    }
+    pixels
+}
+
+/// What `rays` of one origin see of the floor at height `floor`, on which `light` falls, and of the sky; the rays of
+/// neighbouring pixels differ by `spread` radians.
 #[multiversion::multiversion(targets("x86_64+avx2+fma+bmi1+bmi2+popcnt+lzcnt"))]
 pub fn backdrop(
     rays: &[Ray; LANES],
@@ -54,17 +87,34 @@ pub fn backdrop(
     spread: f32,
     light: Option<&GroundLight>,
 ) -> Backdrop {
+    let mut directions = [[0.0; LANES]; 3];
+    for k in 0..LANES {
+        for axis in 0..3 {
+            directions[axis][k] = rays[k].direction[axis];
+        }
+    }
+    seen_along(&rays[0].origin, &directions, floor, spread, light)
+}
+
+/// [`backdrop`] along rays from `origin` in these unit directions, which are given axis by axis.
+#[inline(always)]
+fn seen_along(
+    origin: &Point3<f32>,
+    directions: &[[f32; LANES]; 3],
+    floor: Option<f32>,
+    spread: f32,
+    light: Option<&GroundLight>,
+) -> Backdrop {
     let floor = floor.unwrap_or(f32::NAN);
     let (mut t, mut on_floor) = ([0.0; LANES], [[0.0; LANES]; 3]);
     for k in 0..LANES {
-        let Ray { origin, direction } = &rays[k];
-        let distance = (floor - origin.z) / direction.z;
+        let distance = (floor - origin.z) / directions[2][k];
         let is_met = (distance > 0.0) & (distance < f32::INFINITY);
         t[k] = if is_met { distance } else { f32::INFINITY };
         let distance = if is_met { distance } else { 0.0 };
-        on_floor[0][k] = origin.x + direction.x * distance;
-        on_floor[1][k] = origin.y + direction.y * distance;
-        on_floor[2][k] = origin.z + direction.z * distance;
+        for axis in 0..3 {
+            on_floor[axis][k] = origin[axis] + directions[axis][k] * distance;
+        }
     }
     let mut lit = [1.0; LANES];
     if let Some(light) = light {
@@ -73,7 +123,7 @@ pub fn backdrop(
 
     let mut colour = [[0.0; LANES]; 3];
     for k in 0..LANES {
-        let down = -rays[k].direction.z;
+        let down = -directions[2][k];
         let is_floor = (down > 0.0) & (t[k] < f32::INFINITY);
         // A pixel covers more of a floor that is seen at a small angle.
         let footprint = t[k] * spread / down;

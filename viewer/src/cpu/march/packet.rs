@@ -29,9 +29,12 @@ struct PacketLines {
     slope: [Lanes; 3],
     /// The speeds of the images are these over the squared depths, in pixels a metre.
     speed: Lanes,
+    /// The metres that each ray takes for a metre of depth; infinite for a ray that never comes nearer to the front.
+    per_depth: Lanes,
 }
 
-/// Memory for the packets of a thread.
+/// Memory for packets of rays next to one another. What they meet depends a little on the packets before them, as on the view
+/// that is asked first.
 #[derive(Debug, Default)]
 pub struct Packets {
     lines: Vec<PacketLines>,
@@ -216,6 +219,7 @@ impl PacketLines {
             let (across, down) =
                 (along_x[k] * z[k] - x[k] * along_z[k], along_y[k] * z[k] - y[k] * along_z[k]);
             lines.speed[k] = (across * across + down * down).sqrt();
+            lines.per_depth[k] = if along_z[k] > 0.0 { 1.0 / along_z[k] } else { f32::INFINITY };
         }
         lines
     }
@@ -230,8 +234,9 @@ impl MarchView<'_> {
         let ([x, y, z], [along_x, along_y, along_z]) = (&lines.at_origin, &lines.slope);
         for k in 0..LANES {
             depth[k] = z[k] + along_z[k] * t[k];
-            u[k] = (x[k] + along_x[k] * t[k]) / depth[k];
-            v[k] = (y[k] + along_y[k] * t[k]) / depth[k];
+            let per_depth = 1.0 / depth[k];
+            u[k] = (x[k] + along_x[k] * t[k]) * per_depth;
+            v[k] = (y[k] + along_y[k] * t[k]) * per_depth;
         }
         let distance = self.distances(&u, &v);
 
@@ -242,8 +247,7 @@ impl MarchView<'_> {
             // A ray that flees from the camera may never move so far.
             let leap = if slower <= 0.0 { f32::INFINITY } else { leap_px * depth[k] * depth[k] / slower };
             // The factor keeps a ray in front of the camera in spite of rounding.
-            let to_front = (1.001 * MIN_DEPTH - depth[k]) / along_z[k] + 1e-4;
-            let to_front = if along_z[k] > 0.0 { to_front } else { f32::INFINITY };
+            let to_front = (1.001 * MIN_DEPTH - depth[k]) * lines.per_depth[k] + 1e-4;
 
             let is_behind = mask(depth[k] < MIN_DEPTH);
             let is_in_image =
@@ -285,8 +289,14 @@ impl MarchView<'_> {
         for k in 0..LANES {
             let upper = corners[0][k] + (corners[1][k] - corners[0][k]) * right[k];
             let lower = corners[2][k] + (corners[3][k] - corners[2][k]) * right[k];
-            let inner = upper + (lower - upper) * below[k];
-            distances[k] = if beyond[k] > 0.0 { (beyond[k] + inner * inner).sqrt() } else { inner };
+            distances[k] = upper + (lower - upper) * below[k];
+        }
+        // Most places are within the known distances.
+        if beyond != [0.0; LANES] {
+            for k in 0..LANES {
+                let around = (beyond[k] + distances[k] * distances[k]).sqrt();
+                distances[k] = if beyond[k] > 0.0 { around } else { distances[k] };
+            }
         }
         distances
     }

@@ -14,9 +14,12 @@ use ode_visual_hull_testing::figure::Figure;
 use ode_visual_hull_testing::figure_table;
 use std::process::ExitCode;
 
+/// Measures a group of figures.
+type Measure = fn() -> ode_visual_hull::Result<Vec<Figure>>;
+
 fn main() -> ExitCode {
     // By words on the command line, some groups alone.
-    let groups: [(&str, fn() -> ode_visual_hull::Result<Vec<Figure>>); 6] = [
+    let groups: [(&str, Measure); 6] = [
         ("quality", quality::measure),
         ("occlusion", occlusion::measure),
         ("flicker", flicker::measure),

@@ -243,6 +243,8 @@ impl World {
     fn throw(&mut self, ray: &Ray, first: usize) -> Result<()> {
         let place = ray.origin + ray.direction * BALL_START;
         let pose = Isometry3::translation(place.x, place.y, place.z);
+        // Before the ball is there: the ray would meet it first.
+        let velocity = aim::velocity(&self.simulation, ray, &place);
         let ball = if self.balls.len() < MOST_BALLS {
             self.numbers.push(first + self.balls.len());
             self.simulation.add(&BALL, &pose, BALL_COLOUR)?
@@ -251,7 +253,6 @@ impl World {
         };
         self.balls.push(ball);
         self.simulation.place(ball, &pose)?;
-        let velocity = aim::velocity(&self.simulation, ray, &place);
         self.simulation.set_velocity(ball, &velocity)
     }
 

@@ -38,6 +38,11 @@ impl LastWarped {
         is_same.then(|| self.silhouette.clone())
     }
 
+    /// Whether `mask` shows this very silhouette.
+    pub(super) fn is_shown_by(&self, mask: &MovingMask) -> bool {
+        Arc::ptr_eq(&self.silhouette, &mask.silhouette)
+    }
+
     /// The silhouette, whatever it shows.
     pub(super) fn into_silhouette(self) -> Arc<Silhouette> {
         self.silhouette

@@ -245,8 +245,11 @@ impl ViewState {
         time: f64,
         oldest: f64,
     ) -> Result<View> {
-        if let Some(replaced) = mask.as_ref().and_then(|mask| self.last_warped.replace(mask.to_last_warped()))
-        {
+        // One that was found again keeps its own time: many small steps would add up.
+        let is_found =
+            |mask: &&MovingMask| self.last_warped.as_ref().is_some_and(|last| last.is_shown_by(mask));
+        let warped = mask.as_ref().filter(|mask| !is_found(mask)).map(MovingMask::to_last_warped);
+        if let Some(replaced) = warped.and_then(|warped| self.last_warped.replace(warped)) {
             self.recycle(replaced.into_silhouette());
         }
         match mask {

@@ -20,6 +20,7 @@
 use crate::camera::Camera;
 use crate::rig::Rig;
 use crate::silhouette::{PackedMask, load_mask};
+use crate::source::VideoFile;
 use crate::{Error, Result, image_file};
 use image::{GrayImage, RgbImage};
 use std::collections::BTreeMap;
@@ -43,7 +44,7 @@ pub struct Recording {
     /// The mask file of each camera.
     mask_files: Vec<MaskFile>,
     /// The video of each camera without an image folder.
-    videos: Vec<Option<PathBuf>>,
+    videos: Vec<Option<VideoFile>>,
 }
 
 impl Recording {

@@ -1,7 +1,7 @@
 //! What of a recording is repeated when it is played again and again.
 
 use super::{Recording, StreamOptions};
-use crate::source::{Round, Times, Video, frames_csv};
+use crate::source::{Round, Times, frames_csv};
 use crate::{Error, Result};
 
 impl Recording {
@@ -40,9 +40,9 @@ impl Recording {
         let times = match (times, &self.videos[camera]) {
             (Some(times), _) => times,
             (None, None) => Times::Rate(30.0),
-            (None, Some(video)) => Video::rate(video)?.map(Times::Rate).ok_or_else(|| {
+            (None, Some(video)) => video.rate()?.map(Times::Rate).ok_or_else(|| {
                 let problem = "expected a rate in the header, found none; give the rate or the times";
-                Error::file(video, problem)
+                Error::file(video.path(), problem)
             })?,
         };
         times.check()?;
@@ -57,7 +57,7 @@ impl Recording {
                 numbers.next().map(|first| (first, numbers.next_back().unwrap_or(first)))
             }
             (Times::Rate(_), Some(video)) => {
-                let count = Video::count(video)?.unwrap_or(0);
+                let count = video.count()?.unwrap_or(0);
                 (from < count).then(|| (from, count - 1))
             }
             (Times::Rate(_), None) => {

@@ -2,7 +2,7 @@
 
 use super::Recording;
 use crate::source::{
-    ImageFolder, ReadAhead, ReadOptions, Source, Synchroniser, Times, Video, WhenFull, frames_csv,
+    ImageFolder, ReadAhead, ReadOptions, Source, Synchroniser, Times, VideoFile, WhenFull, frames_csv,
 };
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ const EXTENSIONS: [&str; 12] =
 /// The number of images that are read ahead per camera.
 const DEPTH: usize = 3;
 
-/// Options for read_options the images of all cameras of a recording.
+/// Options for reading the images of all cameras of a recording.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StreamOptions {
     /// The number of the first image; earlier ones are skipped.
@@ -49,9 +49,7 @@ impl Recording {
     pub fn frame_times(&self, options: &StreamOptions) -> Result<Option<Vec<f64>>> {
         let first = self.times(options)?.swap_remove(0);
         let times = match (first, &self.videos[0]) {
-            (None, Some(video)) => {
-                Video::rate(video).map_err(|e| Error::view(self.name(0), e))?.map(Times::Rate)
-            }
+            (None, Some(video)) => video.rate().map_err(|e| Error::view(self.name(0), e))?.map(Times::Rate),
             (listed, _) => listed,
         };
 
@@ -111,7 +109,7 @@ impl Recording {
 
         let named = |e| Error::view(name, e);
         match &self.videos[camera] {
-            Some(video) => Ok(Box::new(Video::open(video, read_options).map_err(named)?)),
+            Some(video) => Ok(Box::new(video.open(read_options).map_err(named)?)),
             None if self.images.files[camera].is_empty() => Err(Error::view(
                 name,
                 format!("expected images in {name}/image or a video {name}/{VIDEO}.mp4, found neither"),
@@ -139,16 +137,16 @@ impl Recording {
         // The header of a video is read only if there are folders that follow its rate.
         let videos = || self.videos.iter().flatten();
         let rate = match videos().next() {
-            Some(first) if videos().count() < self.videos.len() => Video::rate(first)?,
+            Some(first) if videos().count() < self.videos.len() => first.rate()?,
             _ => None,
         };
-        let of_folder = |video: &Option<PathBuf>| video.is_none().then(|| rate.map(Times::Rate)).flatten();
+        let of_folder = |video: &Option<VideoFile>| video.is_none().then(|| rate.map(Times::Rate)).flatten();
         Ok(self.videos.iter().map(of_folder).collect())
     }
 }
 
 /// The video of a camera in the recording at `dir`, if there is one.
-pub(super) fn video_of(dir: &Path, camera: &str) -> Result<Option<PathBuf>> {
+pub(super) fn video_of(dir: &Path, camera: &str) -> Result<Option<VideoFile>> {
     let places = [dir.join(camera).join(VIDEO), dir.join(VIDEOS).join(camera)];
     let mut found = None;
     for path in places.iter().flat_map(|place| with_extensions(place)).filter(|path| path.is_file()) {
@@ -157,7 +155,7 @@ pub(super) fn video_of(dir: &Path, camera: &str) -> Result<Option<PathBuf>> {
             return Err(Error::file(path, problem));
         }
     }
-    Ok(found)
+    Ok(found.map(VideoFile::new))
 }
 
 /// The video of a camera that is written in the recording at `dir`, a Matroska file.

@@ -43,10 +43,11 @@ mod reconnecting;
 mod synchroniser;
 mod times;
 mod video;
+mod video_file;
 
 pub use clock::Clock;
 pub use device::{Device, DeviceOptions};
-pub(crate) use ffmpeg::{cannot_start, file_name, last_lines};
+pub(crate) use ffmpeg::{cannot_start, enlarge, file_name, last_lines};
 pub use folder::ImageFolder;
 pub use images::Images;
 pub use paced::{Paced, Round};
@@ -56,6 +57,7 @@ pub use reconnecting::{ReconnectOptions, Reconnecting, StatusHandle, StreamStatu
 pub use synchroniser::{ImageSet, Synchroniser};
 pub use times::Times;
 pub use video::Video;
+pub use video_file::VideoFile;
 
 use crate::{Error, Result};
 use image::RgbImage;

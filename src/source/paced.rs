@@ -5,6 +5,7 @@ use crate::{Error, Result};
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
 
 /// What is repeated: the part of a recording's time, and of its image numbers, that all of its cameras share.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +70,31 @@ impl Round {
 
 type Open = Box<dyn FnMut() -> Result<Box<dyn Source>> + Send>;
 
+/// A source that a thread of its own opens.
+struct Opening(JoinHandle<(Open, Result<Box<dyn Source>>)>);
+
+impl Opening {
+    fn start(mut open: Open) -> Result<Self> {
+        let opens = move || {
+            let source = open();
+            (open, source)
+        };
+        let thread = std::thread::Builder::new().name("opens a source".into()).spawn(opens);
+        thread.map(Self).map_err(|e| Error::argument(format!("expected to start a thread, found: {e}")))
+    }
+
+    /// The source, once it is open, and what opens the next one.
+    fn finish(self) -> Result<(Open, Box<dyn Source>)> {
+        match self.0.join() {
+            Ok((open, source)) => Ok((open, source?)),
+            Err(_) => Err(Error::argument("expected to open a source, found a panic of what opens it")),
+        }
+    }
+}
+
 /// Plays a source by a [`Clock`] as if it were live, and from its start again after its end.
+///
+/// The source of the next repetition is opened while this one plays, so that a video has begun to be decoded when it is due.
 ///
 /// Each image is handed out when the clock reaches its time; a late one at once, with its true time. Times and numbers
 /// grow over the repetitions, so that images of equal numbers, or times, of several cameras belong together in each of
@@ -98,9 +123,10 @@ pub struct Paced {
     clock: Clock,
     round: Round,
     start: f64,
-    open: Open,
     /// `None` after a failure.
     source: Option<Box<dyn Source>>,
+    /// The source of the next repetition. `None` after a failure.
+    next: Option<Opening>,
     /// The index of the repetition.
     index: u32,
     /// Whether this repetition has given an image.
@@ -113,27 +139,38 @@ impl Paced {
     /// seconds of `clock`.
     ///
     /// # Errors
-    /// All errors of `open`, which is called once here, and then for each repetition; a start that is not finite.
+    /// All errors of `open`, which is called once here, and then for each repetition, always on a thread of its own; a start
+    /// that is not finite.
     pub fn looped(
         clock: &Clock,
         round: Round,
         start: f64,
-        mut open: impl FnMut() -> Result<Box<dyn Source>> + Send + 'static,
+        open: impl FnMut() -> Result<Box<dyn Source>> + Send + 'static,
     ) -> Result<Self> {
         if !start.is_finite() {
             return Err(Error::argument(format!("expected a start in seconds, found {start}")));
         }
-        let source = Some(open()?);
-        Ok(Self {
+        let mut paced = Self {
             clock: clock.clone(),
             round,
             start,
-            open: Box::new(open),
-            source,
+            source: None,
+            next: Some(Opening::start(Box::new(open))?),
             index: 0,
             has_image: false,
             stop: Arc::default(),
-        })
+        };
+        paced.begin()?;
+        Ok(paced)
+    }
+
+    /// Takes the source that has been opened, and has the one after it opened.
+    fn begin(&mut self) -> Result<()> {
+        let Some(opening) = self.next.take() else { return Ok(()) };
+        let (open, source) = opening.finish()?;
+        self.source = Some(source);
+        self.next = Some(Opening::start(open)?);
+        Ok(())
     }
 
     /// The next image of the round, in this repetition or a later one.
@@ -170,8 +207,7 @@ impl Paced {
 
         let due = (self.clock.now() - self.start) / self.round.length;
         self.index = self.index.saturating_add(1).max(due as u32);
-        self.source = Some((self.open)()?);
-        Ok(())
+        self.begin()
     }
 }
 

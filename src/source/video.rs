@@ -2,7 +2,7 @@
 
 use super::ffmpeg::{Ffmpeg, file_name};
 use super::probe::{self, Header};
-use super::{CancelHandle, Frame, ReadOptions, Source, Times};
+use super::{CancelHandle, Frame, ReadOptions, Source, Times, VideoFile};
 use crate::{Error, Result};
 use image::RgbImage;
 use std::path::{Path, PathBuf};
@@ -34,11 +34,12 @@ impl Video {
     /// size than in `options`, or without its first image; a rate that is not positive, or neither in the header nor
     /// in `options`.
     pub fn open(path: impl AsRef<Path>, options: ReadOptions) -> Result<Self> {
-        let path = path.as_ref().to_owned();
-        if !path.is_file() {
-            return Err(Error::file(path, "expected a video file, found none; check the path"));
-        }
-        let header = probe::header(&path)?;
+        VideoFile::new(path.as_ref()).open(options)
+    }
+
+    /// Opens the video at `path`, which has this header.
+    pub(super) fn start(path: &Path, header: Header, options: ReadOptions) -> Result<Self> {
+        let path = path.to_owned();
         let Some(times) = options.times.clone().or(header.rate.map(Times::Rate)) else {
             return Err(Error::file(
                 path,
@@ -64,25 +65,6 @@ impl Video {
         let next = options.first;
         let (ffmpeg, first) = (Some(ffmpeg), Some(first));
         Ok(Self { path, options, times, header, ffmpeg, first, size, next, notes: Vec::new() })
-    }
-
-    /// The images per second of the video at `path`, if its header has the rate.
-    ///
-    /// # Errors
-    /// `ffprobe`, which comes with ffmpeg, is not installed; a file that it cannot read.
-    pub fn rate(path: impl AsRef<Path>) -> Result<Option<f64>> {
-        Ok(probe::header(path.as_ref())?.rate)
-    }
-
-    /// The number of images in the video at `path`. A file whose header lacks it is read, without decoding.
-    ///
-    /// # Errors
-    /// All errors of [`rate`](Self::rate).
-    pub fn count(path: impl AsRef<Path>) -> Result<Option<u32>> {
-        match probe::header(path.as_ref())?.frames {
-            None => probe::packets(path.as_ref()),
-            known => Ok(known),
-        }
     }
 
     /// Width and height of the images, in pixels.

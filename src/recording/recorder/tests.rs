@@ -2,7 +2,7 @@ use super::super::StreamOptions;
 use super::super::tests::{Folder, assert_contains, camera};
 use super::video_writer::VideoWriter;
 use super::*;
-use crate::source::{Frame, Video};
+use crate::source::{Frame, VideoFile};
 use image::{GrayImage, Luma, Rgb};
 
 const SIZES: [(u32, u32); 2] = [(32, 24), (40, 16)];
@@ -148,7 +148,7 @@ fn a_recording_is_readable_while_it_is_written_as_after_a_kill() {
 
     // ffmpeg writes images some time after it has taken them.
     let mut number = 0;
-    while videos.iter().any(|video| Video::count(video).ok().flatten().unwrap_or(0) < 3) {
+    while videos.iter().any(|video| VideoFile::new(video).count().ok().flatten().unwrap_or(0) < 3) {
         write(&mut recorder, number);
         number += 1;
     }
@@ -180,14 +180,14 @@ fn a_video_whose_ffmpeg_is_killed_is_an_error_and_keeps_its_images() {
     let folder = Folder::new("recorder-ffmpeg");
     let path = folder.join("video.mkv");
     let mut video = VideoWriter::start(&path, SIZES[0], 30.0).unwrap();
-    while Video::count(&path).ok().flatten().unwrap_or(0) < 3 {
+    while VideoFile::new(&path).count().ok().flatten().unwrap_or(0) < 3 {
         video.write(&image(0, SIZES[0])).unwrap();
     }
     video.kill();
     // A pipe takes images until its other end is closed.
     let error = (0..).find_map(|_| video.write(&image(0, SIZES[0])).err()).unwrap();
     assert_contains(&error.to_string(), &["video.mkv", "expected ffmpeg to write", "choose another folder"]);
-    assert!(Video::count(&path).unwrap().unwrap() >= 3);
+    assert!(VideoFile::new(&path).count().unwrap().unwrap() >= 3);
 }
 
 #[cfg(target_os = "linux")]
@@ -210,7 +210,7 @@ fn a_full_disk_ends_the_recording_with_an_error_and_keeps_the_frames_before() {
     assert_eq!(recorder.left_out(), 1);
     assert_contains(&recorder.finish().unwrap_err().to_string(), &parts);
     assert!(Recording::open(&dir).is_ok());
-    assert!(Video::count(streams_path(&dir, "left")).unwrap().unwrap() > 0);
+    assert!(VideoFile::new(streams_path(&dir, "left")).count().unwrap().unwrap() > 0);
 }
 
 #[test]

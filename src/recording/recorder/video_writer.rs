@@ -1,6 +1,6 @@
 //! One camera's video, written by an `ffmpeg` process.
 
-use crate::source::{cannot_start, file_name, last_lines};
+use crate::source::{cannot_start, enlarge, file_name, last_lines};
 use crate::{Error, Result};
 use image::RgbImage;
 use std::io::Write;
@@ -75,6 +75,9 @@ impl VideoWriter {
 
         let mut child = command.spawn().map_err(|e| cannot_start("ffmpeg", path, &e))?;
         let (images, stderr) = (child.stdin.take(), child.stderr.take());
+        if let Some(images) = &images {
+            enlarge(images);
+        }
         let mut writer = Self { path: path.to_owned(), child, images, messages: None };
         let Some(stderr) = stderr else { return Ok(writer) };
         let messages =

@@ -1,5 +1,6 @@
 //! The cameras of a live system.
 
+use super::priority::Work;
 use super::rendered::Rendered;
 use super::stamped::Stamped;
 use image::RgbImage;
@@ -93,7 +94,11 @@ impl LiveCameras {
         let start = clock.now();
         let source = |camera: usize| -> Result<Box<dyn Source>> {
             let opened = recording.clone();
-            let open = move || opened.source(camera, &options);
+            let open = move || {
+                // On a thread of its own, whose priority ffmpeg has too.
+                Work::Decoding.set_priority();
+                opened.source(camera, &options)
+            };
             Ok(Box::new(Paced::looped(clock, round.clone(), start, open)?))
         };
         let rig = recording.rig().clone();

@@ -3,6 +3,8 @@
 /// What a thread works for. Each goes before those after it; the simulation goes before all of them.
 #[derive(Debug, Clone, Copy)]
 pub enum Work {
+    /// Recorded images are decoded.
+    Decoding,
     /// Images are segmented.
     Capture,
     /// Pictures are drawn.
@@ -10,7 +12,7 @@ pub enum Work {
 }
 
 impl Work {
-    /// Lets the calling thread, and threads that it starts, work with this priority, where the system has priorities for
+    /// Lets the calling thread, and threads and programs that it starts, work with this priority, where the system has priorities for
     /// threads. Without them everything works, less evenly.
     pub fn set_priority(self) {
         // Nice values: a thread with 15 gets a thirtieth of a processor that one with 0 wants too. A thread that gets more of it
@@ -18,6 +20,7 @@ impl Work {
         #[cfg(target_os = "linux")]
         {
             let nice = match self {
+                Self::Decoding => 10,
                 Self::Capture => 15,
                 Self::Drawing => 19,
             };

@@ -123,6 +123,7 @@ pub mod rig;
 pub mod sample;
 pub mod segment;
 pub mod shape;
+mod side_by_side;
 pub mod silhouette;
 pub mod source;
 pub mod synthetic;

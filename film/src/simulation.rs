@@ -151,7 +151,7 @@ impl Simulation {
         let (data, motion) = (hull.data(), hull.motion());
         if motion != Motion::Held {
             // What is wrong is told by the step.
-            let _ = data.in_motion(motion, self.time);
+            let _ = data.prepare_motion(motion, self.time);
         }
     }
 

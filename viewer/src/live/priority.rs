@@ -1,8 +1,10 @@
 //! Priorities of threads: the simulation is not late because images are segmented or a picture is drawn.
 
-/// What a thread works for. Each goes before those after it; the simulation goes before all of them.
+/// What a thread works for. Each goes before those after it.
 #[derive(Debug, Clone, Copy)]
 pub enum Work {
+    /// Bodies are simulated.
+    Simulation,
     /// Recorded images are decoded.
     Decoding,
     /// Images are segmented.
@@ -20,6 +22,7 @@ impl Work {
         #[cfg(target_os = "linux")]
         {
             let nice = match self {
+                Self::Simulation => return run_in_real_time(),
                 Self::Decoding => 10,
                 Self::Capture => 15,
                 Self::Drawing => 19,
@@ -27,5 +30,18 @@ impl Work {
             // Linux has a priority for each thread, under the number of the thread.
             let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), nice);
         }
+    }
+}
+
+/// Lets the calling thread run whenever it has work, before all threads of other programs too, where the user may: only that
+/// keeps steps from ever waiting for a time slice. Others may wait on another processor meanwhile, so there has to be one.
+#[cfg(target_os = "linux")]
+fn run_in_real_time() {
+    use thread_priority::{
+        RealtimeThreadSchedulePolicy::Fifo, ThreadPriority, ThreadSchedulePolicy::Realtime,
+        set_thread_priority_and_policy, thread_native_id,
+    };
+    if std::thread::available_parallelism().is_ok_and(|processors| processors.get() > 1) {
+        let _ = set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Min, Realtime(Fifo));
     }
 }

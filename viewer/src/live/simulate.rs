@@ -135,6 +135,8 @@ impl Simulating {
                 continue;
             }
             world.simulation.skip(steps.drop_if_behind(self.clock.now()));
+            // Masks that have changed since are warped side by side here, one after the other in the step.
+            world.simulation.prepare_step();
             if let Err(error) = self.step(&mut world, steps.dt()) {
                 self.messages.warn("simulation", format!("{error}; all bodies were put back"));
                 world = self.world()?;

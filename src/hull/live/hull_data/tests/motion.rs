@@ -296,3 +296,28 @@ fn silhouettes_that_were_warped_ahead_are_found_again_after_the_next_frame() {
     assert_eq!(query(&other, &points), query(&at(&fresh, 2.6), &points));
     assert_eq!(query(&after, &points), kept);
 }
+
+#[test]
+fn many_steps_too_small_to_warp_for_add_up_to_a_warp() {
+    let data = data();
+    (0..4).for_each(|frame| drop(publish(&data, frame)));
+    let at =
+        |step: u32| data.in_motion(Motion::Interpolated, (2.4 + 5e-5 * f64::from(step)) * PERIOD).unwrap();
+    let first = at(0);
+    let is_first = |step: u32| std::ptr::eq(first.views()[0].silhouette(), at(step).views()[0].silhouette());
+    assert!(is_first(1), "a step of a two-hundredth of a percent of a frame is none");
+    assert!(!(2..10).all(is_first));
+}
+
+#[test]
+fn a_hull_that_was_prepared_equals_one_that_was_not() {
+    let (prepared, other, points) = (data(), data(), points());
+    assert!(prepared.prepare_motion(Motion::Interpolated, 0.0).is_err(), "there is no frame yet");
+    (0..4).for_each(|frame| [&prepared, &other].into_iter().for_each(|data| drop(publish(data, frame))));
+    for (motion, frames) in [(Motion::Interpolated, 2.4), (Motion::Predicted, 3.4), (Motion::Held, 3.4)] {
+        prepared.prepare_motion(motion, frames * PERIOD).unwrap();
+        let [hull, expected] =
+            [&prepared, &other].map(|data| data.in_motion(motion, frames * PERIOD).unwrap());
+        assert_eq!(query(&hull, &points), query(&expected, &points), "{motion:?}");
+    }
+}

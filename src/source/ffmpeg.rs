@@ -40,19 +40,23 @@ impl Ffmpeg {
     ///
     /// The pictures are renumbered at an arbitrary rate: ffmpeg's own clock would drop and repeat pictures where a
     /// file's rate and its time stamps disagree. Each picture is a ppm, whose header has its size: devices do not
-    /// always deliver the requested size, and phones' videos are rotated.
+    /// always deliver the requested size, and phones' videos are rotated. One thread decodes: there is a process for each
+    /// camera, and several threads would keep back as many pictures of a stream.
     pub(super) fn start(path: &Path, input: &[&str], filter: &str, name: &OsStr) -> Result<Self> {
         let filter = format!("{filter}settb=1/25,setpts=N");
-        let before = ["-nostdin", "-hide_banner", "-loglevel", "error"];
+        let one_thread = ["-threads", "1"];
+        let before = ["-nostdin", "-hide_banner", "-loglevel", "error", "-filter_threads", "1"];
         let after = ["-map", "0:v:0", "-vf", &filter, "-r", "25", "-f", "image2pipe", "-c:v", "ppm"];
 
         let mut command = Command::new("ffmpeg");
         command
             .args(before)
+            .args(one_thread)
             .args(input)
             .arg("-i")
             .arg(name)
             .args(after)
+            .args(one_thread)
             .args(["-pix_fmt", "rgb24", "pipe:1"]);
         Self::run(path, &mut command)
     }
@@ -80,10 +84,11 @@ impl Ffmpeg {
     /// The next picture; `None` when ffmpeg has ended or failed, which [`end`](Self::end) distinguishes.
     pub(super) fn next_picture(&mut self) -> Result<Option<RgbImage>> {
         let Some((width, height)) = self.header()? else { return Ok(None) };
-        let mut bytes = vec![0; width as usize * height as usize * 3];
-        match self.pictures.read_exact(&mut bytes) {
-            Ok(()) => Ok(RgbImage::from_raw(width, height, bytes)),
-            Err(e) if e.kind() == ErrorKind::UnexpectedEof => Ok(None),
+        let count = width as usize * height as usize * 3;
+        let mut bytes = Vec::with_capacity(count);
+        match (&mut self.pictures).take(count as u64).read_to_end(&mut bytes) {
+            // None where the stream ends within the picture.
+            Ok(_) => Ok(RgbImage::from_raw(width, height, bytes)),
             Err(e) => Err(self.unreadable(&e)),
         }
     }

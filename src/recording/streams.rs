@@ -67,7 +67,7 @@ impl Recording {
     /// The images of the camera at index `camera` of the rig, from its folder, or else its video.
     ///
     /// # Errors
-    /// No such camera, or one without images; all errors of [`ImageFolder`], [`Video`] and
+    /// No such camera, or one without images; all errors of [`ImageFolder`], [`VideoFile::open`] and
     /// [`frames_csv::load`].
     pub fn source(&self, camera: usize, options: &StreamOptions) -> Result<Box<dyn Source>> {
         let n = self.rig.len();

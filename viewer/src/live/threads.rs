@@ -62,7 +62,6 @@ impl Live {
         };
         let messages = self.messages.clone();
         self.spawn("simulation", move || {
-            Work::Simulation.set_priority();
             if let Err(error) = simulating.run() {
                 messages.fail("simulation", &error);
             }

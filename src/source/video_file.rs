@@ -49,15 +49,16 @@ impl VideoFile {
     /// # Errors
     /// All errors of [`Video::open`].
     pub fn open(&self, options: ReadOptions) -> Result<Video> {
+        // Also where the header is known: the file may have gone since.
+        if !self.path.is_file() {
+            return Err(Error::file(&self.path, "expected a video file, found none; check the path"));
+        }
         Video::start(&self.path, self.header()?, options)
     }
 
     fn header(&self) -> Result<Header> {
         if let Some(header) = self.header.get() {
             return Ok(*header);
-        }
-        if !self.path.is_file() {
-            return Err(Error::file(&self.path, "expected a video file, found none; check the path"));
         }
         let header = probe::header(&self.path)?;
         Ok(*self.header.get_or_init(|| header))

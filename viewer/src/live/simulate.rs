@@ -135,7 +135,7 @@ impl Simulating {
                 continue;
             }
             world.simulation.skip(steps.drop_if_behind(self.clock.now()));
-            // Masks that have changed since are warped side by side here, one after the other in the step.
+            // The step would warp masks that have changed since one after the other; this warps them side by side.
             world.simulation.prepare_step();
             if let Err(error) = self.step(&mut world, steps.dt()) {
                 self.messages.warn("simulation", format!("{error}; all bodies were put back"));

@@ -10,10 +10,11 @@
 
 use super::cleanup::{Cleaner, Cleanup};
 use super::morphology::StructuringElement;
+use super::window_sums::WindowSums;
 use crate::math::lanes::set_bits;
 use crate::math::vectorised;
 use crate::silhouette::bit_image::{BitImage, WORD};
-use crate::silhouette::{PackedMask, SUBJECT};
+use crate::silhouette::{PackedMask, Rect, SUBJECT};
 
 /// The smallest squared distance between background and subject, in grey levels, at which a colour between them gives
 /// a coverage.
@@ -36,6 +37,7 @@ pub(super) struct CoverageMatte {
     outside: BitImage,
     /// The pixels along the outline, whose coverage is computed.
     outline: BitImage,
+    sides: Sides,
     /// Those of them whose coverage is known.
     covered: Vec<Covered>,
 }
@@ -63,9 +65,9 @@ impl CoverageMatte {
         self.cleaner.clean(cleanup, &mut self.subject);
         self.find_outline();
 
-        let Self { subject, core, outside, outline, covered, .. } = self;
+        let Self { subject, core, outside, outline, sides, covered, .. } = self;
         covered.clear();
-        cover_outline(&colours, core, outside, outline, covered);
+        cover_outline(&colours, core, outside, outline, sides, covered);
         mask.take_bits(subject, |cover| {
             for &Covered { x, y, byte } in &*covered {
                 cover(x, y, if subject.get(x, y) { byte } else { byte.min(SUBJECT - 1) });
@@ -96,12 +98,15 @@ impl CoverageMatte {
 
 vectorised! {
     /// Lists the coverage of the pixels of `outline`, row by row.
-    fn cover_outline(colours: &Colours, core: &BitImage, outside: &BitImage, outline: &BitImage, covered: &mut Vec<Covered>) {
-        for y in 0..outline.height() {
+    fn cover_outline(colours: &Colours, core: &BitImage, outside: &BitImage, outline: &BitImage, sides: &mut Sides, covered: &mut Vec<Covered>) {
+        let rect = outline.rect();
+        sides.start(&rect, outline.width());
+        for y in rect.y0 as usize..rect.y1 as usize {
+            sides.go_to(y, colours, core, outside);
             for (k, &word) in outline.row(y).iter().enumerate() {
                 for bit in set_bits(word) {
                     let x = WORD * k + bit;
-                    if let Some(share) = coverage(colours, core, outside, x, y) {
+                    if let Some(share) = coverage(colours, sides, x, y * outline.width() + x) {
                         covered.push(Covered { x, y, byte: (255.0 * share + 0.5) as u8 });
                     }
                 }
@@ -110,22 +115,45 @@ vectorised! {
     }
 }
 
-/// The coverage of a pixel, 0 to 1: the position of its colour between the nearby colours of background and subject.
+/// The colours on both sides of the outline.
+#[derive(Debug, Clone, Default)]
+struct Sides {
+    /// The image's inside.
+    subject: WindowSums<1>,
+    /// The image's and the learnt background's outside.
+    background: WindowSums<2>,
+}
+
+impl Sides {
+    fn start(&mut self, rect: &Rect, width: usize) {
+        self.subject.start(rect, width);
+        self.background.start(rect, width);
+    }
+
+    #[inline(always)]
+    fn go_to(&mut self, y: usize, colours: &Colours, core: &BitImage, outside: &BitImage) {
+        let Colours { image, background } = *colours;
+        self.subject.go_to(y, [image], core);
+        self.background.go_to(y, [image, background.unwrap_or(image)], outside);
+    }
+}
+
+/// The coverage of a pixel in column `x`, 0 to 1: the position of its colour between the nearby colours of background and subject.
 /// `None` if one of these is unknown or they are too similar.
 #[inline(always)]
-fn coverage(colours: &Colours, core: &BitImage, outside: &BitImage, x: usize, y: usize) -> Option<f32> {
-    let [subject] = Sum::around([colours.image], core, x, y);
-    let subject = subject.mean()?;
+fn coverage(colours: &Colours, sides: &Sides, x: usize, pixel: usize) -> Option<f32> {
+    let [subject] = sides.subject.colours(x);
+    let subject = mean(subject, sides.subject.count(x))?;
 
-    let at = 3 * (y * core.width() + x);
+    let at = 3 * pixel;
     let mut behind = [0.0; 3];
+    let [background, learnt] = sides.background.colours(x);
     match colours.background {
-        None => behind = Sum::around([colours.image], outside, x, y)[0].mean()?,
+        None => behind = mean(background, sides.background.count(x))?,
         Some(plate) => {
             // The light may have changed since the background was learnt, above all in the subject's shadow.
-            let [background, learnt] = Sum::around([colours.image, plate], outside, x, y);
             for c in 0..3 {
-                let light = (background.sum[c] as f32 + 1.0) / (learnt.sum[c] as f32 + 1.0);
+                let light = (background[c] as f32 + 1.0) / (learnt[c] as f32 + 1.0);
                 behind[c] = f32::from(plate[at + c]) * light.clamp(LIGHT.0, LIGHT.1);
             }
         }
@@ -141,80 +169,8 @@ fn coverage(colours: &Colours, core: &BitImage, outside: &BitImage, x: usize, y:
     (square >= LEAST_CONTRAST).then(|| (along / square).clamp(0.0, 1.0))
 }
 
-/// Pixels along a side of the window whose colours are summed.
-const WINDOW: usize = 5;
-
-/// The bytes of a row of the window, and one more: as many as a vector has.
-const LANES: usize = 16;
-
-/// For each set of pixels of a row of the window, all bits of their bytes.
-const LANES_OF_BITS: [[u16; LANES]; 1 << WINDOW] = {
-    let mut lanes = [[0; LANES]; 1 << WINDOW];
-    let mut bits = 0;
-    while bits < 1 << WINDOW {
-        let mut k = 0;
-        while k < 3 * WINDOW {
-            lanes[bits][k] = if bits >> (k / 3) & 1 == 1 { u16::MAX } else { 0 };
-            k += 1;
-        }
-        bits += 1;
-    }
-    lanes
-};
-
-/// The bytes of the pixels two to the left to two to the right of the one whose first byte has index `at`; zeros beyond the
-/// image.
+/// The mean of `count` colours.
 #[inline(always)]
-fn row_of_window(image: &[u8], at: usize) -> [u8; LANES] {
-    let before = 3 * (WINDOW / 2);
-    if let Some(bytes) = at.checked_sub(before).and_then(|first| image[first..].first_chunk()) {
-        return *bytes;
-    }
-    let mut bytes = [0; LANES];
-    for k in 0..LANES {
-        bytes[k] = (at + k).checked_sub(before).and_then(|k| image.get(k)).copied().unwrap_or(0);
-    }
-    bytes
-}
-
-/// A sum of colours.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sum {
-    sum: [u32; 3],
-    /// The number of pixels added.
-    count: u32,
-}
-
-impl Sum {
-    /// The sums, one for each of these images, over the pixels in the 5x5 window around (x, y) that are set in `bits`.
-    #[inline(always)]
-    fn around<const N: usize>(images: [&[u8]; N], bits: &BitImage, x: usize, y: usize) -> [Self; N] {
-        let (mut lanes, mut count) = ([[0u16; LANES]; N], 0);
-        for j in y.saturating_sub(2)..(y + 3).min(bits.height()) {
-            let row = bits.five(x, j);
-            count += row.count_ones();
-            let (mask, first) = (&LANES_OF_BITS[row as usize], 3 * (j * bits.width() + x));
-            for n in 0..N {
-                let bytes = row_of_window(images[n], first);
-                for k in 0..LANES {
-                    lanes[n][k] += u16::from(bytes[k]) & mask[k];
-                }
-            }
-        }
-
-        let mut sums = [Self { sum: [0; 3], count }; N];
-        for n in 0..N {
-            for k in 0..WINDOW {
-                for c in 0..3 {
-                    sums[n].sum[c] += u32::from(lanes[n][3 * k + c]);
-                }
-            }
-        }
-        sums
-    }
-
-    #[inline(always)]
-    fn mean(&self) -> Option<[f32; 3]> {
-        (self.count > 0).then(|| self.sum.map(|sum| sum as f32 / self.count as f32))
-    }
+fn mean(sum: [u32; 3], count: u32) -> Option<[f32; 3]> {
+    (count > 0).then(|| sum.map(|sum| sum as f32 / count as f32))
 }

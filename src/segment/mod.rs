@@ -27,6 +27,7 @@ mod running_gaussian;
 mod shadows;
 #[cfg(test)]
 mod testing;
+mod window_sums;
 
 pub use chroma_key::{ChromaKey, Key};
 pub use clean_plate::CleanPlate;

@@ -124,19 +124,6 @@ impl BitImage {
         self.words.copy_from_slice(&other.words);
     }
 
-    /// The pixels `x - 2 ..= x + 2` of row `y` as five bits, the leftmost in the lowest bit. Pixels outside the image
-    /// are zero.
-    #[inline]
-    pub(crate) fn five(&self, x: usize, y: usize) -> u64 {
-        let row = self.row(y);
-        let (at, shift) = (x / WORD, x % WORD);
-        let before = if at > 0 { row[at - 1] } else { 0 };
-        let after = row.get(at + 1).copied().unwrap_or(0);
-        let wide =
-            u128::from(before >> (WORD - 2)) | u128::from(row[at]) << 2 | u128::from(after & 3) << (WORD + 2);
-        (wide >> shift) as u64 & 0b11111
-    }
-
     /// The number of pixels that are set.
     pub(crate) fn count(&self) -> usize {
         self.words.iter().map(|word| word.count_ones() as usize).sum()

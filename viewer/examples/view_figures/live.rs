@@ -93,6 +93,7 @@ fn options(count: usize) -> LiveOptions {
         motion: Motion::Interpolated,
         volume: VolumeOptions::default(),
         renderer: RendererKind::Cpu,
+        is_real_time: true,
         record: None,
     }
 }

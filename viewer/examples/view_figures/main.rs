@@ -1,7 +1,8 @@
 //! Measures how good and how fast pictures are, and adds the figures to `target/figures.json`.
 //!
 //! `cargo run --release -p ode-visual-hull-viewer --example view_figures`. It fails where a bound is missed. With names of groups
-//! (quality, occlusion, flicker, speed, live, live-recording) it measures these alone.
+//! (quality, occlusion, flicker, speed, live, live-recording) it measures these alone. Live systems simulate in real time, which the
+//! user must be allowed.
 
 mod flicker;
 mod live;

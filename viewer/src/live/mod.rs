@@ -79,6 +79,9 @@ pub struct LiveOptions {
     pub volume: VolumeOptions,
     /// What draws.
     pub renderer: RendererKind,
+    /// Whether the simulation runs before all other threads of the machine (`SCHED_FIFO`), which the user must be allowed. Otherwise
+    /// some steps in a thousand are late where other threads fill all processors.
+    pub is_real_time: bool,
     /// The folder to which everything is recorded, if it is.
     pub record: Option<PathBuf>,
 }
@@ -106,13 +109,16 @@ impl Live {
     /// is shown. Nothing is drawn before the first [`request`](Self::request).
     ///
     /// # Errors
-    /// Cameras without a work volume, images of the empty room that do not fit, a GPU that is wanted and missing, a system that
-    /// cannot start threads.
+    /// Cameras without a work volume, images of the empty room that do not fit, a GPU that is wanted and missing, real time
+    /// that is not allowed, a system that cannot start threads.
     pub fn start(
         cameras: LiveCameras,
         options: &LiveOptions,
         show: impl FnMut(Shown) + Send + 'static,
     ) -> Result<Self> {
+        if options.is_real_time {
+            priority::check_real_time()?;
+        }
         let LiveCameras { rig, sources, statuses, period, empty_room, clock } = cameras;
         let data = Arc::new(HullData::new());
         options.volume.prepare(&data, &rig)?;
@@ -146,7 +152,7 @@ impl Live {
             live.messages.warn("room", "no empty room is learnt: leave the cameras' sight, then press l");
         }
 
-        live.start_capture(capture, &rig, sources)?;
+        live.start_capture(capture, &rig, sources, options.is_real_time)?;
         live.start_simulation(data, options, received)?;
         live.start_drawing(stage, renderer, &rig, Streams::new(&rig, statuses), show)?;
         Ok(live)

@@ -3,7 +3,7 @@
 use super::capture::Capture;
 use super::drawing::Drawing;
 use super::info::Info;
-use super::priority::Work;
+use super::priority::{Work, run_in_real_time};
 use super::simulate::{Command, Simulating};
 use super::stage::Stage;
 use super::streams::Streams;
@@ -31,6 +31,7 @@ impl Live {
         capture: Capture,
         rig: &Rig,
         sources: Vec<Box<dyn Source>>,
+        is_real_time: bool,
     ) -> Result<()> {
         let streams = rig.cameras().iter().zip(sources);
         let streams = streams
@@ -38,7 +39,8 @@ impl Live {
         let mut sets = Synchroniser::new(streams.collect::<Result<_>>()?, 0.5 * self.period)?;
         sets.set_patience(Some(Duration::from_secs_f64(PATIENCE * self.period)));
         self.spawn("capture", move || {
-            Work::Capture.set_priority();
+            let work = if is_real_time { Work::CaptureBesideRealTime } else { Work::Capture };
+            work.set_priority();
             capture.run(sets);
         })
     }
@@ -61,8 +63,10 @@ impl Live {
             messages: self.messages.clone(),
         };
         let messages = self.messages.clone();
+        let is_real_time = options.is_real_time;
         self.spawn("simulation", move || {
-            if let Err(error) = simulating.run() {
+            let prepared = if is_real_time { run_in_real_time() } else { Ok(()) };
+            if let Err(error) = prepared.and_then(|()| simulating.run()) {
                 messages.fail("simulation", &error);
             }
         })

@@ -38,6 +38,16 @@ fn without_a_display_it_says_what_else_to_do() {
     assert!(!end.succeeded && end.error.contains("none that answers at DISPLAY=:4711"), "{}", end.error);
 }
 
+#[test]
+fn real_time_is_given_or_refused_with_what_allows_it() {
+    let end = headless(&["--seconds", "1", "--real-time"], &folder("real_time"));
+    assert!(
+        if end.succeeded { end.out.contains(" in time") } else { end.error.contains("USER - rtprio 1") },
+        "{}",
+        end.error
+    );
+}
+
 #[cfg(unix)]
 #[test]
 fn a_window_that_is_terminated_ends_with_its_report_and_its_film() {

@@ -61,6 +61,9 @@ pub struct Options {
     /// How the subject moves between its images.
     #[arg(long, value_enum, default_value_t = Movement::Interpolated, help_heading = "Bodies")]
     motion: Movement,
+    /// Let the simulation run before all other programs (SCHED_FIFO), so that no step is late; the user must be allowed to.
+    #[arg(long, help_heading = "Bodies")]
+    real_time: bool,
     #[command(flatten)]
     volume: VolumeOptions,
 
@@ -106,6 +109,7 @@ pub fn run(options: &Options) -> Result<()> {
         motion: options.motion.motion(),
         volume: options.volume,
         renderer: options.renderer,
+        is_real_time: options.real_time,
         record: options.record.clone(),
     };
     let film = Film::create(options)?;

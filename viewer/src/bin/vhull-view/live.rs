@@ -61,7 +61,7 @@ pub struct Options {
     /// How the subject moves between its images.
     #[arg(long, value_enum, default_value_t = Movement::Interpolated, help_heading = "Bodies")]
     motion: Movement,
-    /// Let the simulation run before all other programs (SCHED_FIFO), so that no step is late; the user must be allowed to.
+    /// Let the simulation run before all other programs (SCHED_FIFO), so that hardly a step is late; the user must be allowed to.
     #[arg(long, help_heading = "Bodies")]
     real_time: bool,
     #[command(flatten)]

@@ -100,6 +100,9 @@ vectorised! {
     /// Lists the coverage of the pixels of `outline`, row by row.
     fn cover_outline(colours: &Colours, core: &BitImage, outside: &BitImage, outline: &BitImage, sides: &mut Sides, covered: &mut Vec<Covered>) {
         let rect = outline.rect();
+        if rect.is_empty() {
+            return;
+        }
         sides.start(&rect, outline.width());
         for y in rect.y0 as usize..rect.y1 as usize {
             sides.go_to(y, colours, core, outside);

@@ -5,12 +5,12 @@ use ode_visual_hull::{Error, Result};
 /// What a thread works for. Each goes before those after it; the simulation goes before all of them.
 #[derive(Debug, Clone, Copy)]
 pub enum Work {
+    /// Images are segmented, while the simulation runs in real time.
+    CaptureBesideRealTime,
     /// Recorded images are decoded.
     Decoding,
     /// Images are segmented, while the simulation has a nice value of 0.
     Capture,
-    /// Images are segmented, while the simulation runs in real time.
-    CaptureBesideRealTime,
     /// Pictures are drawn.
     Drawing,
 }
@@ -44,8 +44,8 @@ pub fn check_real_time() -> Result<()> {
     std::thread::spawn(run_in_real_time).join().unwrap_or(Ok(()))
 }
 
-/// Lets the calling thread, and threads that it starts, run whenever they have work, before all other threads of the machine: only
-/// that keeps steps from ever waiting for the end of a time slice.
+/// Lets the calling thread, and threads that it starts, run whenever they have work, before all other threads of the machine: it
+/// does not wait for the end of their time slices.
 ///
 /// # Errors
 /// A user who may not, a system without real time.

@@ -4,12 +4,17 @@
 //! whether the hull hides the point from it, and less near its silhouette's edge, where its pixels are mixed with
 //! background.
 
+// Loops over the lanes of several arrays by index become vector instructions.
+#![allow(clippy::needless_range_loop)]
+
 use super::depth_map::DepthMap;
-use super::march::{Line, March, MarchView, Ray};
+use super::lanes::{LANES, Lanes, Mask, any, mask, select};
+use super::march::{March, MarchView, PacketLines, Packets, Ray};
+use super::photos::Photos;
 use crate::picture::Colour;
 use crate::scene::{Scene, SceneView};
 use image::RgbImage;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use std::sync::OnceLock;
 
 /// The number of cameras whose colours are blended.
@@ -55,23 +60,42 @@ struct ColourCamera<'s> {
     depth_map: OnceLock<DepthMap>,
 }
 
-/// The best cameras for a point, the best first.
-type Choice = [Chosen; BEST];
-
-/// A camera that gives a point its colour.
-#[derive(Debug, Clone, Copy, Default)]
-struct Chosen {
-    camera: usize,
-    /// How much its colour counts; 0 for a place that no camera has.
-    weight: f32,
+/// The colours of the subject along a packet of rays.
+#[derive(Debug, Default)]
+pub struct Coloured {
+    /// Red, green and blue.
+    pub colour: [Lanes; 3],
+    /// The distances of the surface along the rays, in metres.
+    pub t: Lanes,
 }
 
-/// The colours of the chosen cameras at a point.
+impl Coloured {
+    /// The colour and the distance along ray number `k`.
+    pub fn of_ray(&self, k: usize) -> (Colour, f32) {
+        (Colour::from(self.colour.map(|channel| channel[k])), self.t[k])
+    }
+}
+
+/// For each ray of a packet one of the best cameras for the place where it enters the hull.
+struct Chosen<'s> {
+    /// How much its colour counts; 0 for a ray that is seen by fewer cameras.
+    weight: Lanes,
+    photos: Photos<'s>,
+    lines: PacketLines,
+}
+
+/// The best cameras by weight for each ray of a packet, the best first.
+struct Ranking {
+    weights: [Lanes; BEST + 1],
+    cameras: [[u32; LANES]; BEST + 1],
+}
+
+/// The colours of the chosen cameras at a place of each ray.
 struct Agreement {
     /// Their weighted mean.
-    mean: Colour,
+    mean: [Lanes; 3],
     /// Their mean distance from a common colour, in grey levels.
-    deviation: f32,
+    deviation: Lanes,
 }
 
 impl<'s> Blend<'s> {
@@ -100,106 +124,184 @@ impl<'s> Blend<'s> {
         }
     }
 
-    /// The colour of the subject where `ray` enters the hull, at distance `t`, and the distance of the surface along the ray: `t`,
+    /// The colours of the subject where `rays` enter the hull, at distances `t`, and the distances of the surface along them: `t`,
     /// or behind it where `refine` finds that colours agree better there.
-    pub fn colour(&self, march: &March, ray: &Ray, t: f32, refine: bool) -> (Colour, f32) {
-        let choice = self.choose(march, &ray.at(t), &ray.direction);
-        let lines = choice.map(|chosen| march.views()[self.cameras[chosen.camera].view].line(ray));
-        if !refine {
-            return (self.agreement(&lines, t, &choice).mean, t);
+    pub fn colours(
+        &self,
+        march: &March,
+        rays: &[Ray; LANES],
+        t: &Lanes,
+        refine: bool,
+        packets: &mut Packets,
+    ) -> Coloured {
+        if self.cameras.is_empty() {
+            return Coloured { t: *t, ..Coloured::default() };
         }
-
-        // The mean over depths, weighted by how well colours agree: the best depth alone changes with each frame's noise.
-        let (mut colour, mut mean_t, mut total) = (Colour::zeros(), 0.0, 0.0);
-        for step in 0..=REFINED_STEPS {
-            let deeper = REFINED_DEPTH * step as f32 / REFINED_STEPS as f32;
-            let found = self.agreement(&lines, t + deeper, &choice);
-            let weight = (-(found.deviation + DEPTH_PENALTY * deeper) / SOFTNESS).exp();
-            colour += found.mean * weight;
-            mean_t += (t + deeper) * weight;
-            total += weight;
-        }
-        (colour / total, mean_t / total)
+        blended(self, march, rays, t, refine, packets.lines())
     }
 
-    /// The best cameras for `point` as seen along `direction`.
-    fn choose(&self, march: &March, point: &Point3<f32>, direction: &Vector3<f32>) -> Choice {
-        let mut best = [Chosen::default(); BEST + 1];
-        for (camera, one) in self.cameras.iter().enumerate() {
-            let Some(depth_map) = one.depth_map.get() else { continue };
-            let seen = one.visibility(depth_map, &march.views()[one.view], point);
-            let weight = seen / one.squared_angle(point, direction).powi(2).max(SAME_ANGLE);
-            if let Some(place) = best.iter().position(|other| weight > other.weight) {
-                best[place..].rotate_right(1);
-                best[place] = Chosen { camera, weight };
+    /// The best cameras for the places at distances `t` along `rays`. `lines` is memory for the images of the rays.
+    #[inline(always)]
+    fn choose(
+        &self,
+        march: &March,
+        rays: &[Ray; LANES],
+        t: &Lanes,
+        lines: &mut Vec<PacketLines>,
+    ) -> [Chosen<'s>; BEST] {
+        let mut ranking = Ranking { weights: [[0.0; LANES]; BEST + 1], cameras: [[0; LANES]; BEST + 1] };
+        for (index, camera) in self.cameras.iter().enumerate() {
+            let view = &march.views()[camera.view];
+            lines.push(PacketLines::new(rays, view));
+            if let Some(depth_map) = camera.depth_map.get() {
+                ranking.insert(index, camera.weights(depth_map, view, &lines[index], rays, t));
             }
         }
 
         // Less the weight of the first camera that is left out: none comes or goes with a step of the colour.
-        let rest = best[BEST].weight;
-        [0, 1, 2].map(|k| Chosen { weight: (best[k].weight - rest).max(0.0), ..best[k] })
+        std::array::from_fn(|rank| {
+            let cameras = ranking.cameras[rank].map(|camera| camera as usize);
+            let mut chosen = Chosen {
+                weight: [0.0; LANES],
+                photos: Photos::new(cameras.map(|camera| self.cameras[camera].photo)),
+                lines: PacketLines::default(),
+            };
+            for k in 0..LANES {
+                chosen.weight[k] = (ranking.weights[rank][k] - ranking.weights[BEST][k]).max(0.0);
+                chosen.lines.copy_ray(k, &lines[cameras[k]]);
+            }
+            chosen
+        })
+    }
+}
+
+impl Ranking {
+    /// Gives the camera of this index its place for each ray, for which it has these weights.
+    #[inline(always)]
+    fn insert(&mut self, camera: usize, weights: Lanes) {
+        let (mut weights, mut cameras) = (weights, [camera as u32; LANES]);
+        for (placed, placed_cameras) in self.weights.iter_mut().zip(&mut self.cameras) {
+            for k in 0..LANES {
+                let is_better = mask(weights[k] > placed[k]);
+                let (weight, camera) = (placed[k], placed_cameras[k]);
+                placed[k] = select(is_better, weights[k], weight);
+                placed_cameras[k] = is_better & cameras[k] | !is_better & camera;
+                weights[k] = select(is_better, weight, weights[k]);
+                cameras[k] = is_better & camera | !is_better & cameras[k];
+            }
+        }
+    }
+}
+
+/// See [`Blend::colours`]; there is at least one camera.
+#[multiversion::multiversion(targets("x86_64+avx2+fma+bmi1+bmi2+popcnt+lzcnt"))]
+fn blended(
+    blend: &Blend,
+    march: &March,
+    rays: &[Ray; LANES],
+    t: &Lanes,
+    refine: bool,
+    lines: &mut Vec<PacketLines>,
+) -> Coloured {
+    let chosen = blend.choose(march, rays, t, lines);
+    if !refine {
+        return Coloured { colour: agreement(&chosen, t).mean, t: *t };
     }
 
-    /// What the chosen cameras show at distance `t` along a ray, which has these images in them.
-    fn agreement(&self, lines: &[Line; BEST], t: f32, choice: &Choice) -> Agreement {
-        let colour = |chosen: &Chosen, line: &Line| match chosen.weight > 0.0 {
-            true => self.colour_in(chosen.camera, &line.at(t)),
-            false => Colour::zeros(),
-        };
-        let colours = [0, 1, 2].map(|k| colour(&choice[k], &lines[k]));
-        let weighted = colours.iter().zip(choice).map(|(colour, chosen)| colour * chosen.weight);
-        let total: f32 = choice.iter().map(|chosen| chosen.weight).sum();
-        let mean = weighted.sum::<Colour>() / total.max(f32::MIN_POSITIVE);
+    // The mean over depths, weighted by how well colours agree: the best depth alone changes with each frame's noise.
+    let (mut sum, mut total) = (Coloured::default(), [0.0; LANES]);
+    for step in 0..=REFINED_STEPS {
+        let deeper = REFINED_DEPTH * step as f32 / REFINED_STEPS as f32;
+        let at = t.map(|t| t + deeper);
+        let found = agreement(&chosen, &at);
+        for k in 0..LANES {
+            let weight = (-(found.deviation[k] + DEPTH_PENALTY * deeper) / SOFTNESS).exp();
+            for c in 0..3 {
+                sum.colour[c][k] += found.mean[c][k] * weight;
+            }
+            sum.t[k] += at[k] * weight;
+            total[k] += weight;
+        }
+    }
+    for k in 0..LANES {
+        for c in 0..3 {
+            sum.colour[c][k] /= total[k];
+        }
+        sum.t[k] /= total[k];
+    }
+    sum
+}
 
-        // All cameras that count should agree, whatever their weights.
-        let counted = choice.iter().filter(|chosen| chosen.weight > 0.0).count();
-        let share = 1.0 / counted.max(1) as f32;
-        let middle = colours.iter().take(counted).sum::<Colour>() * share;
-        let off: f32 = colours.iter().take(counted).map(|colour| (colour - middle).abs().sum()).sum();
-        Agreement { mean, deviation: off * share / 3.0 }
+/// What the `chosen` cameras show at distances `t` along the rays of a packet.
+#[inline(always)]
+fn agreement(chosen: &[Chosen; BEST], t: &Lanes) -> Agreement {
+    let mut colours = [[[0.0; LANES]; 3]; BEST];
+    let (mut weighted, mut total) = ([[0.0; LANES]; 3], [0.0; LANES]);
+    let (mut middle, mut count) = ([[0.0; LANES]; 3], [0.0; LANES]);
+    for (one, colours) in chosen.iter().zip(&mut colours) {
+        let counts: Mask = one.weight.map(|weight| mask(weight > 0.0));
+        if !any(&counts) {
+            continue;
+        }
+        let [u, v, _] = one.lines.images_at(t);
+        *colours = one.photos.colours(&u, &v);
+        for k in 0..LANES {
+            for c in 0..3 {
+                weighted[c][k] += one.weight[k] * colours[c][k];
+                middle[c][k] += select(counts[k], colours[c][k], 0.0);
+            }
+            total[k] += one.weight[k];
+            count[k] += select(counts[k], 1.0, 0.0);
+        }
     }
 
-    /// The colour that a camera has at homogeneous image coordinates.
-    fn colour_in(&self, camera: usize, h: &Vector3<f32>) -> Colour {
-        sample(self.cameras[camera].photo, h.x / h.z, h.y / h.z)
+    // All cameras that count should agree, whatever their weights.
+    let mut found = Agreement { mean: weighted, deviation: [0.0; LANES] };
+    for k in 0..LANES {
+        let (whole, share) = (1.0 / total[k].max(f32::MIN_POSITIVE), 1.0 / count[k].max(1.0));
+        for c in 0..3 {
+            found.mean[c][k] *= whole;
+            for (one, colours) in chosen.iter().zip(&colours) {
+                let off = (colours[c][k] - middle[c][k] * share).abs() * share / 3.0;
+                found.deviation[k] += select(mask(one.weight[k] > 0.0), off, 0.0);
+            }
+        }
     }
+    found
 }
 
 impl ColourCamera<'_> {
-    /// How well the camera, which is `view`, sees `point`.
-    fn visibility(&self, depth_map: &DepthMap, view: &MarchView, point: &Point3<f32>) -> f32 {
-        let h = view.homogeneous(point);
-        let (u, v) = (h.x / h.z, h.y / h.z);
+    /// How much the colour of the camera, which is `view`, counts at distances `t` along `rays`, whose images in it are `lines`.
+    #[inline(always)]
+    fn weights(
+        &self,
+        depth_map: &DepthMap,
+        view: &MarchView,
+        lines: &PacketLines,
+        rays: &[Ray; LANES],
+        t: &Lanes,
+    ) -> Lanes {
+        let [u, v, depth] = lines.images_at(t);
+        let visibility = depth_map.visibilities(&u, &v, &depth);
+        let distance = view.distances(&u, &v);
         let (width, height) = (self.photo.width() as f32, self.photo.height() as f32);
-        if h.z <= 0.0 || u < 0.0 || v < 0.0 || u >= width || v >= height {
-            return 0.0;
+
+        let mut weights = [0.0; LANES];
+        for k in 0..LANES {
+            let is_seen = mask(depth[k] > 0.0)
+                & (mask(u[k] >= 0.0) & mask(v[k] >= 0.0) & mask(u[k] < width) & mask(v[k] < height));
+            let feather = (-distance[k] / FEATHER_PX).clamp(0.0, 1.0);
+            let seen = (visibility[k] * feather).max(UNSEEN);
+
+            // Twice one minus the cosine of the angle to the camera's ray is the square of a small angle.
+            let ray = &rays[k];
+            let off = |axis: usize| ray.origin[axis] + ray.direction[axis] * t[k] - self.centre[axis];
+            let (x, y, z) = (off(0), off(1), off(2));
+            let along = x * ray.direction[0] + y * ray.direction[1] + z * ray.direction[2];
+            let squared_angle = 2.0 * (1.0 - along / (x * x + y * y + z * z).sqrt()).max(0.0);
+            let weight = seen / (squared_angle * squared_angle).max(SAME_ANGLE);
+            weights[k] = select(is_seen, weight, 0.0);
         }
-        let feather = (-view.distance(u, v) / FEATHER_PX).clamp(0.0, 1.0);
-        (depth_map.visibility(&h) * feather).max(UNSEEN)
+        weights
     }
-
-    /// The squared angle at `point` between the camera's ray and `direction`, in radians.
-    fn squared_angle(&self, point: &Point3<f32>, direction: &Vector3<f32>) -> f32 {
-        // Twice one minus the cosine is the square of a small angle.
-        2.0 * (1.0 - (point - self.centre).normalize().dot(direction)).max(0.0)
-    }
-}
-
-/// The colour at image position `(u, v)`, bilinear between pixel centres.
-pub fn sample(image: &RgbImage, u: f32, v: f32) -> Colour {
-    let (width, height) = (image.width() as usize, image.height() as usize);
-    let x = (u - 0.5).clamp(0.0, (width - 1) as f32);
-    let y = (v - 0.5).clamp(0.0, (height - 1) as f32);
-    let (i, j) = (x as usize, y as usize);
-    let (right, below) = (x - i as f32, y - j as f32);
-    let step = if i + 1 < width { 3 } else { 0 };
-    let stride = if j + 1 < height { 3 * width } else { 0 };
-    let first = 3 * (j * width + i);
-    let at = |index: usize| {
-        let pixel = &image.as_raw()[index..index + 3];
-        Colour::new(f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2]))
-    };
-    let upper = at(first) * (1.0 - right) + at(first + step) * right;
-    let lower = at(first + stride) * (1.0 - right) + at(first + stride + step) * right;
-    upper * (1.0 - below) + lower * below
 }

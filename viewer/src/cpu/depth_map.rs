@@ -1,9 +1,12 @@
 //! How far the hull is from each real camera, at a quarter of the resolution: whether a camera sees a point of it.
 
+// Loops over the lanes of several arrays by index become vector instructions.
+#![allow(clippy::needless_range_loop)]
+
 use super::eye::Eye;
-use super::march::{LANES, March, Packets, Ray};
+use super::lanes::{LANES, Lanes, whole};
+use super::march::{March, Packets, Ray};
 use crate::scene::SceneView;
-use nalgebra::Vector3;
 use rayon::prelude::*;
 
 /// Pixels of the image along a side of a cell.
@@ -53,15 +56,29 @@ impl DepthMap {
         Self { first, columns, rows, depths }
     }
 
-    /// How well the camera sees a point at homogeneous image coordinates `h`, 0 to 1.
-    pub fn visibility(&self, h: &Vector3<f32>) -> f32 {
+    /// How well the camera sees points at these image positions and depths, 0 to 1.
+    #[inline(always)]
+    pub fn visibilities(&self, u: &Lanes, v: &Lanes, depth: &Lanes) -> Lanes {
         let cell = |position: f32, first: i32, count: i32| {
-            ((position / CELL as f32).floor() as i32 - first).clamp(0, count - 1)
+            // Within the last cell, so that its number is found whatever the position.
+            whole((position / CELL as f32 - first as f32).max(0.0).min(count as f32 - 0.5))
         };
-        let (x, y) =
-            (cell(h.x / h.z, self.first[0], self.columns), cell(h.y / h.z, self.first[1], self.rows));
-        let Some(depth) = self.depths.get((y * self.columns + x) as usize) else { return 0.0 };
-        (2.0 - (h.z - depth) / VISIBILITY_BIAS).clamp(0.0, 1.0)
+        let mut index = [0; LANES];
+        for k in 0..LANES {
+            let (x, y) = (cell(u[k], self.first[0], self.columns), cell(v[k], self.first[1], self.rows));
+            index[k] = y * self.columns + x;
+        }
+        let mut surface = [f32::NEG_INFINITY; LANES];
+        for k in 0..LANES {
+            if let Some(depth) = self.depths.get(index[k] as usize) {
+                surface[k] = *depth;
+            }
+        }
+        let mut visibilities = [0.0; LANES];
+        for k in 0..LANES {
+            visibilities[k] = (2.0 - (depth[k] - surface[k]) / VISIBILITY_BIAS).clamp(0.0, 1.0);
+        }
+        visibilities
     }
 }
 

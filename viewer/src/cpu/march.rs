@@ -13,7 +13,7 @@ mod ray;
 mod view;
 
 pub use line::{Line, Lines};
-pub use packet::{LANES, Packets, whole};
+pub use packet::{PacketLines, Packets};
 pub use ray::Ray;
 pub use view::MarchView;
 

@@ -11,7 +11,9 @@
 mod blend;
 mod depth_map;
 mod eye;
+mod lanes;
 mod march;
+mod photos;
 mod pixel;
 mod raster;
 mod shadow;

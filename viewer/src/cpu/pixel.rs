@@ -2,10 +2,11 @@
 
 use super::CpuRenderer;
 use super::eye::Eye;
-use super::march::{Entry, LANES, Lines, Packets, Ray};
+use super::lanes::LANES;
+use super::march::{Entry, Lines, Packets, Ray};
 use super::raster::Fragment;
 use super::shadow::shaded;
-use super::surroundings::{Backdrop, BarePixels, backdrop, bare_pixels, floor_distance, photo_colour};
+use super::surroundings::{Backdrop, BarePixels, backdrop, bare_pixels, floor_distance, photo_colours};
 use crate::picture::{Colour, Content, DrawOptions, Method, Picture};
 use nalgebra::{Point3, Vector3};
 
@@ -92,39 +93,24 @@ impl<'r, 's> PixelPainter<'r, 's> {
         packets: &mut Packets,
     ) -> impl Iterator<Item = Seen> {
         let rays = std::array::from_fn(|k| self.eye.ray((x + k) as f32 + 0.5, y as f32 + 0.5));
-        let entries = match (start, self.layer) {
-            (Some(start), None) => {
-                let range = |k: usize| match fragments.get(k) {
-                    Some(fragment) => start..fragment.depth / self.eye.depth_per_metre(&rays[k].direction),
-                    None => f32::INFINITY..0.0,
-                };
-                self.renderer.march.entries(&rays, &std::array::from_fn(range), packets)
-            }
-            _ => [None; TILE],
+        let photo = self.photo(&rays);
+        let subject = match (start, self.layer) {
+            (None, _) => [None; TILE],
+            (Some(_), Some(layer)) => self.in_layer(layer, (x, y), &rays, &photo, packets),
+            (Some(start), None) => self.in_hull(&rays, fragments, start, &photo, packets),
         };
         let mut behind = None;
         let pixel = move |k: usize| {
-            let in_front = self.in_front((x + k, y), &rays[k], &fragments[k], start.map(|_| entries[k]));
-            in_front.unwrap_or_else(|| self.surroundings(&rays, k, &mut behind))
+            let in_front = self.in_front(&rays[k], &fragments[k], subject[k]);
+            in_front.unwrap_or_else(|| self.surroundings(&rays, k, photo[k], &mut behind))
         };
         (0..fragments.len()).map(pixel)
     }
 
-    /// The subject or body in the pixel of this ray, which enters the hull at `entry`; the subject is not there at all if that is
-    /// `None`.
-    fn in_front(
-        &self,
-        (x, y): (usize, usize),
-        ray: &Ray,
-        fragment: &Fragment,
-        entry: Option<Option<Entry>>,
-    ) -> Option<Seen> {
+    /// The subject or body along `ray`, where the `subject` has this colour at this distance.
+    fn in_front(&self, ray: &Ray, fragment: &Fragment, subject: Option<(Colour, f32)>) -> Option<Seen> {
         let scale = self.eye.depth_per_metre(&ray.direction);
         let body = fragment.depth / scale;
-        let subject = entry.and_then(|entry| match self.layer {
-            Some(layer) => self.in_layer(layer, (x, y), ray, scale),
-            None => Some(self.coloured(ray, &entry.or_else(|| self.filled(ray))?)),
-        });
         if let Some((colour, t)) = subject.filter(|(_, t)| *t < body) {
             let light = if self.options.shadows { self.subject_light(&ray.at(t)) } else { 1.0 };
             return Some(Seen {
@@ -139,34 +125,76 @@ impl<'r, 's> PixelPainter<'r, 's> {
         })
     }
 
-    /// The colour of the subject in a pixel of the `layer`, and its distance along the pixel's ray.
+    /// The colours of the subject along `rays`, which is nowhere nearer than `start`, and its distances, where its hull is in
+    /// front of the `fragments`; `photo` are its colours from the place of a real camera.
+    fn in_hull(
+        &self,
+        rays: &[Ray; TILE],
+        fragments: &[Fragment],
+        start: f32,
+        photo: &[Option<Colour>; TILE],
+        packets: &mut Packets,
+    ) -> [Option<(Colour, f32)>; TILE] {
+        let range = |k: usize| match fragments.get(k) {
+            Some(fragment) => start..fragment.depth / self.eye.depth_per_metre(&rays[k].direction),
+            None => f32::INFINITY..0.0,
+        };
+        let entries = self.renderer.march.entries(rays, &std::array::from_fn(range), packets);
+        let entries = std::array::from_fn(|k| entries[k].or_else(|| self.filled(&rays[k])));
+        self.coloured(rays, &entries, photo, packets)
+    }
+
+    /// The colours of the subject in pixels of the `layer` from column `x` on in row `y`, and its distances along their `rays`.
     fn in_layer(
         &self,
         layer: &Picture,
         (x, y): (usize, usize),
-        ray: &Ray,
-        scale: f32,
-    ) -> Option<(Colour, f32)> {
-        let index = y * layer.colour.width() as usize + x;
-        if layer.content[index] != Content::Subject {
-            return self.filled(ray).map(|entry| self.coloured(ray, &entry));
-        }
-        let pixel = &layer.colour.as_raw()[3 * index..3 * index + 3];
-        let drawn = Colour::new(f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2]));
-        Some((self.photo(ray).unwrap_or(drawn), layer.depth[index] / scale))
+        rays: &[Ray; TILE],
+        photo: &[Option<Colour>; TILE],
+        packets: &mut Packets,
+    ) -> [Option<(Colour, f32)>; TILE] {
+        let width = layer.colour.width() as usize;
+        let drawn: [_; TILE] = std::array::from_fn(|k| {
+            let index = y * width + x + k;
+            if x + k >= width || layer.content[index] != Content::Subject {
+                return None;
+            }
+            let pixel = &layer.colour.as_raw()[3 * index..3 * index + 3];
+            let drawn = Colour::new(f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2]));
+            let t = layer.depth[index] / self.eye.depth_per_metre(&rays[k].direction);
+            Some((photo[k].unwrap_or(drawn), t))
+        });
+        let filled = std::array::from_fn(|k| if drawn[k].is_some() { None } else { self.filled(&rays[k]) });
+        let filled = self.coloured(rays, &filled, photo, packets);
+        std::array::from_fn(|k| drawn[k].or(filled[k]))
     }
 
-    /// The colour of the subject where `ray` enters the hull, and the distance of its surface.
-    fn coloured(&self, ray: &Ray, entry: &Entry) -> (Colour, f32) {
+    /// The colours of the subject where `rays` enter the hull, and the distances of its surface; `photo` are its colours from the
+    /// place of a real camera.
+    fn coloured(
+        &self,
+        rays: &[Ray; TILE],
+        entries: &[Option<Entry>; TILE],
+        photo: &[Option<Colour>; TILE],
+        packets: &mut Packets,
+    ) -> [Option<(Colour, f32)>; TILE] {
         let march = &self.renderer.march;
-        match (self.photo(ray), self.options.method) {
-            (Some(colour), _) => (colour, entry.t),
-            (None, Method::Hull) => {
-                let normal = march.normal(&ray.at(entry.t), entry.view);
-                (Colour::repeat(GREY) * self.brightness(&normal), entry.t)
-            }
-            (None, _) => self.renderer.blend.colour(march, ray, entry.t, self.options.refine),
-        }
+        let needs_colour = |k: usize| entries[k].is_some() && photo[k].is_none();
+        let blended = ((0..TILE).any(needs_colour) && self.options.method != Method::Hull).then(|| {
+            let t = entries.map(|entry| entry.map_or(0.0, |entry| entry.t));
+            self.renderer.blend.colours(march, rays, &t, self.options.refine, packets)
+        });
+        std::array::from_fn(|k| {
+            let entry = entries[k]?;
+            Some(match (photo[k], &blended) {
+                (Some(colour), _) => (colour, entry.t),
+                (None, Some(blended)) => blended.of_ray(k),
+                (None, None) => {
+                    let normal = march.normal(&rays[k].at(entry.t), entry.view);
+                    (Colour::repeat(GREY) * self.brightness(&normal), entry.t)
+                }
+            })
+        })
     }
 
     /// Where the subject is along `ray`, which misses the hull, but belongs to the silhouette of the real camera at this place:
@@ -178,11 +206,13 @@ impl<'r, 's> PixelPainter<'r, 's> {
             .then(|| self.renderer.march.least_outside(ray, own))?
     }
 
-    /// The colour along `ray` in the image of the real camera at this place, if that is shown.
-    fn photo(&self, ray: &Ray) -> Option<Colour> {
-        let own = self.own.filter(|_| self.options.snap)?;
-        let photo = self.renderer.scene.views[own].colours()?;
-        photo_colour(photo, &self.renderer.march.views()[own].homogeneous(&ray.at(1.0)))
+    /// The colours along `rays` in the image of the real camera at this place, if that is shown.
+    fn photo(&self, rays: &[Ray; TILE]) -> [Option<Colour>; TILE] {
+        let own = self.own.filter(|_| self.options.snap);
+        let photo = own.and_then(|own| Some((self.renderer.scene.views[own].colours()?, own)));
+        photo.map_or([None; TILE], |(photo, own)| {
+            photo_colours(photo, &self.renderer.march.views()[own], rays)
+        })
     }
 
     /// The colour of a body at `point`.
@@ -191,10 +221,16 @@ impl<'r, 's> PixelPainter<'r, 's> {
         fragment.colour * self.brightness(&fragment.normal) * shaded(light)
     }
 
-    /// Floor, sky or photograph along ray number `k`; `behind` keeps what all rays see of floor and sky.
-    fn surroundings(&self, rays: &[Ray; TILE], k: usize, behind: &mut Option<Backdrop>) -> Seen {
+    /// Floor, sky or the photograph's colour `photo` along ray number `k`; `behind` keeps what all rays see of floor and sky.
+    fn surroundings(
+        &self,
+        rays: &[Ray; TILE],
+        k: usize,
+        photo: Option<Colour>,
+        behind: &mut Option<Backdrop>,
+    ) -> Seen {
         let floor = self.renderer.scene.floor.map(|floor| floor as f32);
-        let (colour, t) = match self.photo(&rays[k]) {
+        let (colour, t) = match photo {
             Some(colour) => self.photographed(&rays[k], colour, floor),
             None if self.options.surroundings => {
                 let light = self.options.shadows.then(|| &self.renderer.shadows().past_both);

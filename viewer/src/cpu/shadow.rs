@@ -3,7 +3,8 @@
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
-use super::march::{LANES, March, Packets, Ray, whole};
+use super::lanes::{LANES, whole};
+use super::march::{March, Packets, Ray};
 use super::raster::{Projection, Triangles};
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Matrix3x4, Point3, RowVector4, Vector3};

@@ -3,9 +3,10 @@
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
-use super::blend::sample;
 use super::eye::Eye;
-use super::march::{LANES, Ray};
+use super::lanes::LANES;
+use super::march::{MarchView, PacketLines, Ray};
+use super::photos::Photos;
 use super::shadow::{GroundLight, shaded};
 use crate::picture::Colour;
 use nalgebra::Point3;
@@ -151,10 +152,16 @@ fn line(x: f32, footprint: f32) -> f32 {
     covered / footprint.max(1e-6)
 }
 
-/// The colour that `photo` has at homogeneous image coordinates `h`; `None` outside it.
-pub fn photo_colour(photo: &image::RgbImage, h: &nalgebra::Vector3<f32>) -> Option<Colour> {
-    let (u, v) = (h.x / h.z, h.y / h.z);
-    let is_inside =
-        h.z > 0.0 && u >= 0.0 && v >= 0.0 && u < photo.width() as f32 && v < photo.height() as f32;
-    is_inside.then(|| sample(photo, u, v))
+/// The colours that `photo`, the image of `view`, has along `rays` from the place of its camera; `None` beside it.
+#[multiversion::multiversion(targets("x86_64+avx2+fma+bmi1+bmi2+popcnt+lzcnt"))]
+pub fn photo_colours(
+    photo: &image::RgbImage,
+    view: &MarchView,
+    rays: &[Ray; LANES],
+) -> [Option<Colour>; LANES] {
+    let [u, v, depth] = PacketLines::new(rays, view).images_at(&[1.0; LANES]);
+    let colours = Photos::new([photo; LANES]).colours(&u, &v);
+    let (width, height) = (photo.width() as f32, photo.height() as f32);
+    let is_inside = |k: usize| depth[k] > 0.0 && u[k] >= 0.0 && v[k] >= 0.0 && u[k] < width && v[k] < height;
+    std::array::from_fn(|k| is_inside(k).then(|| Colour::from(colours.map(|channel| channel[k]))))
 }

@@ -5,26 +5,15 @@
 // Loops over the lanes of several arrays by index become vector instructions.
 #![allow(clippy::needless_range_loop)]
 
+use super::super::lanes::{LANES, Lanes, Mask, any, mask, select, whole};
 use super::ray::{Ray, clip_to_box};
 use super::view::MarchView;
 use super::{BLIND_STEP, Entry, MIN_DEPTH, MIN_LEAP, MIN_LEAP_PX, MIN_RELATIVE_LEAP, March};
 use std::ops::Range;
 
-/// Rays of a packet.
-pub const LANES: usize = 8;
-
-/// One number for each ray.
-type Lanes = [f32; LANES];
-
-/// For each ray whether something holds: no bit is set, or all.
-type Mask = [u32; LANES];
-
-/// Added to a number, it leaves the nearest whole one in the low bits.
-const WHOLE: f32 = 8_388_608.0;
-
 /// The images of the rays of a packet in one view: homogeneous coordinates `at_origin + t slope`.
 #[derive(Debug, Clone, Default)]
-struct PacketLines {
+pub struct PacketLines {
     at_origin: [Lanes; 3],
     slope: [Lanes; 3],
     /// The speeds of the images are these over the squared depths, in pixels a metre.
@@ -40,6 +29,14 @@ pub struct Packets {
     lines: Vec<PacketLines>,
     /// The view that decided the last ray: it is asked first, since it often decides neighbouring rays too.
     decided_by: usize,
+}
+
+impl Packets {
+    /// Memory for the images of the rays of another packet.
+    pub fn lines(&mut self) -> &mut Vec<PacketLines> {
+        self.lines.clear();
+        &mut self.lines
+    }
 }
 
 /// Where the rays of a packet are.
@@ -83,8 +80,7 @@ impl March<'_> {
 
         let first = if packets.decided_by < self.views.len() { packets.decided_by } else { 0 };
         let mut travel = Travel::new(&clipped, first);
-        packets.lines.clear();
-        trace(self, rays, first, &mut packets.lines, &mut travel);
+        trace(self, rays, first, packets.lines(), &mut travel);
         std::array::from_fn(|k| {
             if travel.has_entered[k] == 0 {
                 return None;
@@ -156,34 +152,6 @@ fn trace(
     }
 }
 
-/// The whole number below `x`, from 0 on; it may be 1 less where `x` is a whole number itself.
-#[inline(always)]
-pub fn whole(x: f32) -> i32 {
-    (((x - 0.5).max(0.0) + WHOLE).to_bits() & 0x007f_ffff) as i32
-}
-
-/// Whether something holds for any ray.
-#[inline(always)]
-fn any(mask: &Mask) -> bool {
-    let mut all = 0;
-    for k in 0..LANES {
-        all |= mask[k];
-    }
-    all != 0
-}
-
-/// All bits, if `condition` holds.
-#[inline(always)]
-fn mask(condition: bool) -> u32 {
-    u32::from(condition).wrapping_neg()
-}
-
-/// `yes` where all bits of the mask are set, else `no`. Bits, since a branch would become a store under a mask, which is slow.
-#[inline(always)]
-fn select(mask: u32, yes: f32, no: f32) -> f32 {
-    f32::from_bits(yes.to_bits() & mask | no.to_bits() & !mask)
-}
-
 impl Travel {
     /// Rays that begin in these ranges, of which view number `first` decides first; those without a range never set out.
     fn new(ranges: &[Option<(f32, f32)>; LANES], first: usize) -> Self {
@@ -203,8 +171,9 @@ impl Travel {
 }
 
 impl PacketLines {
+    /// The images of `rays` in `view`.
     #[inline(always)]
-    fn new(rays: &[Ray; LANES], view: &MarchView) -> Self {
+    pub fn new(rays: &[Ray; LANES], view: &MarchView) -> Self {
         let mut lines = Self::default();
         for k in 0..LANES {
             let (o, d) = (&rays[k].origin, &rays[k].direction);
@@ -223,6 +192,30 @@ impl PacketLines {
         }
         lines
     }
+
+    /// Makes the image of ray number `k` that of ray number `k` in another view, whose images are `other`.
+    #[inline(always)]
+    pub fn copy_ray(&mut self, k: usize, other: &Self) {
+        for row in 0..3 {
+            self.at_origin[row][k] = other.at_origin[row][k];
+            self.slope[row][k] = other.slope[row][k];
+        }
+        (self.speed[k], self.per_depth[k]) = (other.speed[k], other.per_depth[k]);
+    }
+
+    /// The image positions `u` and `v` of the points at distances `t`, and their depths.
+    #[inline(always)]
+    pub fn images_at(&self, t: &Lanes) -> [Lanes; 3] {
+        let (mut u, mut v, mut depth) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let ([x, y, z], [along_x, along_y, along_z]) = (&self.at_origin, &self.slope);
+        for k in 0..LANES {
+            depth[k] = z[k] + along_z[k] * t[k];
+            let per_depth = 1.0 / depth[k];
+            u[k] = (x[k] + along_x[k] * t[k]) * per_depth;
+            v[k] = (y[k] + along_y[k] * t[k]) * per_depth;
+        }
+        [u, v, depth]
+    }
 }
 
 impl MarchView<'_> {
@@ -230,14 +223,7 @@ impl MarchView<'_> {
     /// what is outside its image; elsewhere it sees everything.
     #[inline(always)]
     fn verdicts(&self, lines: &PacketLines, t: &Lanes, abstains: u32) -> Verdicts {
-        let (mut u, mut v, mut depth) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        let ([x, y, z], [along_x, along_y, along_z]) = (&lines.at_origin, &lines.slope);
-        for k in 0..LANES {
-            depth[k] = z[k] + along_z[k] * t[k];
-            let per_depth = 1.0 / depth[k];
-            u[k] = (x[k] + along_x[k] * t[k]) * per_depth;
-            v[k] = (y[k] + along_y[k] * t[k]) * per_depth;
-        }
+        let ([u, v, depth], along_z) = (lines.images_at(t), &lines.slope[2]);
         let distance = self.distances(&u, &v);
 
         let mut verdicts = Verdicts { is_outside: [0; LANES], is_seen: [0; LANES], leap: [0.0; LANES] };
@@ -261,7 +247,7 @@ impl MarchView<'_> {
 
     /// [`distance`](Self::distance) at several image positions.
     #[inline(always)]
-    fn distances(&self, u: &Lanes, v: &Lanes) -> Lanes {
+    pub fn distances(&self, u: &Lanes, v: &Lanes) -> Lanes {
         let ([columns, rows], stride) = (self.last, self.stride as i32);
         let (mut index, mut right, mut below, mut beyond) =
             ([0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);

@@ -1,4 +1,5 @@
 use super::*;
+use crate::cpu::lanes::LANES;
 use ode_visual_hull::camera;
 use ode_visual_hull::hull::Hull;
 use ode_visual_hull::synthetic::Subject;

@@ -5,6 +5,7 @@ use super::{CancelHandle, Frame, ReadOptions, Source};
 use crate::{Error, Result};
 use image::RgbImage;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// The settings requested from a camera.
@@ -69,7 +70,7 @@ pub struct Device {
     epoch: Instant,
     /// `None` after a failure.
     ffmpeg: Option<Ffmpeg>,
-    first: Option<(RgbImage, f64)>,
+    first: Option<(Arc<RgbImage>, f64)>,
     next: u32,
 }
 
@@ -126,7 +127,7 @@ impl Device {
         self.read_options.check_size(&self.path, "", image.dimensions())
     }
 
-    fn picture(&mut self) -> Result<(RgbImage, f64)> {
+    fn picture(&mut self) -> Result<(Arc<RgbImage>, f64)> {
         if let Some(first) = self.first.take() {
             return Ok(first);
         }
@@ -151,7 +152,7 @@ impl Source for Device {
         self.ffmpeg.as_ref()?;
         let frame = self.picture().and_then(|(image, time)| {
             self.check_size(&image)?;
-            Ok(Frame { number: self.next, time, image: image.into() })
+            Ok(Frame { number: self.next, time, image })
         });
         match frame {
             Ok(_) => self.next = self.next.wrapping_add(1),

@@ -1,6 +1,7 @@
 //! `ffmpeg` as a child process: pictures from its standard output, messages from its standard error.
 
 use super::CancelHandle;
+use super::image_pool::ImagePool;
 use crate::lock::lock;
 use crate::{Error, Result};
 use image::RgbImage;
@@ -23,6 +24,7 @@ pub(super) struct Ffmpeg {
     path: PathBuf,
     child: Arc<Mutex<Child>>,
     pictures: BufReader<ChildStdout>,
+    images: ImagePool,
     /// The thread that drains the pipe of messages; ffmpeg would block if the pipe were full.
     messages: Option<JoinHandle<Vec<String>>>,
 }
@@ -74,7 +76,8 @@ impl Ffmpeg {
             std::thread::Builder::new().name("ffmpeg's stderr".into()).spawn(|| last_lines(stderr));
         let pictures = BufReader::with_capacity(1 << 16, out);
         // Constructed before a failed thread returns, so that dropping it ends the process.
-        let mut ffmpeg = Self { path: path.to_owned(), child, pictures, messages: None };
+        let images = ImagePool::default();
+        let mut ffmpeg = Self { path: path.to_owned(), child, pictures, images, messages: None };
         let messages =
             messages.map_err(|e| Error::file(path, format!("expected to start a thread, found: {e}")))?;
         ffmpeg.messages = Some(messages);
@@ -82,13 +85,11 @@ impl Ffmpeg {
     }
 
     /// The next picture; `None` when ffmpeg has ended or failed, which [`end`](Self::end) distinguishes.
-    pub(super) fn next_picture(&mut self) -> Result<Option<RgbImage>> {
-        let Some((width, height)) = self.header()? else { return Ok(None) };
-        let count = width as usize * height as usize * 3;
-        let mut bytes = Vec::with_capacity(count);
-        match (&mut self.pictures).take(count as u64).read_to_end(&mut bytes) {
-            // None where the stream ends within the picture.
-            Ok(_) => Ok(RgbImage::from_raw(width, height, bytes)),
+    pub(super) fn next_picture(&mut self) -> Result<Option<Arc<RgbImage>>> {
+        let Some(size) = self.header()? else { return Ok(None) };
+        match self.images.image(size, |bytes| self.pictures.read_exact(bytes)) {
+            Ok(picture) => Ok(Some(picture)),
+            Err(e) if e.kind() == ErrorKind::UnexpectedEof => Ok(None),
             Err(e) => Err(self.unreadable(&e)),
         }
     }

@@ -3,8 +3,8 @@
 use super::{CancelHandle, Clock, Frame, Source};
 use crate::{Error, Result};
 use std::ops::Range;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 
 /// What is repeated: the part of a recording's time, and of its image numbers, that all of its cameras share.
@@ -68,33 +68,73 @@ impl Round {
     }
 }
 
+/// When the first image of [`Paced`] sources is due, on their clock: at this time in seconds, or by default as soon as one of the
+/// sources that share it is asked for an image, once all that takes time is prepared.
+#[derive(Debug, Clone, Default)]
+pub struct Start(Arc<OnceLock<f64>>);
+
+impl From<f64> for Start {
+    fn from(time: f64) -> Self {
+        Self(Arc::new(time.into()))
+    }
+}
+
+impl Start {
+    fn time(&self, clock: &Clock) -> f64 {
+        *self.0.get_or_init(|| clock.now())
+    }
+}
+
 type Open = Box<dyn FnMut() -> Result<Box<dyn Source>> + Send>;
 
-/// A source that a thread of its own opens.
-struct Opening(JoinHandle<(Open, Result<Box<dyn Source>>)>);
+/// The source of the next repetition.
+enum Next {
+    /// Its time to be opened has not come.
+    Closed(Open),
+    /// A thread of its own opens it.
+    Opening(JoinHandle<(Open, Result<Box<dyn Source>>)>),
+    /// It could not be opened.
+    Failed,
+}
 
-impl Opening {
+impl Next {
     fn start(mut open: Open) -> Result<Self> {
         let opens = move || {
             let source = open();
             (open, source)
         };
         let thread = std::thread::Builder::new().name("opens a source".into()).spawn(opens);
-        thread.map(Self).map_err(|e| Error::argument(format!("expected to start a thread, found: {e}")))
+        thread
+            .map(Self::Opening)
+            .map_err(|e| Error::argument(format!("expected to start a thread, found: {e}")))
     }
 
-    /// The source, once it is open, and what opens the next one.
-    fn finish(self) -> Result<(Open, Box<dyn Source>)> {
-        match self.0.join() {
-            Ok((open, source)) => Ok((open, source?)),
-            Err(_) => Err(Error::argument("expected to open a source, found a panic of what opens it")),
+    /// Has it opened, if that has not begun.
+    fn begin(&mut self) -> Result<()> {
+        match std::mem::replace(self, Self::Failed) {
+            Self::Closed(open) => *self = Self::start(open)?,
+            other => *self = other,
         }
+        Ok(())
+    }
+
+    /// The source, once it is open; it becomes the one after it.
+    fn take(&mut self) -> Result<Option<Box<dyn Source>>> {
+        self.begin()?;
+        let Self::Opening(thread) = std::mem::replace(self, Self::Failed) else { return Ok(None) };
+        let Ok((open, source)) = thread.join() else {
+            return Err(Error::argument("expected to open a source, found a panic of what opens it"));
+        };
+        let source = source?;
+        *self = Self::Closed(open);
+        Ok(Some(source))
     }
 }
 
 /// Plays a source by a [`Clock`] as if it were live, and from its start again after its end.
 ///
-/// The source of the next repetition is opened while this one plays, so that a video has begun to be decoded when it is due.
+/// The source of the next repetition is opened while this one plays, so that a video has begun to be decoded when it is due,
+/// [at a time of its own](Self::opening_after).
 ///
 /// Each image is handed out when the clock reaches its time; a late one at once, with its true time. Times and numbers
 /// grow over the repetitions, so that images of equal numbers, or times, of several cameras belong together in each of
@@ -103,16 +143,16 @@ impl Opening {
 ///
 /// ```no_run
 /// use ode_visual_hull::recording::{Recording, StreamOptions};
-/// use ode_visual_hull::source::{Clock, Paced, ReadAhead, Synchroniser, WhenFull};
+/// use ode_visual_hull::source::{Clock, Paced, ReadAhead, Start, Synchroniser, WhenFull};
 /// use std::sync::Arc;
 ///
 /// let recording = Arc::new(Recording::open("recording")?);
-/// let (options, clock) = (StreamOptions::default(), Clock::new());
+/// let (options, clock, start) = (StreamOptions::default(), Clock::new(), Start::default());
 /// let round = recording.round(&options)?;
 /// let streams = (0..recording.rig().len()).map(|camera| {
 ///     let recording_of = Arc::clone(&recording);
 ///     let open = move || recording_of.source(camera, &options);
-///     let paced = Paced::looped(&clock, round.clone(), clock.now(), open)?;
+///     let paced = Paced::looped(&clock, round.clone(), start.clone(), open)?;
 ///     ReadAhead::spawn(recording.rig().cameras()[camera].name(), paced, 2, WhenFull::DropOldest)
 /// });
 /// let streams = streams.collect::<Result<Vec<_>, _>>()?;
@@ -122,11 +162,12 @@ impl Opening {
 pub struct Paced {
     clock: Clock,
     round: Round,
-    start: f64,
+    start: Start,
     /// `None` after a failure.
     source: Option<Box<dyn Source>>,
-    /// The source of the next repetition. `None` after a failure.
-    next: Option<Opening>,
+    next: Next,
+    /// The part of a repetition after which the source of the next one is opened.
+    opened_after: f64,
     /// The index of the repetition.
     index: u32,
     /// Whether this repetition has given an image.
@@ -135,8 +176,8 @@ pub struct Paced {
 }
 
 impl Paced {
-    /// Plays what `open` opens, from its first image, without an end; the time `first_time` of `round` is at `start`
-    /// seconds of `clock`.
+    /// Plays what `open` opens, from its first image, without an end; the time `first_time` of `round` is at `start` of
+    /// `clock`.
     ///
     /// # Errors
     /// All errors of `open`, which is called once here, and then for each repetition, always on a thread of its own; a start
@@ -144,10 +185,11 @@ impl Paced {
     pub fn looped(
         clock: &Clock,
         round: Round,
-        start: f64,
+        start: impl Into<Start>,
         open: impl FnMut() -> Result<Box<dyn Source>> + Send + 'static,
     ) -> Result<Self> {
-        if !start.is_finite() {
+        let start = start.into();
+        if let Some(start) = start.0.get().filter(|time| !time.is_finite()) {
             return Err(Error::argument(format!("expected a start in seconds, found {start}")));
         }
         let mut paced = Self {
@@ -155,22 +197,21 @@ impl Paced {
             round,
             start,
             source: None,
-            next: Some(Opening::start(Box::new(open))?),
+            next: Next::Closed(Box::new(open)),
+            opened_after: 0.0,
             index: 0,
             has_image: false,
             stop: Arc::default(),
         };
-        paced.begin()?;
+        paced.source = paced.next.take()?;
         Ok(paced)
     }
 
-    /// Takes the source that has been opened, and has the one after it opened.
-    fn begin(&mut self) -> Result<()> {
-        let Some(opening) = self.next.take() else { return Ok(()) };
-        let (open, source) = opening.finish()?;
-        self.source = Some(source);
-        self.next = Some(Opening::start(open)?);
-        Ok(())
+    /// Has the source of the next repetition opened when this part of a repetition has passed, 0 to 1; otherwise it is opened
+    /// at once. Videos of several cameras that begin to be decoded at the same time delay each other and all else.
+    pub fn opening_after(mut self, part: f64) -> Self {
+        self.opened_after = part;
+        self
     }
 
     /// The next image of the round, in this repetition or a later one.
@@ -185,7 +226,10 @@ impl Paced {
             match source.next_frame().transpose()? {
                 Some(frame) if self.round.has(&frame) => {
                     self.has_image = true;
-                    return Ok(Some(self.round.place(frame, self.index, self.start)));
+                    if frame.time - self.round.first_time >= self.opened_after * self.round.length {
+                        self.next.begin()?;
+                    }
+                    return Ok(Some(self.round.place(frame, self.index, self.start.time(&self.clock))));
                 }
                 Some(_) => {}
                 None => self.repeat()?,
@@ -205,9 +249,10 @@ impl Paced {
             )));
         }
 
-        let due = (self.clock.now() - self.start) / self.round.length;
+        let due = (self.clock.now() - self.start.time(&self.clock)) / self.round.length;
         self.index = self.index.saturating_add(1).max(due as u32);
-        self.begin()
+        self.source = self.next.take()?;
+        Ok(())
     }
 }
 

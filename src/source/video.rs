@@ -6,6 +6,7 @@ use super::{CancelHandle, Frame, ReadOptions, Source, Times, VideoFile};
 use crate::{Error, Result};
 use image::RgbImage;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The images of a video file of any kind that the installed `ffmpeg` reads.
 ///
@@ -20,7 +21,7 @@ pub struct Video {
     /// `None` after the last image.
     ffmpeg: Option<Ffmpeg>,
     /// The first image, which is decoded on opening.
-    first: Option<RgbImage>,
+    first: Option<Arc<RgbImage>>,
     size: (u32, u32),
     next: u32,
     notes: Vec<String>,
@@ -72,7 +73,7 @@ impl Video {
         self.size
     }
 
-    fn picture(&mut self) -> Result<Option<RgbImage>> {
+    fn picture(&mut self) -> Result<Option<Arc<RgbImage>>> {
         match (self.first.take(), &mut self.ffmpeg) {
             (None, Some(ffmpeg)) => ffmpeg.next_picture(),
             (first, _) => Ok(first),
@@ -115,12 +116,12 @@ impl Video {
         Ok(())
     }
 
-    fn frame(&mut self, image: RgbImage) -> Result<Frame> {
+    fn frame(&mut self, image: Arc<RgbImage>) -> Result<Frame> {
         let number = self.next;
         self.next += 1;
         self.options.check_size(&self.path, &format!("frame {number}: "), image.dimensions())?;
         let time = self.times.of(number).map_err(|problem| Error::file(&self.path, problem))?;
-        Ok(Frame { number, time, image: image.into() })
+        Ok(Frame { number, time, image })
     }
 }
 

@@ -1,6 +1,7 @@
 use super::super::testing::{Fed, assert_says, frame, grey_image};
 use super::super::{Images, ReadAhead, Synchroniser, WhenFull};
 use super::*;
+use std::sync::atomic::AtomicU32;
 
 /// A clock that stands at 0.
 fn paused() -> Clock {
@@ -69,6 +70,44 @@ fn cameras_with_different_images_stay_together_over_the_repetitions() {
         let numbers: Vec<_> = set.images.iter().flatten().map(|frame| frame.number).collect();
         let expected = if n % 3 == 2 { vec![n as u32] } else { vec![n as u32; 2] };
         assert_eq!(numbers, expected, "set {n}");
+    }
+}
+
+#[test]
+fn sources_that_share_a_start_begin_together_when_one_is_first_asked() {
+    let clock = paused();
+    let (round, start) = (Round::at_rate(1, 1.0).unwrap(), Start::default());
+    let [mut left, mut right] =
+        [(); 2].map(|()| Paced::looped(&clock, round.clone(), start.clone(), opens(&[(0, 0.0)])).unwrap());
+    clock.advance(5.0);
+    let asked = clock.now();
+    assert_eq!(taken(&mut left, 1), [(0, asked)]);
+    clock.advance(0.5);
+    assert_eq!(taken(&mut right, 1), [(0, asked)]);
+}
+
+#[test]
+fn the_next_repetition_is_opened_after_its_part_of_this_one_and_at_its_end_at_the_latest() {
+    for (part, opened) in [(0.5, [1, 1, 2, 2]), (2.0, [1, 1, 1, 1])] {
+        let count = Arc::new(AtomicU32::new(0));
+        let mut open = opens(&[(0, 0.0), (1, 1.0), (2, 2.0), (3, 3.0)]);
+        let counted = count.clone();
+        let open = move || {
+            counted.fetch_add(1, Ordering::Relaxed);
+            open()
+        };
+        let round = Round::at_rate(4, 1.0).unwrap();
+        let mut paced = Paced::looped(&late(), round, 0.0, open).unwrap().opening_after(part);
+        for expected in opened {
+            taken(&mut paced, 1);
+            // A thread of its own opens it.
+            while count.load(Ordering::Relaxed) < expected {
+                std::thread::yield_now();
+            }
+            assert_eq!(count.load(Ordering::Relaxed), expected, "{part}");
+        }
+        taken(&mut paced, 1);
+        assert!(count.load(Ordering::Relaxed) >= 2);
     }
 }
 

@@ -9,7 +9,8 @@ use ode_visual_hull::camera::Camera;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::source::{
-    Clock, Device, DeviceOptions, Images, Paced, ReconnectOptions, Reconnecting, Round, Source, StatusHandle,
+    Clock, Device, DeviceOptions, Images, Paced, ReconnectOptions, Reconnecting, Round, Source, Start,
+    StatusHandle,
 };
 use ode_visual_hull::synthetic::{PERSON_PERIOD, Subject, layout};
 use ode_visual_hull::{Error, Result};
@@ -91,7 +92,7 @@ impl LiveCameras {
         let recording = Arc::new(Recording::open(dir)?);
         let options = StreamOptions { rate, ..StreamOptions::default() };
         let round = recording.round(&options)?;
-        let start = clock.now();
+        let (rig, start) = (recording.rig().clone(), Start::default());
         let source = |camera: usize| -> Result<Box<dyn Source>> {
             let opened = recording.clone();
             let open = move || {
@@ -99,9 +100,10 @@ impl LiveCameras {
                 Work::Decoding.set_priority();
                 opened.source(camera, &options)
             };
-            Ok(Box::new(Paced::looped(clock, round.clone(), start, open)?))
+            // One after the other, the last of them in time.
+            let part = (camera as f64 + 0.5) / (rig.len() + 1) as f64;
+            Ok(Box::new(Paced::looped(clock, round.clone(), start.clone(), open)?.opening_after(part)))
         };
-        let rig = recording.rig().clone();
         let sources = (0..rig.len()).map(source).collect::<Result<Vec<_>>>()?;
         let period = sources.iter().filter_map(|source| source.period()).fold(f64::INFINITY, f64::min);
         Ok(Self {

@@ -131,13 +131,13 @@ impl<S: Source + ?Sized> Source for Box<S> {
 }
 
 /// Cancels a waiting [`Source`] from another thread.
-#[derive(Default)]
-pub struct CancelHandle(Option<Box<dyn Fn() + Send + Sync>>);
+#[derive(Clone, Default)]
+pub struct CancelHandle(Option<Arc<dyn Fn() + Send + Sync>>);
 
 impl CancelHandle {
     /// A handle that calls `stop`, which must not wait for the source.
     pub fn new(stop: impl Fn() + Send + Sync + 'static) -> Self {
-        Self(Some(Box::new(stop)))
+        Self(Some(Arc::new(stop)))
     }
 
     /// Ends the source's wait for an image, and the source.

@@ -99,10 +99,32 @@ impl Iterator for ReadAhead {
     }
 }
 
+/// Images that are read ahead of one who waits between them, as [`Paced`](super::Paced) does.
+impl Source for ReadAhead {
+    fn next_frame(&mut self) -> Option<Result<Frame>> {
+        self.next()
+    }
+
+    fn period(&self) -> Option<f64> {
+        self.period
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.queue.notes()
+    }
+
+    fn cancel_handle(&self) -> CancelHandle {
+        let (queue, source) = (Arc::clone(&self.queue), self.cancel_handle.clone());
+        CancelHandle::new(move || {
+            queue.disconnect();
+            source.stop();
+        })
+    }
+}
+
 impl Drop for ReadAhead {
     fn drop(&mut self) {
-        self.queue.disconnect();
-        self.cancel_handle.stop();
+        self.cancel_handle().stop();
         if let Some(thread) = self.thread.take() {
             // A panic has been reported as an error already.
             let _ = thread.join();
@@ -126,9 +148,19 @@ struct Reader<S: Source> {
 impl<S: Source> Reader<S> {
     fn run(mut self) {
         while let Some(frame) = self.source.next_frame() {
-            if !self.queue.put(frame.map_err(|e| Error::view(&self.name, e))) {
+            if !self.queue.put(frame.map_err(|e| self.named(e))) {
                 break;
             }
+        }
+    }
+}
+
+impl<S: Source> Reader<S> {
+    /// The error with the view's name, which the source may have given it.
+    fn named(&self, error: Error) -> Error {
+        match error {
+            Error::View { view, problem } if view == self.name => Error::View { view, problem },
+            other => Error::view(&self.name, other),
         }
     }
 }
@@ -182,6 +214,19 @@ mod tests {
         assert_says(ahead.next().unwrap(), &["view \"left\"", "broken"]);
         assert_eq!(ahead.dropped(), 4);
         assert_eq!(numbers(ahead), [4]);
+    }
+
+    #[test]
+    fn a_reader_of_a_reader_names_the_view_once_and_is_cancelled_through_it() {
+        let fed = Fed::default();
+        let inner = ReadAhead::spawn("left", fed.clone(), 2, WhenFull::Wait).unwrap();
+        let mut outer = ReadAhead::spawn("left", inner, 2, WhenFull::Wait).unwrap();
+        fed.send(Ok(frame(0, 0.0)));
+        fed.send(Err(Error::argument("broken")));
+        assert_eq!(outer.next().unwrap().unwrap().number, 0);
+        let told = outer.next().unwrap().unwrap_err().to_string();
+        assert_eq!(told.matches("left").count(), 1, "{told}");
+        drop(outer);
     }
 
     #[test]

@@ -9,8 +9,8 @@ use ode_visual_hull::camera::Camera;
 use ode_visual_hull::recording::{Recording, StreamOptions};
 use ode_visual_hull::rig::Rig;
 use ode_visual_hull::source::{
-    Clock, Device, DeviceOptions, Images, Paced, ReconnectOptions, Reconnecting, Round, Source, Start,
-    StatusHandle,
+    Clock, Device, DeviceOptions, Images, Paced, ReadAhead, ReconnectOptions, Reconnecting, Round, Source,
+    Start, StatusHandle, WhenFull,
 };
 use ode_visual_hull::synthetic::{PERSON_PERIOD, Subject, layout};
 use ode_visual_hull::{Error, Result};
@@ -20,6 +20,9 @@ use std::time::Instant;
 
 /// Images a second of real cameras whose rate is not given.
 const ASSUMED_RATE: f64 = 30.0;
+
+/// Images of a recording that each camera has decoded before they are due: decoding waits for other work at times.
+const DECODED_AHEAD: usize = 4;
 
 /// Cameras that deliver images by a clock.
 pub struct LiveCameras {
@@ -98,7 +101,9 @@ impl LiveCameras {
             let open = move || {
                 // On a thread of its own, whose priority ffmpeg has too.
                 Work::Decoding.set_priority();
-                opened.source(camera, &options)
+                let (name, source) =
+                    (opened.rig().cameras()[camera].name(), opened.source(camera, &options)?);
+                Ok(Box::new(ReadAhead::spawn(name, source, DECODED_AHEAD, WhenFull::Wait)?) as _)
             };
             // One after the other, the last of them in time.
             let part = (camera as f64 + 0.5) / (rig.len() + 1) as f64;

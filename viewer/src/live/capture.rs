@@ -23,7 +23,7 @@ pub struct CaptureTally {
     pub published: AtomicU64,
     /// Of these, sets without the image of some camera.
     pub incomplete: AtomicU64,
-    /// Sets that came too late to be segmented.
+    /// Sets that came too late to be segmented, or after a later one.
     pub dropped: AtomicU64,
 }
 
@@ -53,6 +53,8 @@ pub struct Capture {
     state: Arc<CaptureState>,
     messages: Arc<Messages>,
     room: EmptyRoom,
+    /// The time of the last set.
+    last_time: f64,
     /// `None` until the empty room is known.
     pipeline: Option<Pipeline>,
 }
@@ -79,6 +81,7 @@ impl Capture {
             state: state.clone(),
             messages: messages.clone(),
             room: EmptyRoom::default(),
+            last_time: 0.0,
             pipeline: None,
         };
         capture.publish_nothing(0.0)?;
@@ -105,8 +108,9 @@ impl Capture {
     }
 
     fn take(&mut self, set: ImageSet) -> Result<()> {
-        let is_old = self.clock.now() - set.time > OLDEST * self.period;
-        if is_old && !self.room.is_learning() {
+        let is_old = self.clock.now() - set.time > OLDEST * self.period && !self.room.is_learning();
+        // Images that arrive in bursts make sets of a few cameras, whose mean time may be before that of the last set.
+        if is_old || set.time < self.last_time {
             self.state.tally.dropped.fetch_add(1, Ordering::Relaxed);
             return Ok(());
         }
@@ -115,6 +119,7 @@ impl Capture {
             self.messages.tell("room", "learning the empty room: stay out of the cameras' sight");
         }
 
+        self.last_time = set.time;
         let incomplete = u64::from(!set.is_complete());
         let captured = self.captured(set)?;
         if !self.clock.is_paused() {

@@ -154,7 +154,7 @@ impl Live {
 
         live.start_capture(capture, &rig, sources, options.is_real_time)?;
         live.start_simulation(data, options, received)?;
-        live.start_drawing(stage, renderer, &rig, Streams::new(&rig, statuses), show)?;
+        live.start_drawing(stage, renderer, &rig, Streams::new(&rig, statuses, period), show)?;
         Ok(live)
     }
 

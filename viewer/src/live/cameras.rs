@@ -66,10 +66,12 @@ impl LiveCameras {
         let cameras = layout::staggered(count, 3.2, &[1.1, 2.4, 0.6], target, size, 0.75)?;
         let rendered = Rendered::new(&cameras, subjects)?;
         let round = Round::at_rate(subjects.len() as u32, rate)?;
+        // One for all: images of one moment would have times that differ by how long it takes to open a source.
+        let start = clock.now();
         let source = |images: Vec<RgbImage>| -> Result<Box<dyn Source>> {
             let images = Images::new(images, rate)?;
             let open = move || Ok(Box::new(images.clone()) as _);
-            Ok(Box::new(Paced::looped(clock, round.clone(), clock.now(), open)?))
+            Ok(Box::new(Paced::looped(clock, round.clone(), start, open)?))
         };
         Ok(Self {
             sources: rendered.images.into_iter().map(source).collect::<Result<_>>()?,

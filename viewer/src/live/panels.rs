@@ -17,13 +17,10 @@ pub fn draw(picture: &mut RgbImage, request: &Request, info: &[String], messages
     }
     // The gravest message is the first one.
     let Some(message) = messages.first() else { return };
+    let told = format!("{}: {}", message.about, message.text);
     match message.gravity {
-        Gravity::Note => draw_panel(picture, Corner::LowerLeft, &[&message.text]),
-        Gravity::Warning => draw_banner(picture, Severity::Warning, &told(message)),
-        Gravity::Error => draw_banner(picture, Severity::Error, &told(message)),
+        Gravity::Note => draw_panel(picture, Corner::LowerLeft, &[told]),
+        Gravity::Warning => draw_banner(picture, Severity::Warning, &told),
+        Gravity::Error => draw_banner(picture, Severity::Error, &told),
     }
-}
-
-fn told(message: &Message) -> String {
-    format!("{}: {}", message.about, message.text)
 }

@@ -153,9 +153,7 @@ impl<S: Source> Reader<S> {
             }
         }
     }
-}
 
-impl<S: Source> Reader<S> {
     /// The error with the view's name, which the source may have given it.
     fn named(&self, error: Error) -> Error {
         match error {
